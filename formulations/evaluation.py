@@ -1,0 +1,107 @@
+"""The verdict on an answer: objective recomputed from the data, and every violation by name and amount."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+CHECK_TOLERANCE = 1e-6
+"""Largest residual, absolute and in the file's units, that a check lets pass."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One constraint that an answer breaks.
+
+    Parameters
+    ----------
+    check : str
+        Name of the constraint ("load", "time-window", ...).
+    message : str
+        One line in the problem's words.
+    amount : float
+        By how much, in the constraint's units.
+    vehicle, site : str, optional
+        Where, by the names of the answer and of the file.
+    """
+
+    check: str
+    message: str
+    amount: float
+    vehicle: str | None = None
+    site: str | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        data = {"check": self.check, "message": self.message, "amount": self.amount}
+        data.update({k: v for k, v in (("vehicle", self.vehicle), ("site", self.site)) if v is not None})
+        return data
+
+
+@dataclass(frozen=True)
+class Check:
+    """Outcome of one kind of check over the whole answer; ``residual`` is the largest amount found, 0 if none."""
+
+    name: str
+    passed: bool
+    residual: float
+    tested: int
+
+    def to_json(self) -> dict[str, Any]:
+        return {"name": self.name, "passed": self.passed, "residual": self.residual, "tested": self.tested}
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What ``problem.evaluate(answer)`` returns.
+
+    Parameters
+    ----------
+    values : tuple of float
+        One value a level of the objective, recomputed from the data.
+    checks : tuple of Check
+    violations : tuple of Violation
+        Residuals above ``CHECK_TOLERANCE``; empty for a feasible answer.
+    quantities : dict
+        Further totals worth showing (distance, vehicles, waiting, ...).
+    """
+
+    values: tuple[float, ...]
+    checks: tuple[Check, ...]
+    violations: tuple[Violation, ...]
+    quantities: dict[str, float]
+
+    @property
+    def feasible(self) -> bool:
+        return not self.violations
+
+    @property
+    def objective(self) -> float | list[float]:
+        """The value, or the list of values of an objective in order of priority."""
+        return self.values[0] if len(self.values) == 1 else list(self.values)
+
+
+class Checklist:
+    """Collects residuals while an answer is evaluated."""
+
+    def __init__(self) -> None:
+        self._residual: dict[str, float] = {}
+        self._tested: dict[str, int] = {}
+        self.violations: list[Violation] = []
+
+    def test(
+        self, check: str, excess: float, message: str, *, vehicle: str | None = None, site: str | None = None
+    ) -> None:
+        """Record that ``check`` was tested and exceeded by ``excess`` (at most 0 when it holds; NaN never holds)."""
+        self._tested[check] = self._tested.get(check, 0) + 1
+        amount = max(0.0, excess) if excess == excess else float("inf")
+        self._residual[check] = max(self._residual.get(check, 0.0), amount)
+        if amount > CHECK_TOLERANCE:
+            self.violations.append(Violation(check, message, amount, vehicle, site))
+
+    def checks(self, names: Sequence[str]) -> tuple[Check, ...]:
+        """All checks in the given order, those that had nothing to test included."""
+        return tuple(
+            Check(n, self._residual.get(n, 0.0) <= CHECK_TOLERANCE, self._residual.get(n, 0.0), self._tested.get(n, 0))
+            for n in names
+        )

@@ -1,0 +1,105 @@
+"""Evidence for a bound: data that a checker can verify without a solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ..instances.registry import Registry
+from .exactness import Exactness
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A bound and what proves it.
+
+    Parameters
+    ----------
+    kind : str
+        Which checker reads it: a name in ``CHECKERS``.
+    source : str
+        Where it comes from, for people: "LP relaxation of two-index-time-flow".
+    value : float
+        The bound it is meant to prove, on the first level of the objective. The checker derives its own.
+    data : dict
+        Plain JSON values.
+    """
+
+    kind: str
+    source: str
+    value: float
+    data: dict[str, Any]
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "source": self.source, "value": self.value, "data": self.data}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Evidence:
+        return cls(str(data["kind"]), str(data["source"]), float(data["value"]), dict(data["data"]))
+
+
+class EvidenceChecker(Protocol):
+    """Derives the bound that ``data`` proves for ``problem``, from the problem's data alone.
+
+    Returns the bound on the first level of the objective (minus infinity for ``min`` where nothing is proved); raises
+    InputError where ``data`` is not of the expected shape. It must hold for any ``data``, however wrong.
+    """
+
+    def __call__(self, problem: Any, data: Mapping[str, Any]) -> float: ...
+
+
+CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.checking")
+
+
+@dataclass(frozen=True)
+class BoundMethod:
+    """A way to bound a problem, registered in ``BOUNDS``.
+
+    Parameters
+    ----------
+    name : str
+    missing : callable
+        Features of the problem for which the method proves nothing (empty: it applies).
+    compute : callable
+        ``compute(problem, seconds, solve_program)`` returns Evidence, or None where it found nothing in time.
+        ``solve_program(program, seconds)`` solves an LP and returns its row duals (None if it did not finish).
+    order : int
+        Cheap methods first.
+    """
+
+    name: str
+    missing: Callable[[Any], frozenset[str]]
+    compute: Callable[[Any, float, Callable[..., Any]], Evidence | None]
+    order: int = 0
+
+
+BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.formulations.bounds")
+
+
+@dataclass(frozen=True)
+class Guarantee:
+    """A stated approximation ratio.
+
+    Parameters
+    ----------
+    ratio : float
+        >= 1: worse over better.
+    statement : str
+        The ratio in the paper's form.
+    assumptions : tuple of str
+        What was checked on the instance for it to hold.
+    source : str
+        Paper and theorem.
+    """
+
+    ratio: float
+    statement: str
+    assumptions: tuple[str, ...]
+    source: str
+
+    def to_json(self) -> dict[str, Any]:
+        return {"ratio": self.ratio, "statement": self.statement, "assumptions": list(self.assumptions), "source": self.source}
+
+
+__all__ = ["BOUNDS", "CHECKERS", "BoundMethod", "Evidence", "EvidenceChecker", "Exactness", "Guarantee"]

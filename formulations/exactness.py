@@ -1,0 +1,45 @@
+"""How a program's optimum relates to the optimum of the problem that was asked."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Exactness(Enum):
+    """Flag of forms and reductions; flags compose with ``then`` and alone decide which bound may be shown.
+
+    ``EXACT``
+        Same optimum; answers carry over both ways.
+    ``RELAXATION``
+        Every answer of the problem is one of the program, at no worse value: its dual bound is a bound of the problem.
+    ``RESTRICTION``
+        Every point of the program is an answer of the problem: its answers count, its bound does not.
+    ``NEITHER``
+        A relaxation of a restriction, or the reverse: no bound, and answers only after the check.
+    """
+
+    EXACT = "exact"
+    RELAXATION = "relaxation"
+    RESTRICTION = "restriction"
+    NEITHER = "neither"
+
+    def then(self, other: Exactness) -> Exactness:
+        """Flag of applying ``self`` and after it ``other``."""
+        if self is other or other is Exactness.EXACT:
+            return self
+        return other if self is Exactness.EXACT else Exactness.NEITHER
+
+    @property
+    def bound_is_valid(self) -> bool:
+        """Whether a dual bound of the program bounds the problem."""
+        return self in (Exactness.EXACT, Exactness.RELAXATION)
+
+    @property
+    def infeasibility_is_valid(self) -> bool:
+        """Whether an infeasible program proves the problem infeasible."""
+        return self.bound_is_valid
+
+    @property
+    def answer_is_valid(self) -> bool:
+        """Whether a feasible point of the program is promised to be an answer of the problem."""
+        return self in (Exactness.EXACT, Exactness.RESTRICTION)

@@ -1,0 +1,48 @@
+"""The answer of every routing problem: a list of routes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Route:
+    """One vehicle's visits.
+
+    Parameters
+    ----------
+    visits : tuple of int
+        Site indices in order, without the depots.
+    vehicle : int
+        Index of the vehicle type in the fleet.
+    """
+
+    visits: tuple[int, ...]
+    vehicle: int = 0
+
+    def __len__(self) -> int:
+        return len(self.visits)
+
+
+@dataclass(frozen=True)
+class Routes:
+    """All routes that are driven; vehicles that stay at home have none."""
+
+    routes: tuple[Route, ...]
+
+    @classmethod
+    def of(cls, routes: Iterable[Sequence[int] | Route]) -> Routes:
+        """Routes from sequences of site indices; empty ones are dropped."""
+        made = (r if isinstance(r, Route) else Route(tuple(int(i) for i in r)) for r in routes)
+        return cls(tuple(r for r in made if r.visits))
+
+    def __iter__(self) -> Iterator[Route]:
+        return iter(self.routes)
+
+    def __len__(self) -> int:
+        return len(self.routes)
+
+    def canonical(self) -> Routes:
+        """The same routes in order of vehicle type and first visit, so that equal answers compare equal."""
+        return Routes(tuple(sorted(self.routes, key=lambda r: (r.vehicle, r.visits))))

@@ -1,0 +1,119 @@
+"""Errors that a user can cause or meet, each with the exit code of the command line."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+
+class WayboundError(Exception):
+    """Base of all waybound errors: one line that says what is wrong, where, and what to do.
+
+    Attributes
+    ----------
+    exit_code : int
+        Exit code of the command line when this error ends a command.
+    """
+
+    exit_code = 1
+
+
+class InputError(WayboundError):
+    """Input that cannot be accepted.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong, in the words of the input.
+    file : path-like, optional
+        The file that was read.
+    line : int, optional
+        Its line, counted from 1.
+    expected, found : str, optional
+        What should stand there, and what stands there.
+    """
+
+    exit_code = 2
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | PathLike[str] | None = None,
+        line: int | None = None,
+        expected: str | None = None,
+        found: str | None = None,
+    ) -> None:
+        self.message, self.file, self.line = message, file, line
+        self.expected, self.found = expected, found
+        where = ""
+        if file is not None:
+            where = f"{file}:{line}: " if line is not None else f"{file}: "
+        elif line is not None:
+            where = f"line {line}: "
+        text = where + message
+        if expected is not None:
+            text += f"; expected {expected}"
+        if found is not None:
+            text += f"; found {found}"
+        super().__init__(" ".join(text.split()))
+
+    def at(self, file: str | PathLike[str] | None = None, line: int | None = None) -> InputError:
+        """The same error with a place, where it has none yet."""
+        return InputError(
+            self.message,
+            file=self.file if self.file is not None else file,
+            line=self.line if self.line is not None else line,
+            expected=self.expected,
+            found=self.found,
+        )
+
+
+class UsageError(WayboundError):
+    """An option, a name or a combination of them that does not exist."""
+
+    exit_code = 2
+
+
+class UnsupportedError(WayboundError):
+    """A solver, form or heuristic was given a problem with features that it lacks.
+
+    Parameters
+    ----------
+    who : str
+        Name of the solver, form or heuristic.
+    missing : collection of str
+        The features it lacks, in the problem's words.
+    others : sequence of str, optional
+        Installed alternatives that have them all.
+    """
+
+    exit_code = 2
+
+    def __init__(self, who: str, missing: object, others: object = ()) -> None:
+        self.who = who
+        self.missing = tuple(sorted(str(item) for item in missing))  # type: ignore[attr-defined]
+        self.others = tuple(str(item) for item in others)  # type: ignore[attr-defined]
+        text = f"{who} cannot take this problem: it lacks {', '.join(self.missing)}"
+        if self.others:
+            text += f"; can take it: {', '.join(self.others)}"
+        else:
+            text += "; no installed alternative has them all"
+        super().__init__(text)
+
+
+class MissingPackageError(WayboundError):
+    """A package that an optional part needs is not installed."""
+
+    exit_code = 2
+
+
+class NoAnswerError(WayboundError):
+    """The limit was reached before any verified answer was found."""
+
+    exit_code = 4
+
+
+class CheckFailedError(WayboundError):
+    """A check failed: an answer, a bound or a solver's claim does not hold up."""
+
+    exit_code = 5

@@ -1,0 +1,3 @@
+"""Solvers: the registry, one module per backend or engine, reductions."""
+
+from .. import _guard as _guard

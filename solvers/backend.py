@@ -1,0 +1,204 @@
+"""The contract between ``solve`` and everything that searches for answers."""
+
+from __future__ import annotations
+
+import importlib.util
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..formulations.problem import Problem
+from ..formulations.program import Program
+from ..instances.registry import Registry
+
+STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unbounded", "unknown", "error")
+LIMITS = ("none", "time", "iterations", "gap", "nodes", "memory", "interrupt")
+
+
+@dataclass(frozen=True)
+class Options:
+    """What every solver is told, in the same words.
+
+    Parameters
+    ----------
+    time_limit : float, seconds of wall time for the engine alone
+    iterations : int, optional
+        Work limit (PyVRP iterations, OR-Tools solutions, branch-and-bound nodes, simplex iterations for an LP):
+        makes a run repeatable to the bit where the engine is.
+    gap : float
+        Relative gap at which a search may stop; 0 asks for a proof.
+    threads : int
+    seed : int
+    start : answer, optional
+        Where to start from.
+    memory_limit : float, MB, optional
+        Kept by ``isolate``.
+    extra : dict
+        The solver's own options (``--option KEY=VALUE``); unknown ones raise UsageError.
+    """
+
+    time_limit: float = 60.0
+    iterations: int | None = None
+    gap: float = 0.0
+    threads: int = 1
+    seed: int = 1
+    start: Any = None
+    memory_limit: float | None = None
+    extra: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class RawResult:
+    """What a solver says, before anything of it is believed.
+
+    Parameters
+    ----------
+    status, limit : str
+        From ``STATUSES`` and ``LIMITS``. ``optimal`` only with a proof by the solver's own account.
+    answer : object, optional
+        The problem's answer (engines), or the vector of the program (program backends, decoded by ``solve``).
+    objective, bound : float, optional
+        The solver's own claims, in the program's or problem's units and sense; None where it makes none.
+    row_duals : array, optional
+        Duals of a solved LP, d objective / d right side.
+    statistics : dict
+        Nodes, iterations, restarts, ... for the report.
+    message : str
+        What the user should read, such as why nothing was found.
+    """
+
+    status: str
+    limit: str = "none"
+    answer: Any = None
+    objective: float | None = None
+    bound: float | None = None
+    row_duals: NDArray[np.float64] | None = None
+    statistics: dict[str, Any] = field(default_factory=dict)
+    message: str = ""
+
+
+class Control:
+    """Line between a running engine and ``solve``: incumbents go out, the wish to stop comes in. Thread-safe.
+
+    Engines call ``publish`` for each better answer, and either poll ``stopped`` in a callback or register with
+    ``on_stop`` what ends their search.
+    """
+
+    def __init__(self, progress: Callable[[dict[str, Any]], None] | None = None) -> None:
+        self._progress = progress
+        self._stop = threading.Event()
+        self._lock = threading.Lock()
+        self._enders: list[Callable[[], None]] = []
+        self.started = time.perf_counter()
+        self.answer: Any = None
+        self.objective: float | None = None
+        self.bound: float | None = None
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the engine is asked to end its search."""
+        return self._stop.is_set()
+
+    def on_stop(self, end: Callable[[], None]) -> None:
+        """Call ``end`` (from another thread) when the search shall stop."""
+        with self._lock:
+            self._enders.append(end)
+            late = self._stop.is_set()
+        if late:
+            end()
+
+    def stop(self) -> None:
+        """Ask the engine to stop."""
+        self._stop.set()
+        with self._lock:
+            enders = list(self._enders)
+        for end in enders:
+            end()
+
+    def publish(self, answer: Any = None, objective: float | None = None, bound: float | None = None) -> None:
+        """Report a better answer (same type as ``RawResult.answer``), its objective by the engine's count, or a bound."""
+        with self._lock:
+            if answer is not None:
+                self.answer, self.objective = answer, objective
+            if bound is not None:
+                self.bound = bound
+            event = {"seconds": time.perf_counter() - self.started, "objective": self.objective, "bound": self.bound}
+        if self._progress is not None:
+            self._progress(event)
+
+
+class Backend(ABC):
+    """Anything that can be named with ``--solver``.
+
+    Class attributes
+    ----------------
+    name : str
+    package : str
+        What ``pip install`` needs.
+    modules : tuple of str
+        Modules that must be found (not imported) for it to be installed.
+    summary : str
+        One line for ``waybound solvers``.
+    interrupts : str
+        What the engine does on an interrupt, where a user should know.
+    """
+
+    name: ClassVar[str]
+    package: ClassVar[str]
+    modules: ClassVar[tuple[str, ...]]
+    summary: ClassVar[str]
+    interrupts: ClassVar[str] = ""
+    takes: ClassVar[str]
+
+    @classmethod
+    def installed(cls) -> bool:
+        """Whether its modules can be found; imports nothing heavy."""
+        return all(importlib.util.find_spec(m.split(".")[0]) is not None for m in cls.modules)
+
+    @classmethod
+    def version(cls) -> str:
+        """Version of the distribution, without importing it."""
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            return version(cls.package)
+        except PackageNotFoundError:
+            return "not installed"
+
+
+class ProgramBackend(Backend):
+    """Solves programs of the kinds it declares (``LP, MILP, QP, MIQP``)."""
+
+    takes = "program"
+    kinds: ClassVar[frozenset[str]]
+
+    @abstractmethod
+    def run(self, program: Program, options: Options, control: Control) -> RawResult:
+        """Search. ``RawResult.answer`` is a vector of shape (variables,); ``options.start`` is one too."""
+
+
+class Engine(Backend):
+    """Solves problems of the features it declares."""
+
+    takes = "problem"
+    family: ClassVar[str]
+    features: ClassVar[frozenset[str]]
+
+    def missing(self, problem: Problem) -> frozenset[str]:
+        """Features of ``problem`` that the engine lacks; empty if it can take it."""
+        if problem.family != self.family:
+            return frozenset({f"{problem.family} problems"})
+        return problem.features() - self.features
+
+    @abstractmethod
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        """Search. ``RawResult.answer`` is the problem's answer; ``options.start`` is one too."""
+
+
+BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry("solver", "waybound.solvers.backends")

@@ -1,0 +1,3 @@
+"""Backends and engines by name: each module registers itself, and imports its package only when it runs."""
+
+from ... import _guard as _guard

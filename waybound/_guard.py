@@ -1,0 +1,1 @@
+"""Fails the import of a top-level folder by its bare name (`import solvers`): import `waybound.solvers` instead."""
