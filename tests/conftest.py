@@ -1,0 +1,17 @@
+"""Fixtures shared by all tests."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def benchmarks() -> Path:
+    """Folder of the real benchmark files (WAYBOUND_BENCHMARKS)."""
+    folder = os.environ.get("WAYBOUND_BENCHMARKS")
+    if not folder or not Path(folder).is_dir():
+        pytest.skip("WAYBOUND_BENCHMARKS names no folder: real benchmark files are not tested here")
+    return Path(folder)
