@@ -89,9 +89,7 @@ class Checklist:
         self._tested: dict[str, int] = {}
         self.violations: list[Violation] = []
 
-    def test(
-        self, check: str, excess: float, message: str, *, vehicle: str | None = None, site: str | None = None
-    ) -> None:
+    def test(self, check: str, excess: float, message: str, *, vehicle: str | None = None, site: str | None = None) -> None:
         """Record that ``check`` was tested and exceeded by ``excess`` (at most 0 when it holds; NaN never holds)."""
         self._tested[check] = self._tested.get(check, 0) + 1
         amount = max(0.0, excess) if excess == excess else float("inf")
@@ -102,6 +100,5 @@ class Checklist:
     def checks(self, names: Sequence[str]) -> tuple[Check, ...]:
         """All checks in the given order, those that had nothing to test included."""
         return tuple(
-            Check(n, self._residual.get(n, 0.0) <= CHECK_TOLERANCE, self._residual.get(n, 0.0), self._tested.get(n, 0))
-            for n in names
+            Check(n, self._residual.get(n, 0.0) <= CHECK_TOLERANCE, self._residual.get(n, 0.0), self._tested.get(n, 0)) for n in names
         )

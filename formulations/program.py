@@ -188,8 +188,7 @@ class Program:
     @property
     def kind(self) -> str:
         """``LP, MILP, QP, MIQP``, or ``cone`` forms of them."""
-        base = ("MI" if self.is_integer else "") + ("QP" if self.quadratic is not None else "LP")
-        return ("cone " if self.cones else "") + base.replace("MILP", "MILP")
+        return ("cone " if self.cones else "") + ("MI" if self.is_integer else "") + ("QP" if self.quadratic is not None else "LP")
 
     # -- names -------------------------------------------------------------------------------------------------------
 
@@ -257,7 +256,7 @@ class Program:
         )
 
 
-def _joined(parts: Sequence[NDArray[Any]], dtype: Any) -> Any:
+def _joined(parts: Sequence[NDArray[Any]], dtype: Any) -> NDArray[Any]:
     return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(0, dtype=dtype)
 
 

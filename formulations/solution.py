@@ -13,7 +13,7 @@ from .problem import Problem
 if TYPE_CHECKING:
     import pandas as pd
 
-Value = float | list[float]
+Value = float | list[float] | list[float | None]
 
 SCHEMA = 1
 """Version of the JSON written by ``Solution.to_json``."""
@@ -26,17 +26,15 @@ def relative_gap(objective: Value | None, bound: Value | None) -> float | None:
     """``|bound - objective| / max(|objective|, 1e-9)`` at the first level that is still open; None without a bound."""
     if objective is None or bound is None:
         return None
-    values = objective if isinstance(objective, list) else [objective]
-    bounds = bound if isinstance(bound, list) else [bound]
+    values = list(objective) if isinstance(objective, list) else [objective]
+    bounds = list(bound) if isinstance(bound, list) else [bound]
     gap: float | None = None
-    for value, limit in zip(values, bounds, strict=False):
-        if limit is None:
-            return None if gap is None or gap == 0 else gap
+    for value, limit in zip(values, bounds, strict=True):
+        if value is None or limit is None:
+            return None
         gap = abs(limit - value) / max(abs(value), 1e-9)
         if gap > 1e-9:
             return gap
-    if len(bounds) < len(values):
-        return None
     return gap
 
 

@@ -97,7 +97,10 @@ class Sites:
         else:
             flags[:] = np.asarray(depot, dtype=bool)
         must = ~flags if required is None else np.array(np.broadcast_to(np.asarray(required, dtype=bool), n))
-        spread = lambda v: np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), n))  # noqa: E731
+
+        def spread(v: ArrayLike) -> Floats:
+            return np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), n))
+
         xy = None if coordinates is None else np.array(coordinates, dtype=np.float64)
         return cls(
             tuple(str(i) for i in ids), flags, spread(demand), spread(ready), spread(due), spread(service),
@@ -123,10 +126,12 @@ class Sites:
             seen.add(site)
         for name in ("demand", "service", "reward"):
             values = getattr(self, name)
-            self._refuse(~(values >= 0) | np.isinf(values), name + " of site {} must be finite and not negative", values)
+            self._refuse(np.asarray(~(values >= 0) | np.isinf(values)), name + " of site {} must be finite and not negative", values)
         self._refuse(~np.isfinite(self.ready), "ready time of site {} must be finite", self.ready)
-        self._refuse(np.isnan(self.due) | (self.due == -np.inf), "due time of site {} must be a number", self.due)
-        self._refuse(self.ready > self.due, "time window of site {} closes before it opens", np.column_stack([self.ready, self.due]))
+        self._refuse(np.asarray(np.isnan(self.due) | np.isneginf(self.due)), "due time of site {} must be a number", self.due)
+        self._refuse(
+            np.asarray(self.ready > self.due), "time window of site {} closes before it opens", np.column_stack([self.ready, self.due])
+        )
         if not self.depot.any():
             raise InputError("there is no depot")
 
@@ -156,8 +161,7 @@ class Sites:
         """The given sites, in the given order."""
         keep = np.asarray(sites, dtype=np.int64)
         arrays = {
-            name: np.array(getattr(self, name)[keep])
-            for name in ("depot", "demand", "ready", "due", "service", "reward", "required")
+            name: np.array(getattr(self, name)[keep]) for name in ("depot", "demand", "ready", "due", "service", "reward", "required")
         }
         xy = None if self.coordinates is None else np.array(self.coordinates[keep])
         return Sites(ids=tuple(self.ids[k] for k in keep.tolist()), coordinates=xy, **arrays)
@@ -290,9 +294,7 @@ class RoutingInstance:
         keep = np.sort(np.concatenate([self.sites.depots, customers[:count]]))
         position = {int(site): k for k, site in enumerate(keep)}
         fleet = tuple(replace(v, start=position[v.start], end=position[v.end]) for v in self.fleet)
-        return replace(
-            self, name=f"{self.name}.{count}", sites=self.sites.subset(keep), travel=self.travel.subset(keep), fleet=fleet
-        )
+        return replace(self, name=f"{self.name}.{count}", sites=self.sites.subset(keep), travel=self.travel.subset(keep), fleet=fleet)
 
 
 def check_routing_data(sites: Sites, travel: Travel, fleet: Sequence[VehicleType], min_vehicles: int) -> None:

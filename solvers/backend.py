@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..formulations.problem import Problem
 from ..formulations.program import Program
+from ..instances.errors import UsageError
 from ..instances.registry import Registry
 
 STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unbounded", "unknown", "error")
@@ -147,6 +148,10 @@ class Backend(ABC):
         One line for ``waybound solvers``.
     interrupts : str
         What the engine does on an interrupt, where a user should know.
+    needs_process : bool
+        Whether it can only be stopped in a process of its own.
+    variants : tuple of str
+        Examples of solvers within it, named as ``pulp:HiGHS``; empty if it has none.
     """
 
     name: ClassVar[str]
@@ -155,6 +160,13 @@ class Backend(ABC):
     summary: ClassVar[str]
     interrupts: ClassVar[str] = ""
     takes: ClassVar[str]
+    needs_process: ClassVar[bool] = False
+    variants: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, variant: str = "") -> None:
+        if variant and not self.variants:
+            raise UsageError(f"solver {self.name} has no variants, so {self.name}:{variant} does not exist")
+        self.variant = variant
 
     @classmethod
     def installed(cls) -> bool:

@@ -1,0 +1,44 @@
+# waybound: `make demo` and `make test` create the environment where it is missing; everything else is in CONTRIBUTING.md.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: demo test test-all lint format benchmarks clean
+
+# python3-venv may be missing (Debian splits it off): then a bare environment, filled by the system's pip.
+$(READY): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "waybound needs Python 3.11 or newer; set PYTHON=..." >&2; exit 2; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) 2>/dev/null || { rm -rf $(VENV); $(PYTHON) -m venv --without-pip $(VENV); }
+	@if $(BIN)/python -m pip --version >/dev/null 2>&1; \
+	then $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'; \
+	else $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check --editable '.[dev]'; fi
+	@touch $@
+
+demo: $(READY)
+	@mkdir -p demo
+	$(BIN)/waybound solve demo-c25 --solver highs --convention trunc1 --time-limit 60 --bound-time 10 --plot demo/demo-c25.png --certificate demo/demo-c25.certificate.json --out demo/demo-c25.json
+	$(BIN)/waybound check demo-c25 demo/demo-c25.json --certificate demo/demo-c25.certificate.json --convention trunc1
+	@echo "The map is in demo/demo-c25.png"
+
+test: $(READY)
+	$(BIN)/python -m pytest -n 2 -q -rs
+
+test-all: $(READY)
+	$(BIN)/python -m pytest -n 2 -q -rs -m "long or not long"
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(READY)
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+benchmarks: $(READY)
+	for name in compile_three_index startup overhead small_cases; do $(BIN)/python -m waybound.reports.benchmarks.$$name || exit 1; done
+
+clean:
+	rm -rf $(VENV) build dist demo .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage htmlcov *.egg-info

@@ -1,0 +1,106 @@
+"""The contract of heuristics: approximations that solve a problem directly and say what they guarantee."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..formulations.evidence import Evidence, Guarantee
+from ..formulations.problem import Problem
+from ..instances.errors import UsageError
+from ..instances.registry import Registry
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a heuristic may use while it runs.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        The only source of randomness.
+    seconds : float
+        Wall time it may take.
+    start : answer, optional
+    publish : callable
+        ``publish(answer)`` reports a better answer.
+    stopped : callable
+        Whether it is asked to end.
+    solve_program : callable
+        ``solve_program(program, seconds)`` solves a small program and returns its ``RawResult``: the solver is handed
+        in, because heuristics lie below solvers.
+    """
+
+    rng: np.random.Generator
+    seconds: float
+    start: Any
+    publish: Callable[[Any], None]
+    stopped: Callable[[], bool]
+    solve_program: Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An answer, the guarantee that holds for it on this instance, and evidence for bounds found on the way."""
+
+    answer: Any
+    guarantee: Guarantee | None = None
+    evidence: tuple[Evidence, ...] = ()
+    statistics: dict[str, Any] = field(default_factory=dict)
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Heuristic:
+    """A heuristic, registered in ``HEURISTICS``.
+
+    Parameters
+    ----------
+    name : str
+        Used with ``--heuristic``.
+    family : str
+        Family of the problems it takes.
+    features : frozenset of str
+        Features of the problem that it can handle.
+    run : callable
+        ``run(problem, setting, **parameters) -> Outcome``. Keyword parameters are its options.
+    summary : str
+        One line.
+    stated : str
+        The guarantee in words, or "no guarantee".
+    refuses : callable, optional
+        Further reasons why it cannot take a problem, as feature names.
+    """
+
+    name: str
+    family: str
+    features: frozenset[str]
+    run: Callable[..., Outcome]
+    summary: str
+    stated: str = "no guarantee"
+    refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
+
+    def missing(self, problem: Problem) -> frozenset[str]:
+        """Features of ``problem`` that it lacks; empty if it can take it."""
+        if problem.family != self.family:
+            return frozenset({f"{problem.family} problems"})
+        return (problem.features() - self.features) | self.refuses(problem)
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and defaults of its parameters."""
+        signature = inspect.signature(self.run).parameters.values()
+        return {p.name: p.default for p in signature if p.kind is inspect.Parameter.KEYWORD_ONLY}
+
+    def check_parameters(self, given: dict[str, Any]) -> None:
+        """Raise UsageError for a parameter that it does not have."""
+        known = self.parameters()
+        for name in given:
+            if name not in known:
+                raise UsageError(f"{self.name} has no option {name!r}; it takes {', '.join(known) or 'none'}")
+
+
+HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.methods")

@@ -1,0 +1,167 @@
+"""Savings: Clarke and Wright's parallel merging of routes, with loads, time windows and route limits."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.problems.routing import RoutingProblem
+from ...formulations.routes import Route, Routes
+from ...instances.errors import UsageError
+from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+
+FEATURES = frozenset(
+    {
+        "objective:total-cost", "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance",
+        "limited-fleet", "fixed-cost", "separate-durations",
+    }
+)  # fmt: skip
+
+
+@functools.cache
+def _kernel() -> Callable[..., Any]:
+    """The merging loop, compiled on first use."""
+    import numba
+
+    @numba.njit(cache=True)
+    def feasible(route, size, depot, time, distance, service, ready, due, max_duration, max_distance):  # type: ignore[no-untyped-def]
+        clock, length, waiting = ready[depot], 0.0, 0.0
+        slack = due[depot] - ready[depot]
+        at, stay = depot, 0.0
+        for k in range(size + 1):
+            to = route[k] if k < size else depot
+            length += distance[at, to]
+            reached = clock + stay + time[at, to]
+            begin = max(reached, ready[to]) if k < size else reached
+            if reached > due[to] + 1e-9 * (1.0 + abs(due[to])):
+                return False
+            waiting += begin - reached
+            slack = min(slack, waiting + max(0.0, due[to] - begin))
+            clock, at = begin, to
+            stay = service[to] if k < size else 0.0
+        duration = clock - ready[depot] - min(waiting, slack)
+        return length <= max_distance * (1 + 1e-9) and duration <= max_duration * (1 + 1e-9)
+
+    @numba.njit(cache=True)
+    def merge(pairs_i, pairs_j, depot, time, distance, service, ready, due, demand, capacity, max_duration, max_distance, both_ways):  # type: ignore[no-untyped-def]
+        n = len(demand)
+        route_of = np.arange(n)
+        # Routes are linked lists (next/previous); ends are found in O(1), walks cost the length of a route.
+        following, preceding = np.full(n, -1), np.full(n, -1)
+        first, last = np.arange(n), np.arange(n)
+        load = demand.copy()
+        size = np.ones(n, dtype=np.int64)
+        buffer = np.empty(n, dtype=np.int64)
+        for p in range(len(pairs_i)):
+            i, j = pairs_i[p], pairs_j[p]
+            a, b = route_of[i], route_of[j]
+            if a == b or load[a] + load[b] > capacity * (1 + 1e-12):
+                continue
+            flip_a = last[a] != i
+            flip_b = first[b] != j
+            if (flip_a and (first[a] != i or not both_ways)) or (flip_b and (last[b] != j or not both_ways)):
+                continue
+            count = 0
+            node = first[a] if not flip_a else last[a]
+            while node >= 0:
+                buffer[count] = node
+                count += 1
+                node = following[node] if not flip_a else preceding[node]
+            node = first[b] if not flip_b else last[b]
+            while node >= 0:
+                buffer[count] = node
+                count += 1
+                node = following[node] if not flip_b else preceding[node]
+            if not feasible(buffer, count, depot, time, distance, service, ready, due, max_duration, max_distance):
+                continue
+            for k in range(count):
+                route_of[buffer[k]] = a
+                following[buffer[k]] = buffer[k + 1] if k + 1 < count else -1
+                preceding[buffer[k]] = buffer[k - 1] if k > 0 else -1
+            first[a], last[a] = buffer[0], buffer[count - 1]
+            load[a] += load[b]
+            size[a], size[b] = count, 0
+        return route_of, first, following, size
+
+    return merge  # type: ignore[no-any-return]
+
+
+def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) -> Outcome:
+    """Start with one route a customer, and join route ends in order of the cost they save.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        One depot, one vehicle type, every site required.
+    setting : Setting
+        Not used: the method is deterministic and fast.
+    shape : float, > 0
+        Weight of the joining arc: savings are ``c_i0 + c_0j - shape * c_ij`` (Yellow 1970). 1 is the original.
+
+    Returns
+    -------
+    Outcome
+        May use more vehicles than the fleet has: the method does not count them.
+
+    Notes
+    -----
+    Clarke and Wright, Operations Research 12 (1964) 568-581. Without windows and with symmetric data routes are joined
+    at either end (reversed where needed), else last to first only. O(n^2 log n) plus one walk a merge that is tried.
+    """
+    if not (isinstance(shape, int | float) and shape > 0 and math.isfinite(shape)):
+        raise UsageError(f"shape must be a positive number, not {shape!r}")
+    vehicle, sites = problem.fleet[0], problem.sites
+    depot = vehicle.start
+    distance, time = problem.travel.distances, problem.travel.durations
+    cost = vehicle.unit_cost * distance
+    gain = cost[:, depot][:, None] + cost[depot, :][None, :] - float(shape) * cost + vehicle.fixed_cost
+    both_ways = bool((distance == distance.T).all()) and (time is distance or bool((time == time.T).all()))
+    both_ways = both_ways and not problem.features() & {"time-windows"}
+    gain[depot, :] = gain[:, depot] = -np.inf
+    np.fill_diagonal(gain, -np.inf)
+    if both_ways:
+        gain[np.tril_indices(len(gain))] = -np.inf
+    worth: NDArray[np.int64] = np.nonzero(gain.ravel() > 0)[0]
+    # Stable sort on the negated gain: ties go to the lower site numbers, so the result does not depend on the platform.
+    order = worth[np.argsort(-gain.ravel()[worth], kind="stable")]
+    i, j = np.divmod(order, len(gain))
+    _, first, following, size = _kernel()(
+        i, j, depot, time, distance, np.asarray(sites.service), np.asarray(sites.ready), np.asarray(sites.due),
+        np.asarray(sites.demand), vehicle.capacity, vehicle.max_duration, vehicle.max_distance, both_ways,
+    )  # fmt: skip
+    routes = []
+    for head in np.nonzero(size > 0)[0].tolist():
+        if sites.depot[head]:
+            continue
+        visits, node = [], int(first[head])
+        while node >= 0:
+            visits.append(node)
+            node = int(following[node])
+        routes.append(Route(tuple(visits)))
+    answer = Routes(tuple(routes)).canonical()
+    message = ""
+    if problem.vehicle_limit is not None and len(answer) > problem.vehicle_limit:
+        message = f"savings needs {len(answer)} vehicles, the fleet has {problem.vehicle_limit}; it does not limit them"
+    return Outcome(answer, statistics={"routes": len(answer), "savings": len(order)}, message=message)
+
+
+def _refuses(problem: Any) -> frozenset[str]:
+    return frozenset({"open-routes"}) if problem.fleet[0].start != problem.fleet[0].end else frozenset()
+
+
+HEURISTICS.add(
+    "savings",
+    Heuristic(
+        name="savings",
+        family="routing",
+        features=FEATURES,
+        run=savings,
+        summary="Clarke and Wright's parallel savings, with windows and route limits",
+        refuses=_refuses,
+    ),
+)

@@ -1,0 +1,59 @@
+"""Reading of instances: the format is recognised from the content, never from the file's name."""
+
+from __future__ import annotations
+
+import re
+from os import PathLike
+from pathlib import Path
+
+from .errors import InputError, UsageError
+from .formats import FORMATS, Format
+from .instance import Instance
+from .text import read_text, shown
+
+
+def read_instance(path: str | PathLike[str], format: str | None = None) -> Instance:  # noqa: A002
+    """The instance that a file holds.
+
+    Parameters
+    ----------
+    path : path-like
+    format : str, optional
+        A name of ``FORMATS``; recognised from the content by default.
+
+    Returns
+    -------
+    Instance
+        ``RoutingInstance`` for every format of routing files.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of no known format, or breaks the rules of its format; with file, line, what was
+        expected and what was found.
+    UsageError
+        If ``format`` is unknown, or the content allows more than one format and none is named.
+    """
+    chosen = FORMATS[format] if format is not None else None
+    text = read_text(path)
+    chosen = chosen or recognise(text, path)
+    try:
+        return chosen.read(text, Path(path))
+    except InputError as error:
+        raise error.at(file=path) from None
+    except UsageError as error:  # a name inside the file that does not exist
+        raise InputError(str(error), file=path) from None
+
+
+def recognise(text: str, path: str | PathLike[str] = "input") -> Format:
+    """The one format whose marks ``text`` bears."""
+    found = [entry for entry in FORMATS.values() if entry.recognises(text)]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        choices = ", ".join(entry.name for entry in found)
+        raise UsageError(f"{path}: the content allows more than one format; choose with --format from {choices}")
+    if re.search(r"^\s*route\s*#?\s*\d+\s*:|^\s*TOUR_SECTION", text, re.I | re.M):
+        raise InputError("is a solution file, not an instance", file=path)
+    first = next(line for line in text.split("\n") if line.strip())
+    raise InputError("is of no known format", file=path, line=1, expected=", ".join(FORMATS.names()), found=shown(first.strip()))

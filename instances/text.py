@@ -1,0 +1,142 @@
+"""Text of input files: decoding, lines, and numbers that are refused with their line."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+
+Floats = NDArray[np.float64]
+
+LARGEST_FILE = 1 << 30
+"""Files beyond this many bytes are refused unread."""
+
+# Python's float() and int() also take "nan", "1_000" and digits of other scripts; no file format means those.
+_PLAIN = re.compile(r"[0-9eE+\-. \t]*\Z")
+_WHOLE = re.compile(r"[+-]?[0-9]{1,18}\Z")
+
+
+def read_text(path: str | PathLike[str]) -> str:
+    """Decoded text of the file at ``path``, without a byte order mark, all line ends as ``\\n``.
+
+    Raises
+    ------
+    InputError
+        If it is missing, a directory or a device, empty, beyond ``LARGEST_FILE``, binary, or not UTF-8.
+    """
+    file = Path(path)
+    try:
+        if file.is_dir():
+            raise InputError("is a directory", file=path, expected="a file")
+        if not file.exists():
+            raise InputError("no such file", file=path)
+        if not (file.is_file() or file.is_fifo()):
+            raise InputError("is a device", file=path, expected="a file")
+        with file.open("rb") as stream:
+            data = stream.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}", file=path) from error
+    except ValueError as error:  # a NUL in the path
+        raise InputError(f"cannot be read: {error}", file=repr(str(path))) from error
+    if len(data) > LARGEST_FILE:
+        raise InputError("is too large", file=path, expected=f"at most {LARGEST_FILE} bytes")
+    return decode(data, path)
+
+
+def decode(data: bytes, path: str | PathLike[str] | None = None) -> str:
+    """``data`` as text; see ``read_text``."""
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    if not data.strip():
+        raise InputError("is empty", file=path, expected="an instance")
+    if b"\0" in data:
+        raise InputError("is not a text file", file=path, line=_line_at(data, data.index(b"\0")), expected="text", found="a NUL byte")
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            "is not UTF-8", file=path, line=_line_at(data, error.start), expected="UTF-8 text",
+            found=f"byte 0x{data[error.start]:02x} at offset {error.start}",
+        ) from None  # fmt: skip
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _line_at(data: bytes, offset: int) -> int:
+    head = data[:offset].replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return head.count(b"\n") + 1
+
+
+def lines_of(text: str) -> list[tuple[int, str]]:
+    """Numbered lines that are not blank, stripped. Splits at line feeds alone, as editors count lines."""
+    return [(k, stripped) for k, line in enumerate(text.split("\n"), start=1) if (stripped := line.strip())]
+
+
+def shown(token: str) -> str:
+    """A token as it may stand in a message: quoted, printable, and not longer than a line."""
+    return repr(token if len(token) <= 40 else token[:37] + "...")
+
+
+def numbers(text: str, line: int, what: str) -> list[float]:
+    """Finite numbers of one line, separated by blanks.
+
+    Raises
+    ------
+    InputError
+        Naming the line and the first token that is no finite number.
+    """
+    if _PLAIN.match(text):
+        try:
+            values = [float(token) for token in text.split()]
+        except ValueError:
+            pass
+        else:
+            if all(map(math.isfinite, values)):
+                return values
+    bad = next((token for token in text.split() if not is_number(token)), text)
+    raise InputError(f"{what} holds something that is no finite number", line=line, expected="a number", found=shown(bad))
+
+
+def is_number(token: str) -> bool:
+    """Whether ``token`` is a finite decimal number in ASCII."""
+    try:
+        return bool(_PLAIN.match(token)) and math.isfinite(float(token))
+    except ValueError:
+        return False
+
+
+def number(token: str, line: int, what: str) -> float:
+    """One finite number."""
+    if not is_number(token.strip()):
+        raise InputError(f"{what} must be a finite number", line=line, expected="a number", found=shown(token.strip()))
+    return float(token)
+
+
+def whole(token: str, line: int, what: str, *, least: int) -> int:
+    """One whole number of at least ``least`` (at most 18 digits; ``5.0`` is accepted)."""
+    token = token.strip()
+    text = token[:-2] if token.endswith(".0") else token
+    if not _WHOLE.match(text) or int(text) < least:
+        raise InputError(f"{what} must be a whole number", line=line, expected=f"{least} or more", found=shown(token))
+    return int(text)
+
+
+def refuse(bad: NDArray[np.bool_], lines: Sequence[int] | NDArray[np.int64], message: str, found: Iterable[object], expected: str) -> None:
+    """Raise InputError for the first row that is ``bad``, with its line and what it holds."""
+    if bad.any():
+        k = int(np.argmax(bad))
+        values = list(found)
+        raise InputError(message, line=int(lines[k]), expected=expected, found=str(values[k]))
+
+
+def plain(value: float) -> str:
+    """Shortest text that reads back as the same number; whole numbers without a point."""
+    value = float(value)
+    if value.is_integer() and abs(value) < 1e15 and not (value == 0 and math.copysign(1, value) < 0):
+        return str(int(value))
+    return repr(value)

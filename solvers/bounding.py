@@ -1,0 +1,77 @@
+"""Valid bounds for answers of engines that have none: every method that applies, cheapest first, within a budget."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..formulations.evidence import BOUNDS, Evidence
+from ..formulations.problem import Problem
+from ..formulations.program import Program
+from ..instances.errors import UnsupportedError
+from .backend import BACKENDS, Control, Options, ProgramBackend
+
+LP_SOLVER = "highs"
+
+
+def find_bounds(
+    problem: Problem,
+    seconds: float,
+    *,
+    target: float | None = None,
+    control: Control | None = None,
+    progress: Callable[[dict[str, Any]], None] | None = None,
+) -> list[Evidence]:
+    """Evidence for bounds of ``problem``, to be verified by the checker.
+
+    Parameters
+    ----------
+    problem : Problem
+    seconds : float
+        Budget for all methods together; 0 turns bounding off.
+    target : float, optional
+        Value of an answer: a method that reaches it ends the search.
+    control : Control, optional
+        Stops between and inside methods.
+    progress : callable, optional
+        Receives an event for each bound found.
+
+    Returns
+    -------
+    list of Evidence, in the order found
+    """
+    found: list[Evidence] = []
+    if seconds <= 0:
+        return found
+    control = control or Control()
+    end = time.perf_counter() + seconds
+
+    def solve_program(program: Program, limit: float) -> NDArray[np.float64] | None:
+        backend = BACKENDS[LP_SOLVER]()
+        assert isinstance(backend, ProgramBackend)
+        result = backend.run(program, Options(time_limit=min(limit, max(0.0, end - time.perf_counter()))), control)
+        return result.row_duals
+
+    for method in sorted(BOUNDS.values(), key=lambda m: m.order):
+        left = end - time.perf_counter()
+        if control.stopped or left <= 0:
+            break
+        if method.missing(problem):
+            continue
+        try:
+            evidence = method.compute(problem, left, solve_program)
+        except UnsupportedError:
+            continue
+        if evidence is None:
+            continue
+        found.append(evidence)
+        control.publish(list(found))
+        if progress is not None:
+            progress({"phase": "bound", "seconds": seconds - (end - time.perf_counter()), "objective": target, "bound": evidence.value})
+        if target is not None and abs(evidence.value - target) <= 1e-9 * max(1.0, abs(target)):
+            break
+    return found

@@ -1,0 +1,56 @@
+"""A solver's claims against what was checked: a contradiction is an error, loudly."""
+
+from __future__ import annotations
+
+from ..formulations.certificate import beats_bound
+from ..formulations.evaluation import Evaluation
+from ..formulations.exactness import Exactness
+from ..instances.errors import CheckFailedError
+from .backend import RawResult
+
+CLAIM_TOLERANCE = 1e-5
+"""Relative: engines accept points that are off by 1e-6 a row and a variable, so their own totals are off by more."""
+
+
+def _far(claimed: float, known: float) -> bool:
+    return abs(claimed - known) > CLAIM_TOLERANCE * max(1.0, abs(known))
+
+
+def check_objective(solver: str, result: RawResult, evaluation: Evaluation) -> None:
+    """Raise CheckFailedError if the objective that the solver claims for its answer is not the answer's."""
+    if result.objective is not None and len(evaluation.values) == 1 and _far(result.objective, evaluation.values[0]):
+        raise CheckFailedError(
+            f"{solver} claims the objective {result.objective!r}, the answer's value recomputed from the data is {evaluation.values[0]!r}"
+        )
+
+
+def check_feasibility(solver: str, result: RawResult, evaluation: Evaluation, exactness: Exactness) -> None:
+    """Raise CheckFailedError if an answer that should be feasible is not."""
+    if result.status in ("optimal", "feasible") and exactness.answer_is_valid and not evaluation.feasible:
+        worst = max(evaluation.violations, key=lambda v: v.amount)
+        raise CheckFailedError(
+            f"{solver} claims a {result.status} answer, but it breaks {len(evaluation.violations)} constraints; "
+            f"the worst: {worst.message} (by {worst.amount:g})"
+        )
+
+
+def check_bound(solver: str, sense: str, result: RawResult, best: float | None, exactness: Exactness) -> None:
+    """Raise CheckFailedError if the solver claims a bound, an optimum or infeasibility that a verified answer refutes."""
+    if best is None or not exactness.bound_is_valid:
+        return
+    if result.status == "infeasible":
+        raise CheckFailedError(f"{solver} claims that there is no answer, but one of value {best!r} passed every check")
+    if result.bound is not None and _far(result.bound, best) and beats_bound(sense, best, result.bound):
+        raise CheckFailedError(f"{solver} claims the bound {result.bound!r}, but an answer of value {best!r} passed every check")
+    if result.status == "optimal" and result.objective is not None and exactness is Exactness.EXACT:
+        worse = result.objective > best if sense == "min" else result.objective < best
+        if worse and _far(result.objective, best):
+            raise CheckFailedError(f"{solver} claims the optimum {result.objective!r}, but an answer of value {best!r} passed every check")
+
+
+def check_verified(solver: str, sense: str, result: RawResult, verified: float | None, exactness: Exactness) -> None:
+    """Raise CheckFailedError if the solver claims an optimum better than a verified bound allows."""
+    if verified is None or result.objective is None or result.status != "optimal" or not exactness.answer_is_valid:
+        return
+    if _far(result.objective, verified) and beats_bound(sense, result.objective, verified):
+        raise CheckFailedError(f"{solver} claims the optimum {result.objective!r}, but the verified bound is {verified!r}")

@@ -1,0 +1,95 @@
+"""Running an engine so that it can be stopped: in a worker thread, or in a process of its own."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from .backend import Control, RawResult
+
+GRACE = 5.0
+"""Seconds an engine has to come back once it was asked to stop; after that its published incumbents count."""
+
+OVERTIME = 10.0
+"""Seconds past its time limit after which an engine is asked to stop from outside."""
+
+_TICK = 0.1
+
+
+@dataclass(frozen=True)
+class Searched:
+    """What a run left behind.
+
+    ``result`` is the engine's own account, or one made from its incumbents if it never came back;
+    ``interrupted`` tells whether the user ended it.
+    """
+
+    result: RawResult
+    interrupted: bool
+    seconds: float
+
+
+def search(run: Callable[[Control], RawResult], control: Control, time_limit: float, overtime: float = OVERTIME) -> Searched:
+    """Run ``run(control)`` in a worker thread and wait for it.
+
+    The first Ctrl-C asks the engine to stop and waits up to ``GRACE`` seconds for its last word, a second one takes
+    the incumbents at once. An engine that overstays its time limit is treated alike.
+
+    Raises
+    ------
+    Exception
+        Whatever the engine raised, unless it had published an answer before: an answer outlives a crash.
+    """
+    outcome: dict[str, Any] = {}
+
+    def work() -> None:
+        try:
+            outcome["result"] = run(control)
+        except BaseException as fault:
+            outcome["fault"] = fault
+
+    worker = threading.Thread(target=work, name="waybound-engine", daemon=True)
+    began = time.perf_counter()
+    interrupted = False
+    give_up = False
+    asked: float | None = None
+    worker.start()
+    while worker.is_alive() and not give_up:
+        try:
+            worker.join(_TICK)
+            now = time.perf_counter()
+            if asked is None and now - began > time_limit + overtime:
+                asked = now
+                control.stop()
+            if asked is not None and now - asked > GRACE:
+                give_up = True
+        except KeyboardInterrupt:
+            give_up = interrupted
+            interrupted = True
+            asked = time.perf_counter()
+            control.stop()
+    seconds = time.perf_counter() - began
+    if "fault" in outcome and control.answer is None:
+        raise outcome["fault"]
+    result: RawResult = outcome.get("result") or _from_incumbents(control, interrupted, outcome.get("fault"))
+    if interrupted and result.limit != "interrupt" and result.status not in ("optimal", "infeasible", "unbounded"):
+        result = replace(result, limit="interrupt")
+    return Searched(result, interrupted, seconds)
+
+
+def _from_incumbents(control: Control, interrupted: bool, fault: BaseException | None) -> RawResult:
+    if fault is not None:
+        message = f"the engine failed: {fault}"
+    else:
+        message = "the engine did not stop when asked; its last published answer is used"
+    return RawResult(
+        status="unknown" if control.answer is None else "feasible",
+        limit="interrupt" if interrupted else "time",
+        answer=control.answer,
+        objective=control.objective,
+        bound=control.bound,
+        message=message,
+    )
