@@ -45,7 +45,9 @@ def test_wheel_from_tree_and_from_sdist_hold_the_same_files(tmp_path: Path) -> N
     checkout = tmp_path / "checkout"
     subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", str(ROOT), str(checkout)], check=True, capture_output=True)
     pip("wheel", "--no-deps", "--wheel-dir", str(tmp_path / "direct"), ".", cwd=checkout)
-    subprocess.run([sys.executable, "-m", "build", "--sdist", "--outdir", str(tmp_path / "sdist"), "."], cwd=checkout, check=True, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-m", "build", "--sdist", "--outdir", str(tmp_path / "sdist"), "."], cwd=checkout, check=True, capture_output=True
+    )
     (archive,) = (tmp_path / "sdist").glob("*.tar.gz")
     with tarfile.open(archive) as tar:
         tar.extractall(tmp_path / "unpacked", filter="data")
