@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routes import Routes
+from waybound.heuristics.heuristic import HEURISTICS, Setting
+from waybound.instances.errors import UsageError
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.travel import Travel
+
+SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, lambda: False, lambda *a: None)
+
+
+def run(problem: RoutingProblem, **parameters: float) -> Routes:
+    answer = HEURISTICS["savings"].run(problem, SETTING, **parameters).answer
+    assert isinstance(answer, Routes)
+    return answer
+
+
+def problem_of(rng: np.random.Generator, n: int, *, windows: bool, limit: bool) -> RoutingProblem:
+    xy = rng.uniform(0, 100, (n + 1, 2))
+    opens = rng.uniform(150, 300, n + 1) if windows else np.zeros(n + 1)
+    opens[0] = 0
+    due = opens + rng.uniform(5, 100, n + 1) if windows else np.full(n + 1, math.inf)
+    due[0] = math.inf
+    sites = Sites.of(range(n + 1), demand=np.r_[0, rng.integers(1, 10, n)], ready=opens, due=due, service=np.r_[0.0, np.full(n, 3.0)])
+    travel = Travel("euclidean", coordinates=xy)
+    longest = 2 * float(travel.distances.max()) + 4
+    vehicle = VehicleType(capacity=25, max_duration=longest if limit else math.inf, max_distance=longest if limit else math.inf)
+    return RoutingProblem(sites, travel, (vehicle,))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 25), st.booleans(), st.booleans())
+def test_answers_are_feasible_and_no_worse_than_one_route_a_customer(seed: int, n: int, windows: bool, limit: bool) -> None:
+    problem = problem_of(np.random.default_rng(seed), n, windows=windows, limit=limit)
+    single = problem.evaluate(Routes.of([[i] for i in range(1, n + 1)]))
+    judged = problem.evaluate(run(problem))
+    assert judged.feasible, judged.violations
+    assert judged.values[0] <= single.values[0] + 1e-9
+
+
+def test_routes_are_joined_at_either_end_only_without_windows() -> None:
+    xy = np.array([(0, 0), (10, 1), (10, 0), (10, -1)], dtype=float)
+    free = RoutingProblem(Sites.of(range(4)), Travel("euclidean", coordinates=xy), (VehicleType(),))
+    assert len(run(free)) == 1
+    ordered = Sites.of(range(4), ready=[0, 30, 20, 0], due=[math.inf, 40, 25, 15])
+    assert run(RoutingProblem(ordered, free.travel, free.fleet)) == Routes.of([[3, 2, 1]])
+
+
+def test_a_vehicles_fixed_cost_makes_joining_worth_more() -> None:
+    xy = np.array([(0, 0), (1, 0), (-1, 0)], dtype=float)
+    travel = Travel("euclidean", coordinates=xy)
+    assert len(run(RoutingProblem(Sites.of(range(3)), travel, (VehicleType(),)))) == 2
+    assert len(run(RoutingProblem(Sites.of(range(3)), travel, (VehicleType(fixed_cost=1.0),)))) == 1
+
+
+def test_scaling_all_distances_leaves_the_routes() -> None:
+    problem = problem_of(np.random.default_rng(5), 20, windows=False, limit=False)
+    assert problem.travel.coordinates is not None
+    scaled = RoutingProblem(problem.sites, Travel("euclidean", coordinates=4 * problem.travel.coordinates), problem.fleet)
+    assert run(scaled) == run(problem)
+
+
+def test_a_fleet_too_small_is_said() -> None:
+    problem = problem_of(np.random.default_rng(5), 20, windows=True, limit=False)
+    tight = RoutingProblem(problem.sites, problem.travel, (VehicleType(count=1, capacity=25),))
+    assert "the fleet has 1" in HEURISTICS["savings"].run(tight, SETTING).message
+
+
+@pytest.mark.parametrize("shape", [0, -1, math.nan, math.inf, "wide"])
+def test_a_shape_out_of_range_is_refused(shape: object) -> None:
+    with pytest.raises(UsageError, match="shape"):
+        HEURISTICS["savings"].run(problem_of(np.random.default_rng(1), 3, windows=False, limit=False), SETTING, shape=shape)
