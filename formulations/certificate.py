@@ -15,6 +15,9 @@ from .problem import Problem
 SCHEMA = 1
 """Version of the certificate's JSON."""
 
+CLOSED_GAP = 1e-9
+"""A level of the objective with no larger gap counts as closed."""
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -31,15 +34,19 @@ class Certificate:
     objective : float, list of float, or None
         Recomputed from the data.
     bound : float or None
-        Best verified bound on the first level.
+        Best verified bound on the first level; None where it is proved that there is no answer to bound.
     bound_source : str or None
+        Source of ``bound``, or of the proof that there is no answer.
+    infeasible : bool
+        Whether ``evidence`` proves that the problem has no answer.
     gap : float or None
+        At the first level of the objective; None where that one is closed and others, without a bound, follow.
     evidence : tuple of Evidence
-        What proves ``bound``; best first.
+        What proves ``bound`` or ``infeasible``; best first.
     guarantee : Guarantee or None
         The ratio stated for the heuristic that made the answer.
     observed_ratio : float or None
-        Worse over better of objective and verified bound: no smaller than the true ratio.
+        Worse over better of objective and verified bound: no smaller than the true ratio. None where their signs differ.
     """
 
     instance_hash: str
@@ -52,6 +59,7 @@ class Certificate:
     objective: float | list[float] | None = None
     bound: float | None = None
     bound_source: str | None = None
+    infeasible: bool = False
     gap: float | None = None
     evidence: tuple[Evidence, ...] = field(default=())
     guarantee: Guarantee | None = None
@@ -66,6 +74,7 @@ class Certificate:
             "objective": self.objective,
             "bound": self.bound,
             "bound_source": self.bound_source,
+            "infeasible": self.infeasible,
             "gap": self.gap,
             "guarantee": None if self.guarantee is None else self.guarantee.to_json(),
             "observed_ratio": self.observed_ratio,
@@ -83,6 +92,21 @@ class Certificate:
             }
         return data
 
+    def __repr__(self) -> str:
+        from .rendering import as_text, certificate_lines, certificate_title
+
+        return as_text(certificate_title(self), certificate_lines(self))
+
+    def _repr_html_(self) -> str:
+        from .rendering import as_html, certificate_lines, certificate_title
+
+        return as_html(certificate_title(self), certificate_lines(self))
+
+    def __rich__(self) -> Any:
+        from .rendering import as_rich, certificate_lines, certificate_title
+
+        return as_rich(certificate_title(self), certificate_lines(self))
+
 
 def better_bound(sense: str, a: float, b: float) -> bool:
     """Whether bound ``a`` says more than ``b``."""
@@ -96,10 +120,13 @@ def beats_bound(sense: str, objective: float, bound: float) -> bool:
 
 
 def verified_bound(problem: Problem, evidence: Evidence) -> float:
-    """The bound that the checker derives from ``evidence``; raises InputError where its shape is wrong."""
+    """The bound that the checker derives from ``evidence``; raises InputError where its shape is wrong.
+
+    It is infinite where ``evidence`` proves nothing, or (with the other sign) that there is no answer: see ``EvidenceChecker``.
+    """
     try:
         return float(CHECKERS[evidence.kind](problem, evidence.data))
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as fault:
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError) as fault:
         raise InputError(f"evidence of kind {evidence.kind} is malformed", found=f"{type(fault).__name__}: {fault}") from fault
 
 
@@ -114,24 +141,33 @@ def certify(
     Raises
     ------
     CheckFailedError
-        If a verified bound contradicts the recomputed objective of a feasible answer: both cannot be right.
+        If a verified bound, or a proof that there is no answer, contradicts a feasible answer: both cannot be right.
     """
-    proved = [(verified_bound(problem, e), e) for e in evidence]
-    proved = [(b, e) for b, e in proved if math.isfinite(b)]
+    verified = [(verified_bound(problem, e), e) for e in evidence]
+    worst = math.inf if problem.sense == "min" else -math.inf
+    refuting = [e for b, e in verified if b == worst]
+    proved = [(b, e) for b, e in verified if math.isfinite(b)]
     proved.sort(key=lambda pair: pair[0], reverse=problem.sense == "min")
-    bound = proved[0][0] if proved else None
+    bound = proved[0][0] if proved and not refuting else None
+    best = refuting[:1] or [e for _, e in proved[:1]]
     gap = ratio = None
-    if evaluation is not None and evaluation.feasible and bound is not None:
+    if evaluation is not None and evaluation.feasible:
         value = evaluation.values[0]
-        if beats_bound(problem.sense, value, bound):
+        if refuting:
             raise CheckFailedError(
-                f"the answer's value {value!r} is better than the bound {bound!r} derived from {proved[0][1].source}: "
+                f"an answer of value {value!r} passed every check, but {best[0].source} proves that there is none: "
                 "one of the two checks is wrong; please report this"
             )
-        if len(evaluation.values) == 1:
+        if bound is not None:
+            if beats_bound(problem.sense, value, bound):
+                raise CheckFailedError(
+                    f"the answer's value {value!r} is better than the bound {bound!r} derived from {best[0].source}: "
+                    "one of the two checks is wrong; please report this"
+                )
             gap = abs(bound - value) / max(abs(value), 1e-9)
-        better, worse = sorted((abs(value), abs(bound)))
-        ratio = 1.0 if worse - better <= CHECK_TOLERANCE else (worse / better if better > 0 else None)
+            if len(evaluation.values) > 1 and gap <= CLOSED_GAP:
+                gap = None
+            ratio = _observed_ratio(value, bound)
     return Certificate(
         instance_hash=problem.digest(),
         problem=problem.problem,
@@ -142,12 +178,20 @@ def certify(
         violations=() if evaluation is None else evaluation.violations,
         objective=None if evaluation is None else evaluation.objective,
         bound=bound,
-        bound_source=proved[0][1].source if proved else None,
+        bound_source=best[0].source if best else None,
+        infeasible=bool(refuting),
         gap=gap,
-        evidence=tuple(e for _, e in proved[:1]),
+        evidence=tuple(best),
         guarantee=guarantee,
         observed_ratio=ratio,
     )
+
+
+def _observed_ratio(value: float, bound: float) -> float | None:
+    better, worse = sorted((abs(value), abs(bound)))
+    if worse - better <= CHECK_TOLERANCE and abs(value - bound) <= CHECK_TOLERANCE:
+        return 1.0
+    return worse / better if value * bound > 0 else None
 
 
 def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Evaluation | None) -> Certificate:
@@ -158,9 +202,9 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     InputError
         If it is no certificate, or one for other data.
     CheckFailedError
-        If the bound it states is not proved by its evidence, or the objective it states is not the answer's.
+        If what it states is not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, objective).
     """
-    if data.get("kind") != "certificate" or data.get("schema") != SCHEMA:
+    if not isinstance(data, Mapping) or data.get("kind") != "certificate" or data.get("schema") != SCHEMA:
         raise InputError("not a waybound certificate", expected=f'"kind": "certificate" and "schema": {SCHEMA}')
     for key, own in (("problem", problem.problem), ("convention", problem.convention), ("instance_hash", problem.digest())):
         if data.get(key) != own:
@@ -173,17 +217,23 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     except (KeyError, TypeError, ValueError) as fault:
         raise InputError(f"the certificate's evidence is malformed: {type(fault).__name__} {fault}") from fault
     made = certify(problem, evaluation, evidence)
+    if data.get("infeasible") and not made.infeasible:
+        raise CheckFailedError("the certificate states that there is no answer, its evidence does not prove it")
+    if data.get("feasible") and evaluation is not None and not evaluation.feasible:
+        raise CheckFailedError(f"the certificate states a feasible answer, this one is not: {evaluation.violations[0].message}")
     stated = data.get("bound")
-    if stated is not None:
-        if not isinstance(stated, int | float):
-            raise InputError("the certificate's bound is not a number", found=str(stated))
+    if stated is not None and not made.infeasible:
+        if isinstance(stated, bool) or not isinstance(stated, int | float) or not math.isfinite(stated):
+            raise InputError("the certificate's bound is not a finite number", found=str(stated))
         if made.bound is None or better_bound(problem.sense, stated, made.bound + _slack(problem.sense, stated)):
             raise CheckFailedError(f"the certificate states the bound {stated!r}, its evidence proves {made.bound!r}")
     value = data.get("objective")
     if value is not None and evaluation is not None:
         stated_values = value if isinstance(value, list) else [value]
-        if len(stated_values) != len(evaluation.values) or any(
-            abs(a - b) > CHECK_TOLERANCE * max(1.0, abs(b)) for a, b in zip(stated_values, evaluation.values, strict=True)
+        if any(isinstance(v, bool) or not isinstance(v, int | float) for v in stated_values):
+            raise InputError("the certificate's objective is not a number", found=str(value))
+        if len(stated_values) != len(evaluation.values) or not all(
+            abs(a - b) <= CHECK_TOLERANCE * max(1.0, abs(b)) for a, b in zip(stated_values, evaluation.values, strict=True)
         ):
             raise CheckFailedError(f"the certificate states the objective {value!r}, the answer's is {evaluation.objective!r}")
     return made

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -33,7 +34,8 @@ class Violation:
     site: str | None = None
 
     def to_json(self) -> dict[str, Any]:
-        data = {"check": self.check, "message": self.message, "amount": self.amount}
+        amount = self.amount if math.isfinite(self.amount) else None  # JSON has no infinity
+        data: dict[str, Any] = {"check": self.check, "message": self.message, "amount": amount}
         data.update({k: v for k, v in (("vehicle", self.vehicle), ("site", self.site)) if v is not None})
         return data
 
@@ -48,7 +50,8 @@ class Check:
     tested: int
 
     def to_json(self) -> dict[str, Any]:
-        return {"name": self.name, "passed": self.passed, "residual": self.residual, "tested": self.tested}
+        residual = self.residual if math.isfinite(self.residual) else None
+        return {"name": self.name, "passed": self.passed, "residual": residual, "tested": self.tested}
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ class Checklist:
     def test(self, check: str, excess: float, message: str, *, vehicle: str | None = None, site: str | None = None) -> None:
         """Record that ``check`` was tested and exceeded by ``excess`` (at most 0 when it holds; NaN never holds)."""
         self._tested[check] = self._tested.get(check, 0) + 1
-        amount = max(0.0, excess) if excess == excess else float("inf")
+        amount = math.inf if math.isnan(excess) else max(0.0, excess)
         self._residual[check] = max(self._residual.get(check, 0.0), amount)
         if amount > CHECK_TOLERANCE:
             self.violations.append(Violation(check, message, amount, vehicle, site))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -21,7 +22,8 @@ class Evidence:
     source : str
         Where it comes from, for people: "LP relaxation of two-index-time-flow".
     value : float
-        The bound it is meant to prove, on the first level of the objective. The checker derives its own.
+        The bound it is meant to prove, on the first level of the objective; infinite where it proves that there is no answer
+        (``inf`` for ``min``, ``-inf`` for ``max``). The checker derives its own.
     data : dict
         Plain JSON values.
     """
@@ -32,7 +34,8 @@ class Evidence:
     data: dict[str, Any]
 
     def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "source": self.source, "value": self.value, "data": self.data}
+        value = self.value if math.isfinite(self.value) else str(self.value)  # "inf": JSON has no infinity
+        return {"kind": self.kind, "source": self.source, "value": value, "data": self.data}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Evidence:
@@ -42,8 +45,9 @@ class Evidence:
 class EvidenceChecker(Protocol):
     """Derives the bound that ``data`` proves for ``problem``, from the problem's data alone.
 
-    Returns the bound on the first level of the objective (minus infinity for ``min`` where nothing is proved); raises
-    InputError where ``data`` is not of the expected shape. It must hold for any ``data``, however wrong.
+    Returns the bound on the first level of the objective: minus infinity for ``min`` where nothing is proved, infinity where it is
+    proved that there is no answer (the signs change places for ``max``). Raises InputError where ``data`` is not of the expected
+    shape. The bound must hold for any ``data``, however wrong, and for every answer that ``problem.evaluate`` accepts.
     """
 
     def __call__(self, problem: Any, data: Mapping[str, Any]) -> float: ...
@@ -66,12 +70,15 @@ class BoundMethod:
         ``solve_program(program, seconds)`` solves an LP and returns its row duals (None if it did not finish).
     order : int
         Cheap methods first.
+    prepare : callable
+        What it does once a process, such as compiling a kernel; not counted against the budget.
     """
 
     name: str
     missing: Callable[[Any], frozenset[str]]
     compute: Callable[[Any, float, Callable[..., Any]], Evidence | None]
     order: int = 0
+    prepare: Callable[[], None] = lambda: None
 
 
 BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.formulations.bounds")

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 from ..instances.errors import UsageError
 
 
-class Composable:
+class Composable(ABC):
     """Operators shared by terms, weighted sums and lists of priorities."""
 
+    @abstractmethod
     def levels(self) -> tuple[Weighted, ...]:
-        raise NotImplementedError  # pragma: no cover - abstract
+        """The levels in order of priority."""
 
     def then(self, other: Composable) -> Objective:
         """``self`` first, and among its optima ``other``."""
@@ -82,9 +85,22 @@ TERMS: dict[str, type[Term]] = {t.name: t for t in (TotalCost, Makespan, Longest
 
 @dataclass(frozen=True)
 class Weighted(Composable):
-    """A weighted sum of terms: one level of an objective. Its sense is that of its first term."""
+    """A weighted sum of terms: one level of an objective. Its sense is that of its first term.
+
+    Raises
+    ------
+    UsageError
+        If there is no term, or a weight is zero or not finite.
+    """
 
     terms: tuple[tuple[float, Term], ...]
+
+    def __post_init__(self) -> None:
+        if not self.terms:
+            raise UsageError("a level of an objective needs at least one term")
+        for weight, term in self.terms:
+            if weight == 0 or not math.isfinite(weight):
+                raise UsageError(f"the weight of {term.name} must be finite and not zero, not {weight!r}")
 
     def levels(self) -> tuple[Weighted, ...]:
         return (self,)
@@ -95,15 +111,33 @@ class Weighted(Composable):
         flipped = {"min": "max", "max": "min"}[term.sense]
         return term.sense if weight > 0 else flipped
 
+    def __mul__(self, weight: float) -> Weighted:
+        return Weighted(tuple((float(weight) * w, t) for w, t in self.terms))
+
+    __rmul__ = __mul__
+
     def __add__(self, other: Term | Weighted) -> Weighted:
-        return Weighted(self.terms + other.levels()[0].terms)
+        return Weighted(self.terms + _only_level(other).terms)
 
     def __sub__(self, other: Term | Weighted) -> Weighted:
-        return Weighted(self.terms + tuple((-w, t) for w, t in other.levels()[0].terms))
+        return self + _only_level(other) * -1.0
 
     def __str__(self) -> str:
-        parts = [t.name if w == 1 else f"{w:g}*{t.name}" for w, t in self.terms]
+        parts = [t.name if w == 1 else f"{_plain(w)}*{t.name}" for w, t in self.terms]
         return " + ".join(parts).replace("+ -", "- ")
+
+
+def _only_level(part: Composable) -> Weighted:
+    levels = part.levels()
+    if len(levels) != 1:
+        raise UsageError(f"an objective in order of priority cannot be added: {part}")
+    return levels[0]
+
+
+def _plain(weight: float) -> str:
+    """The shortest text that reads back as the same number."""
+    short = f"{weight:g}"
+    return short if float(short) == weight else repr(weight)
 
 
 @dataclass(frozen=True)
@@ -123,6 +157,8 @@ class Objective(Composable):
     @classmethod
     def named(cls, names: tuple[str, ...]) -> Objective:
         """An objective from the names of its terms, in order of priority."""
+        if not names:
+            raise UsageError(f"an objective needs at least one term; choose from {', '.join(TERMS)}")
         for name in names:
             if name not in TERMS:
                 raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}")

@@ -77,10 +77,10 @@ class Problem(ABC):
         """The answer as a table."""
 
     def forms(self) -> list[str]:
-        """Names of the forms that can write this problem down."""
+        """Names of the forms that can write this problem down, the best one first."""
         from .forms import FORMS
 
-        return [name for name in FORMS if not FORMS[name].missing(self)]
+        return [form.name for form in sorted(FORMS.values(), key=lambda form: form.order) if not form.missing(self)]
 
     def compile(self, form: str | None = None, *, relax: bool = False) -> Program:
         """Write the problem down as arrays.

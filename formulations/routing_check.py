@@ -98,9 +98,11 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     cost, rewards, longest, makespan, distance, waiting = [], [], 0.0, 0.0, [], 0.0
 
     for number, route in enumerate(answer):
-        name = problem.vehicle_name(number)
+        if not route.visits:
+            continue  # a vehicle that stays at home drives no route, costs nothing and does not count
+        name = problem.vehicle_name(number, route.vehicle)
         if not 0 <= route.vehicle < len(fleet) or any(not 0 <= i < len(sites) for i in route.visits):
-            judge.test("visits", math.inf, f"{name} has a vehicle type or a site that does not exist", vehicle=name)
+            judge.test("visits", 1.0, f"{name} has a vehicle type or a site that does not exist", vehicle=name)
             continue
         vehicle = fleet[route.vehicle]
         used[route.vehicle] += 1
@@ -110,19 +112,22 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
                 judge.test("visits", 1.0, f"{name} visits the depot {sites.ids[site]} on its way", vehicle=name, site=sites.ids[site])
         plan = schedule(problem, route)
 
-        judge.test("load", plan.total_load - vehicle.capacity, f"{name} carries {plan.total_load:g}, capacity {vehicle.capacity:g}", vehicle=name)
         stops = [*zip(plan.arrival.tolist(), route.visits, strict=True), (plan.finish, vehicle.end)]
         for reached, site in stops:
-            due = float(sites.due[site])
-            judge.test("time-windows", reached - due, f"{name} reaches {sites.ids[site]} at {reached:.6f}, due {due:g}", vehicle=name, site=sites.ids[site])
+            place, due = sites.ids[site], float(sites.due[site])
+            judge.test("time-windows", reached - due, f"{name} reaches {place} at {reached:.6f}, due {due:g}", vehicle=name, site=place)
+        judge.test(
+            "load", plan.total_load - vehicle.capacity, f"{name} carries {plan.total_load:g}, capacity {vehicle.capacity:g}", vehicle=name
+        )
         for check, value, limit in (
             ("duration", plan.duration, vehicle.max_duration),
             ("distance", plan.total_distance, vehicle.max_distance),
         ):
             judge.test(check, value - limit, f"{name} has {check} {value:.6f}, limit {limit:g}", vehicle=name)
         if vehicle.energy is not None:
-            drawn = vehicle.energy.rate * plan.charged[vehicle.energy.charge]
-            judge.test("energy", drawn - vehicle.energy.capacity, f"{name} draws {drawn:.6f} ({vehicle.energy.charge}), capacity {vehicle.energy.capacity:g}", vehicle=name)
+            charge, limit = vehicle.energy.charge, vehicle.energy.capacity
+            drawn = vehicle.energy.rate * plan.charged[charge]
+            judge.test("energy", drawn - limit, f"{name} draws {drawn:.6f} ({charge}), capacity {limit:g}", vehicle=name)
 
         cost.append(vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance)
         distance.append(plan.total_distance)

@@ -99,7 +99,7 @@ class Solution:
             import importlib
 
             importlib.import_module("waybound.reports.plots")  # the floor above registers its plotters on import
-        return PLOTTERS[self.problem.family](self.problem, self.answer, **options)
+        return PLOTTERS[self.problem.family](self.problem, self.answer, **{"solution": self, **options})
 
     def _need_answer(self) -> None:
         from ..instances.errors import NoAnswerError
@@ -137,3 +137,18 @@ class Solution:
     def __repr__(self) -> str:
         bound = "no bound" if self.bound is None else f"bound {self.bound} ({self.bound_kind})"
         return f"<Solution of {self.problem.name} by {self.solver}: {self.status}, objective {self.objective}, {bound}>"
+
+    def __str__(self) -> str:
+        from .rendering import as_text, solution_lines, solution_title
+
+        return as_text(solution_title(self), solution_lines(self))
+
+    def _repr_html_(self) -> str:
+        from .rendering import as_html, solution_lines, solution_title
+
+        return as_html(solution_title(self), solution_lines(self))
+
+    def __rich__(self) -> Any:
+        from .rendering import as_rich, solution_lines, solution_title
+
+        return as_rich(solution_title(self), solution_lines(self))

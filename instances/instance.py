@@ -29,11 +29,17 @@ class Instance(Protocol):
     """
 
     kind: ClassVar[str]
-    name: str
-    format: str
-    problem: str
-    problems: tuple[str, ...]
-    notes: tuple[str, ...]
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def format(self) -> str: ...
+    @property
+    def problem(self) -> str: ...
+    @property
+    def problems(self) -> tuple[str, ...]: ...
+    @property
+    def notes(self) -> tuple[str, ...]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,8 +141,8 @@ class Sites:
         if not self.depot.any():
             raise InputError("there is no depot")
 
-    def _refuse(self, bad: Flags, message: str, values: Floats) -> None:
-        if bad.any():
+    def _refuse(self, bad: Flags | np.bool_, message: str, values: Floats) -> None:
+        if np.any(bad):
             k = int(np.argmax(bad))
             raise InputError(message.format(self.ids[k]), found=str(values[k]))
 
@@ -191,6 +197,8 @@ class Energy:
     charge: str = "travel"
 
     def __post_init__(self) -> None:
+        for name in ("capacity", "rate"):
+            object.__setattr__(self, name, float(getattr(self, name)))
         if not self.capacity >= 0 or not math.isfinite(self.capacity):
             raise InputError("energy capacity must be finite and not negative", found=str(self.capacity))
         if not self.rate > 0 or not math.isfinite(self.rate):
@@ -235,6 +243,8 @@ class VehicleType:
     def __post_init__(self) -> None:
         if self.count is not None and self.count < 1:
             raise InputError("the number of vehicles must be at least 1", found=str(self.count))
+        for name in ("capacity", "max_duration", "max_distance", "fixed_cost", "unit_cost"):
+            object.__setattr__(self, name, float(getattr(self, name)))  # 5 and 5.0 must hash alike
         for name in ("capacity", "max_duration", "max_distance"):
             value = getattr(self, name)
             if not value >= 0:

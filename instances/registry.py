@@ -61,11 +61,10 @@ class Registry(Generic[T]):
         return iter(self.names())
 
     def names(self) -> list[str]:
-        """All names, in the order of their modules."""
+        """All names, in alphabetical order: which module was imported first must not matter."""
         self._discover()
-        return list(self._entries)
+        return sorted(self._entries)
 
     def values(self) -> list[T]:
-        """All entries, in the order of their modules."""
-        self._discover()
-        return list(self._entries.values())
+        """All entries, in the order of their names."""
+        return [self._entries[name] for name in self.names()]

@@ -40,21 +40,21 @@ def read_text(path: str | PathLike[str]) -> str:
         if not (file.is_file() or file.is_fifo()):
             raise InputError("is a device", file=path, expected="a file")
         with file.open("rb") as stream:
-            data = stream.read(LARGEST_FILE + 1)
+            data = bytearray()
+            while len(data) <= LARGEST_FILE and (block := stream.read(1 << 16)):  # one large read() would allocate its limit
+                data += block
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror or error}", file=path) from error
     except ValueError as error:  # a NUL in the path
         raise InputError(f"cannot be read: {error}", file=repr(str(path))) from error
     if len(data) > LARGEST_FILE:
         raise InputError("is too large", file=path, expected=f"at most {LARGEST_FILE} bytes")
-    return decode(data, path)
+    return decode(bytes(data), path)
 
 
 def decode(data: bytes, path: str | PathLike[str] | None = None) -> str:
     """``data`` as text; see ``read_text``."""
     data = data.removeprefix(b"\xef\xbb\xbf")
-    if not data.strip():
-        raise InputError("is empty", file=path, expected="an instance")
     if b"\0" in data:
         raise InputError("is not a text file", file=path, line=_line_at(data, data.index(b"\0")), expected="text", found="a NUL byte")
     try:
@@ -64,6 +64,8 @@ def decode(data: bytes, path: str | PathLike[str] | None = None) -> str:
             "is not UTF-8", file=path, line=_line_at(data, error.start), expected="UTF-8 text",
             found=f"byte 0x{data[error.start]:02x} at offset {error.start}",
         ) from None  # fmt: skip
+    if not text.strip():
+        raise InputError("is empty", file=path, expected="text")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -80,6 +82,12 @@ def lines_of(text: str) -> list[tuple[int, str]]:
 def shown(token: str) -> str:
     """A token as it may stand in a message: quoted, printable, and not longer than a line."""
     return repr(token if len(token) <= 40 else token[:37] + "...")
+
+
+def label(text: str) -> str:
+    """A name out of a file as it may be printed and stored: on one line, printable, at most 200 characters."""
+    kept = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return kept[:200].rstrip() or "unnamed"
 
 
 def numbers(text: str, line: int, what: str) -> list[float]:
@@ -126,9 +134,11 @@ def whole(token: str, line: int, what: str, *, least: int) -> int:
     return int(text)
 
 
-def refuse(bad: NDArray[np.bool_], lines: Sequence[int] | NDArray[np.int64], message: str, found: Iterable[object], expected: str) -> None:
+def refuse(
+    bad: NDArray[np.bool_] | np.bool_, lines: Sequence[int] | NDArray[np.int64], message: str, found: Iterable[object], expected: str
+) -> None:
     """Raise InputError for the first row that is ``bad``, with its line and what it holds."""
-    if bad.any():
+    if np.any(bad):
         k = int(np.argmax(bad))
         values = list(found)
         raise InputError(message, line=int(lines[k]), expected=expected, found=str(values[k]))

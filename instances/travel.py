@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -38,12 +38,21 @@ def _truncate(d: Floats, scale: float) -> Floats:
     return np.floor(d * scale + _GUARD) / scale
 
 
+def _unrounded(d: Floats) -> Floats:
+    return d
+
+
+def _ceil(d: Floats) -> Floats:
+    return np.ceil(d - _GUARD)
+
+
+# No lambdas: a travel is pickled when a solver runs in a process of its own.
 _ROUNDING: dict[str, Callable[[Floats], Floats]] = {
-    "exact": lambda d: d,
-    "trunc1": lambda d: _truncate(d, 10.0),
-    "trunc2": lambda d: _truncate(d, 100.0),
+    "exact": _unrounded,
+    "trunc1": partial(_truncate, scale=10.0),
+    "trunc2": partial(_truncate, scale=100.0),
     "round": _nint,
-    "ceil": lambda d: np.ceil(d - _GUARD),
+    "ceil": _ceil,
 }
 
 

@@ -32,7 +32,7 @@ def find_bounds(
     ----------
     problem : Problem
     seconds : float
-        Budget for all methods together; 0 turns bounding off.
+        Budget for all methods together, without what they prepare once a process; 0 turns bounding off.
     target : float, optional
         Value of an answer: a method that reaches it ends the search.
     control : Control, optional
@@ -48,20 +48,23 @@ def find_bounds(
     if seconds <= 0:
         return found
     control = control or Control()
+    methods = sorted((m for m in BOUNDS.values() if not m.missing(problem)), key=lambda m: m.order)
+    for method in methods:
+        method.prepare()
     end = time.perf_counter() + seconds
 
     def solve_program(program: Program, limit: float) -> NDArray[np.float64] | None:
         backend = BACKENDS[LP_SOLVER]()
         assert isinstance(backend, ProgramBackend)
-        result = backend.run(program, Options(time_limit=min(limit, max(0.0, end - time.perf_counter()))), control)
+        inner = Control()  # the outer one carries evidence, which a program backend would take for its own incumbent
+        control.on_stop(inner.stop)
+        result = backend.run(program, Options(time_limit=min(limit, max(0.0, end - time.perf_counter()))), inner)
         return result.row_duals
 
-    for method in sorted(BOUNDS.values(), key=lambda m: m.order):
+    for method in methods:
         left = end - time.perf_counter()
         if control.stopped or left <= 0:
             break
-        if method.missing(problem):
-            continue
         try:
             evidence = method.compute(problem, left, solve_program)
         except UnsupportedError:

@@ -311,7 +311,7 @@ def _best_answer(problem: Problem, run: _Run, result: RawResult, control: Contro
         if answer is not None:
             judged = problem.evaluate(answer)
             claims.check_feasibility(run.name, result, judged, run.exactness)
-            if judged.feasible and run.exactness is Exactness.EXACT:
+            if judged.feasible and (run.program is None or run.exactness is Exactness.EXACT):
                 claims.check_objective(run.name, result, judged)
             candidates.append((answer, judged))
     if control.answer is not None and control.answer is not result.answer:

@@ -31,6 +31,8 @@ class Form:
     exactness : Exactness
     refuses : callable, optional
         Further reasons why it cannot take a problem, as feature names.
+    order : int
+        Forms of lower order come first; the first that can take a problem is its default, so this ranks by measured speed.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Form:
     build: Callable[[Any], Program]
     exactness: Exactness = Exactness.EXACT
     refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
+    order: int = 0
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """Features of ``problem`` that the form lacks; empty if it can take it."""

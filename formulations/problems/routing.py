@@ -169,6 +169,12 @@ class RoutingProblem(Problem):
         """Indices of the sites that may be visited."""
         return self.sites.customers
 
+    def __repr__(self) -> str:
+        limit = self.vehicle_limit
+        fleet = "any number of vehicles" if limit is None else f"at most {limit} vehicle{'s' if limit != 1 else ''}"
+        aim = f"{' then '.join(self.senses)} {self.objective}"
+        return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}, convention {self.convention}>"
+
     def digest(self) -> str:
         s, t = self.sites, self.travel
         return digest(
@@ -220,9 +226,9 @@ class RoutingProblem(Problem):
 
         return evaluate_routes(self, answer)
 
-    def vehicle_name(self, position: int) -> str:
-        """Name of the vehicle that drives route number ``position`` (counted from 0)."""
-        return f"{self.fleet[0].name} {position + 1}"
+    def vehicle_name(self, position: int, kind: int = 0) -> str:
+        """Name of the vehicle of type ``kind`` that drives route number ``position`` (counted from 0)."""
+        return f"{self.fleet[kind if 0 <= kind < len(self.fleet) else 0].name} {position + 1}"
 
     def answer_to_json(self, answer: Routes) -> dict[str, Any]:
         ids = self.sites.ids
@@ -263,7 +269,7 @@ class RoutingProblem(Problem):
             for k, site in enumerate(route.visits):
                 rows.append(
                     {
-                        "vehicle": self.vehicle_name(number), "position": k + 1, "site": self.sites.ids[site],
+                        "vehicle": self.vehicle_name(number, route.vehicle), "position": k + 1, "site": self.sites.ids[site],
                         "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.begin[k] + self.sites.service[site],
                         "load": float(plan.load[k]), "distance": float(plan.distance[k]),
                     }

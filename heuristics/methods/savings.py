@@ -48,7 +48,24 @@ def _kernel() -> Callable[..., Any]:
         return length <= max_distance * (1 + 1e-9) and duration <= max_duration * (1 + 1e-9)
 
     @numba.njit(cache=True)
-    def merge(pairs_i, pairs_j, depot, time, distance, service, ready, due, demand, capacity, max_duration, max_distance, both_ways):  # type: ignore[no-untyped-def]
+    def merge(
+        pairs_i,
+        pairs_j,
+        losing,
+        routes,
+        limit,
+        depot,
+        time,
+        distance,
+        service,
+        ready,
+        due,
+        demand,
+        capacity,
+        max_duration,
+        max_distance,
+        both_ways,
+    ):  # type: ignore[no-untyped-def]
         n = len(demand)
         route_of = np.arange(n)
         # Routes are linked lists (next/previous); ends are found in O(1), walks cost the length of a route.
@@ -58,6 +75,8 @@ def _kernel() -> Callable[..., Any]:
         size = np.ones(n, dtype=np.int64)
         buffer = np.empty(n, dtype=np.int64)
         for p in range(len(pairs_i)):
+            if p >= losing and routes <= limit:
+                break
             i, j = pairs_i[p], pairs_j[p]
             a, b = route_of[i], route_of[j]
             if a == b or load[a] + load[b] > capacity * (1 + 1e-12):
@@ -86,6 +105,7 @@ def _kernel() -> Callable[..., Any]:
             first[a], last[a] = buffer[0], buffer[count - 1]
             load[a] += load[b]
             size[a], size[b] = count, 0
+            routes -= 1
         return route_of, first, following, size
 
     return merge  # type: ignore[no-any-return]
@@ -106,12 +126,13 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
     Returns
     -------
     Outcome
-        May use more vehicles than the fleet has: the method does not count them.
+        May use more vehicles than the fleet has: joins are never taken back.
 
     Notes
     -----
     Clarke and Wright, Operations Research 12 (1964) 568-581. Without windows and with symmetric data routes are joined
-    at either end (reversed where needed), else last to first only. O(n^2 log n) plus one walk a merge that is tried.
+    at either end (reversed where needed), else last to first only. While there are more routes than vehicles, joins that save
+    nothing are taken too, the least loss first. O(n^2 log n) plus one walk a join that is tried.
     """
     if not (isinstance(shape, int | float) and shape > 0 and math.isfinite(shape)):
         raise UsageError(f"shape must be a positive number, not {shape!r}")
@@ -126,12 +147,15 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
     np.fill_diagonal(gain, -np.inf)
     if both_ways:
         gain[np.tril_indices(len(gain))] = -np.inf
-    worth: NDArray[np.int64] = np.nonzero(gain.ravel() > 0)[0]
+    limit = problem.vehicle_limit
+    # Joins that cost more than they save come last, and only where the fleet is too small without them.
+    pairs: NDArray[np.int64] = np.nonzero(gain.ravel() > (0 if limit is None else -np.inf))[0]
     # Stable sort on the negated gain: ties go to the lower site numbers, so the result does not depend on the platform.
-    order = worth[np.argsort(-gain.ravel()[worth], kind="stable")]
+    order = pairs[np.argsort(-gain.ravel()[pairs], kind="stable")]
+    losing = int((gain.ravel()[order] > 0).sum())
     i, j = np.divmod(order, len(gain))
     _, first, following, size = _kernel()(
-        i, j, depot, time, distance, np.asarray(sites.service), np.asarray(sites.ready), np.asarray(sites.due),
+        i, j, losing, len(problem.customers), len(gain) if limit is None else limit, depot, time, distance, np.asarray(sites.service), np.asarray(sites.ready), np.asarray(sites.due),
         np.asarray(sites.demand), vehicle.capacity, vehicle.max_duration, vehicle.max_distance, both_ways,
     )  # fmt: skip
     routes = []
@@ -145,9 +169,9 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
         routes.append(Route(tuple(visits)))
     answer = Routes(tuple(routes)).canonical()
     message = ""
-    if problem.vehicle_limit is not None and len(answer) > problem.vehicle_limit:
-        message = f"savings needs {len(answer)} vehicles, the fleet has {problem.vehicle_limit}; it does not limit them"
-    return Outcome(answer, statistics={"routes": len(answer), "savings": len(order)}, message=message)
+    if limit is not None and len(answer) > limit:
+        message = f"savings found no way to join its {len(answer)} routes for a fleet of {limit}"
+    return Outcome(answer, statistics={"routes": len(answer), "savings": losing}, message=message)
 
 
 def _refuses(problem: Any) -> frozenset[str]:

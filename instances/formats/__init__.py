@@ -1,3 +1,59 @@
-"""File formats: each module registers a reader, a writer or both."""
+"""File formats: each module registers one, with its reader and, where it has one, its writer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 from ... import _guard as _guard
+from ..instance import Instance
+from ..registry import Registry
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format.
+
+    Parameters
+    ----------
+    name : str
+        Used with ``--format``.
+    summary : str
+        One line.
+    recognises : callable
+        Whether a text is meant as this format; cheap, and never raises.
+    read : callable
+        From the text and the path to the instance. Raises InputError with the line, without the file.
+    write : callable, optional
+        From an instance to the text. Raises UsageError for what the format cannot express.
+    suffixes : tuple of str
+        File names that are written in this format when none is named.
+    problem : str
+        The problem that is meant when nothing else is said; "" where the file says it.
+    problems : tuple of str
+        Problems that may be asked of its instances.
+    convention : str
+        Default distance convention.
+    sense, answer : str
+        For the documentation: of the problems' objectives, and what an answer is.
+    solutions : tuple of str
+        Suffixes of solution files.
+    """
+
+    name: str
+    summary: str
+    recognises: Callable[[str], bool]
+    read: Callable[[str, Path], Instance]
+    write: Callable[[Any], str] | None = None
+    suffixes: tuple[str, ...] = ()
+    problem: str = ""
+    problems: tuple[str, ...] = ()
+    convention: str = "exact"
+    sense: str = "min"
+    answer: str = "routes"
+    solutions: tuple[str, ...] = (".json", ".sol", ".tour")
+
+
+FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats")

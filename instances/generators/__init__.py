@@ -1,3 +1,47 @@
 """Seeded generators of instances: each module registers one."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
 from ... import _guard as _guard
+from ..errors import UsageError
+from ..instance import Instance
+from ..registry import Registry
+from ._draw import Draw as Draw
+from ._settings import Setting
+
+
+@dataclass(frozen=True)
+class Generator:
+    """A recipe for instances.
+
+    Parameters
+    ----------
+    name : str
+        Used with ``waybound generate``.
+    summary : str
+        One line.
+    settings : mapping of Setting
+        What ``--set`` takes.
+    make : callable
+        From random draws and one value for each setting to the instance.
+    """
+
+    name: str
+    summary: str
+    settings: Mapping[str, Setting]
+    make: Callable[[Draw, Mapping[str, Any]], Instance]
+
+    def values(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """A value for each setting; UsageError for one that does not exist or is out of range."""
+        named = {key.replace("_", "-"): value for key, value in given.items()}
+        for key in named:
+            if key not in self.settings:
+                raise UsageError(f"{self.name} has no setting {key!r}; it takes {', '.join(self.settings)}")
+        return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in self.settings.items()}
+
+
+GENERATORS: Registry[Generator] = Registry("generator", "waybound.instances.generators")

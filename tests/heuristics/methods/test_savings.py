@@ -68,10 +68,16 @@ def test_scaling_all_distances_leaves_the_routes() -> None:
     assert run(scaled) == run(problem)
 
 
+def test_routes_are_joined_at_a_loss_while_the_fleet_is_too_small() -> None:
+    xy = np.array([(0, 0), (1, 0), (-1, 0)], dtype=float)
+    pair = RoutingProblem(Sites.of(range(3)), Travel("euclidean", coordinates=xy), (VehicleType(count=1),))
+    assert len(run(pair)) == 1
+
+
 def test_a_fleet_too_small_is_said() -> None:
     problem = problem_of(np.random.default_rng(5), 20, windows=True, limit=False)
     tight = RoutingProblem(problem.sites, problem.travel, (VehicleType(count=1, capacity=25),))
-    assert "the fleet has 1" in HEURISTICS["savings"].run(tight, SETTING).message
+    assert "for a fleet of 1" in HEURISTICS["savings"].run(tight, SETTING).message
 
 
 @pytest.mark.parametrize("shape", [0, -1, math.nan, math.inf, "wide"])

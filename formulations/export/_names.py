@@ -1,0 +1,51 @@
+"""Names that the MPS and LP formats, and their readers, agree on."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+RESERVED = frozenset(
+    {
+        "max", "maximize", "maximise", "maximum", "min", "minimize", "minimise", "minimum", "subject", "such", "st", "s.t.", "bound",
+        "bounds",
+        "free", "inf", "infinity", "gen", "general", "generals", "int", "integer", "integers", "bin", "binary", "binaries", "semi",
+        "semis", "sos", "sos1", "sos2", "end", "obj", "rhs", "rng", "bnd", "marker", "objsense",
+    }
+)  # fmt: skip
+LONGEST = 200
+
+_BRACKETS = str.maketrans("[]", "()")
+_FORBIDDEN = re.compile(r"[^A-Za-z0-9_(),.]")
+_NUMBERLIKE = re.compile(r"[^A-Za-z_]|[eE][0-9.]|[eE]$|inf|nan", re.IGNORECASE)
+
+
+def readable_names(count: int, name: Callable[[int], str], prefix: str) -> list[str]:
+    """Different names made from ``name(k)``: ``time[17,4,2]`` becomes ``time(17,4,2)``.
+
+    Parameters
+    ----------
+    count : int
+    name : callable
+        ``Program.variable_name`` or ``Program.row_name``.
+    prefix : str
+        One letter, put before a name that would not do as it is.
+    """
+    taken: set[str] = set()
+    made = []
+    for k in range(count):
+        text = _FORBIDDEN.sub("_", name(k).translate(_BRACKETS))
+        if not text or len(text) > LONGEST or text.lower() in RESERVED or _NUMBERLIKE.match(text):
+            text = f"{prefix}_{text[:LONGEST]}"
+        if text in taken:
+            text = f"{text}_{prefix}{k}"
+            while text in taken:
+                text += "_"
+        taken.add(text)
+        made.append(text)
+    return made
+
+
+def plain_names(count: int, prefix: str) -> list[str]:
+    """``x0, x1, ...``"""
+    return [f"{prefix}{k}" for k in range(count)]

@@ -1,0 +1,75 @@
+"""A program as a CVXPY problem."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..program import Program
+from ._checks import refuse_cones, refuse_crossing, refuse_numbers
+
+
+def to_cvxpy(program: Program) -> Any:
+    """A ``cvxpy.Problem`` with one vector variable a block of variables and up to three constraints a block of rows.
+
+    Parameters
+    ----------
+    program : Program
+        Without cones; a quadratic part must be convex (concave for maximisation).
+
+    Returns
+    -------
+    cvxpy.Problem
+        ``problem.var_dict`` holds the variables by the names of their blocks, in column order; a name that occurs again gets a
+        number (``x, x.2``). Empty blocks have none.
+
+    Raises
+    ------
+    UnsupportedError
+        If the program has cones.
+    InputError
+        If the data hold a NaN, an infinite coefficient or bounds that cross.
+    """
+    import cvxpy as cp
+    import scipy.sparse as sp
+
+    refuse_cones(program, "CVXPY")
+    refuse_numbers(program)
+    refuse_crossing(program)
+    seen: dict[str, int] = {}
+    variables: list[Any] = []
+    starts: list[int] = []
+    column = 0
+    for block in program.variables:
+        if block.size:
+            seen[block.name] = seen.get(block.name, 0) + 1
+            name = block.name if seen[block.name] == 1 else f"{block.name}.{seen[block.name]}"
+            binary = block.integer and bool((block.lower == 0).all() and (block.upper == 1).all())
+            bounds = None if binary else [block.lower, block.upper]
+            v = cp.Variable(block.size, name=name, boolean=binary, integer=block.integer and not binary, bounds=bounds)
+            variables.append(v)
+            starts.append(column)
+        column += block.size
+    constraints: list[Any] = []
+    ends = [s + v.size for s, v in zip(starts, variables, strict=True)]
+    for rows in program.rows:
+        matrix = sp.csr_matrix((rows.data, rows.indices, rows.indptr), shape=(rows.size, program.num_variables))
+        equal = rows.lower == rows.upper
+        for chosen, side, sense in (
+            (equal, rows.lower, "=="),
+            (~equal & np.isfinite(rows.upper), rows.upper, "<="),
+            (~equal & np.isfinite(rows.lower), rows.lower, ">="),
+        ):
+            if not chosen.any():
+                continue
+            part = matrix[chosen].tocsc()
+            terms = [part[:, s:e] @ v for s, e, v in zip(starts, ends, variables, strict=True) if part[:, s:e].nnz]
+            left = sum(terms) if terms else cp.Constant(np.zeros(int(chosen.sum())))
+            constraints.append({"==": left == side[chosen], "<=": left <= side[chosen], ">=": left >= side[chosen]}[sense])
+    objective = sum(program.cost[s:e] @ v for s, e, v in zip(starts, ends, variables, strict=True)) + program.offset
+    if program.quadratic is not None:
+        sign = -1.0 if program.sense == "max" else 1.0
+        objective += sign * 0.5 * cp.quad_form(cp.hstack(variables), sign * sp.csc_matrix(program.quadratic))
+    goal: Any = cp.Maximize if program.sense == "max" else cp.Minimize
+    return cp.Problem(goal(objective), constraints)

@@ -1,0 +1,156 @@
+"""A bare program as a problem of its own: its answer is a vector, judged against rows, bounds and integrality."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ...instances.errors import InputError
+from ...instances.instance import digest
+from ..evaluation import CHECK_TOLERANCE, Check, Evaluation, Violation
+from ..problem import Problem
+from ..program import Floats, Program
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class ArrayProblem(Problem):
+    """Find a vector that a program allows, of the best value.
+
+    Parameters
+    ----------
+    program : Program
+        Linear or quadratic, mixed-integer or not, with or without cones. What it was compiled from is forgotten.
+    name : str, optional
+
+    Raises
+    ------
+    InputError
+        If its arrays do not fit each other, or hold a NaN or an infinite cost or coefficient.
+    """
+
+    family: ClassVar[str] = "arrays"
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, program: Program, name: str | None = None) -> None:
+        from ..export._checks import refuse_numbers
+
+        _check_shapes(program)
+        refuse_numbers(program)
+        self.program = program
+        self.name = name or program.form
+        self.problem = "arrays"
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return (self.program.sense,)
+
+    @property
+    def convention(self) -> str:
+        return "exact"
+
+    def digest(self) -> str:
+        p = self.program
+        quadratic: tuple[Any, ...] = ()
+        if p.quadratic is not None:
+            q = p.quadratic.tocsr()
+            quadratic = (q.indptr, q.indices, q.data)
+        return digest(
+            "arrays", p.sense, p.cost, p.lower, p.upper, p.integer, p.row_lower, p.row_upper, p.indptr, p.indices, p.data,
+            float(p.offset), repr(p.cones), *quadratic,
+        )  # fmt: skip
+
+    def features(self) -> frozenset[str]:
+        """``LP`` always; ``integer``, ``quadratic`` and ``cones`` where the program has them."""
+        p = self.program
+        marks = {"integer": p.is_integer, "quadratic": p.quadratic is not None, "cones": bool(p.cones)}
+        return frozenset({"LP", *(name for name, present in marks.items() if present)})
+
+    def evaluate(self, answer: Any) -> Evaluation:
+        """Recompute the objective and every row, bound and integrality of the vector ``answer`` of shape (variables,)."""
+        p = self.program
+        x = self._vector(answer)
+        with np.errstate(over="ignore", invalid="ignore"):
+            terms = p.data * x[p.indices]
+            row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
+            activity = np.bincount(row, terms, minlength=p.num_rows) if p.num_rows else np.zeros(0)
+            value = math.fsum(p.cost * x) + float(p.offset) if np.isfinite(x).all() else math.nan
+            if p.quadratic is not None:
+                value += float(x @ (p.quadratic @ x)) / 2.0
+        with np.errstate(invalid="ignore"):
+            fraction = np.where(p.integer, np.abs(x - np.round(x)), 0.0)
+        judged = [
+            _judged("bounds", np.maximum(p.lower - x, x - p.upper), lambda k: _outside(p.variable_name(k), x[k], p.lower[k], p.upper[k])),
+            _judged(
+                "rows",
+                np.maximum(p.row_lower - activity, activity - p.row_upper),
+                lambda k: _outside(p.row_name(k), activity[k], p.row_lower[k], p.row_upper[k]),
+            ),
+            _judged("integrality", fraction, lambda k: f"{p.variable_name(k)} is {x[k]:.9g}, not a whole number"),
+        ]
+        checks = tuple(check for check, _ in judged)
+        return Evaluation((value,), checks, tuple(v for _, found in judged for v in found), {})
+
+    def answer_to_json(self, answer: Any) -> dict[str, Any]:
+        return {"kind": "vector", "values": self._vector(answer).tolist()}
+
+    def answer_from_json(self, data: Any) -> Floats:
+        if not isinstance(data, Mapping) or data.get("kind") != "vector" or not isinstance(data.get("values"), list):
+            raise InputError("not an answer to a program", expected='an object {"kind": "vector", "values": [...]}')
+        if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data["values"]):
+            raise InputError("the answer's values must be numbers")
+        return self._vector(data["values"])
+
+    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+        """One row a variable: variable, value, lower, upper."""
+        import pandas as pd
+
+        p = self.program
+        names = [p.variable_name(k) for k in range(p.num_variables)]
+        return pd.DataFrame({"variable": names, "value": self._vector(answer), "lower": p.lower, "upper": p.upper})
+
+    def _vector(self, answer: Any) -> Floats:
+        try:
+            x = np.asarray(answer, dtype=np.float64)
+        except (TypeError, ValueError):
+            x = np.zeros((0, 0))
+        if x.shape != (self.program.num_variables,):
+            raise InputError(
+                "the answer to a program is a vector with one number a variable",
+                expected=f"({self.program.num_variables},)",
+                found=f"{x.shape}",
+            )
+        return x
+
+
+def _judged(check: str, excess: Floats, message: Callable[[int], str]) -> tuple[Check, list[Violation]]:
+    residual = np.where(np.isnan(excess), math.inf, np.maximum(excess, 0.0))
+    worst = float(residual.max(initial=0.0))
+    wrong = np.nonzero(residual > CHECK_TOLERANCE)[0].tolist()
+    return Check(check, worst <= CHECK_TOLERANCE, worst, len(residual)), [Violation(check, message(k), float(residual[k])) for k in wrong]
+
+
+def _outside(name: str, value: float, low: float, high: float) -> str:
+    return f"{name} is {value:.9g}, outside [{low:g}, {high:g}]"
+
+
+def _check_shapes(program: Program) -> None:
+    if program.sense not in ("min", "max"):
+        raise InputError("the sense of a program is min or max", found=str(program.sense))
+    for block in program.variables:
+        if {len(block.lower), len(block.upper), len(block.cost)} != {block.size}:
+            raise InputError(f"the arrays of variables {block.name} have different lengths")
+    for rows in program.rows:
+        if len(rows.upper) != rows.size or len(rows.indptr) != rows.size + 1 or len(rows.indices) != len(rows.data):
+            raise InputError(f"the arrays of rows {rows.name} have different lengths")
+        if rows.indptr[0] != 0 or rows.indptr[-1] != len(rows.data) or (np.diff(rows.indptr) < 0).any():
+            raise InputError(f"the row starts of rows {rows.name} do not ascend from 0 to the number of entries")
+        if len(rows.indices) and not (rows.indices.min() >= 0 and rows.indices.max() < program.num_variables):
+            raise InputError(f"rows {rows.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
+    n = program.num_variables
+    if program.quadratic is not None and program.quadratic.shape != (n, n):
+        raise InputError("the quadratic part has the wrong shape", expected=f"({n}, {n})", found=str(program.quadratic.shape))

@@ -1,0 +1,124 @@
+"""Sites that no route can serve, with the proof, and the least number of routes."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .evaluation import CHECK_TOLERANCE
+
+if TYPE_CHECKING:
+    from ..instances.instance import VehicleType
+    from .problems.routing import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+
+def unreachable(problem: RoutingProblem) -> dict[int, str]:
+    """Customers that no vehicle can serve, not even alone, and why.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+
+    Returns
+    -------
+    dict
+        From site index to the reason, with its amounts; with several vehicle types, the reason of each. Every reason is a proof:
+        ways are shortest ways through any other customers, services on the way included, and a limit counts as exceeded
+        only beyond what ``evaluate`` lets pass.
+
+    Notes
+    -----
+    Source: digest 2.0, step 3.
+    """
+    verdicts = [_reasons(problem, kind) for kind in problem.fleet]
+    customers = problem.customers
+    found = {}
+    for k, site in enumerate(customers.tolist()):
+        reasons = [v[k] for v in verdicts]
+        if all(r is not None for r in reasons):
+            named = zip(problem.fleet, reasons, strict=True)
+            found[site] = str(reasons[0]) if len(reasons) == 1 else "; ".join(f"{kind.name}: {r}" for kind, r in named)
+    return found
+
+
+def minimum_vehicles(problem: RoutingProblem) -> int:
+    """A lower bound on the number of routes of any feasible answer.
+
+    The largest vehicles together must carry all required demands, rounding and the checker's tolerance granted; every answer
+    has at least ``min_vehicles`` routes, and one if any customer is required.
+
+    Returns
+    -------
+    int
+        One more than the fleet has where it cannot carry the demands at all.
+    """
+    sites, customers = problem.sites, problem.customers
+    must = customers[sites.required[customers]]
+    if len(must) == 0:
+        return problem.min_vehicles
+    total = math.fsum(sites.demand[must]) * (1.0 - 1e-12)
+    room, routes = 0.0, 0
+    for kind in sorted(problem.fleet, key=lambda v: -v.capacity):
+        capacity = kind.capacity + CHECK_TOLERANCE
+        count = len(customers) if kind.count is None else kind.count
+        needed = max(0, math.ceil((total - room) / capacity)) if math.isfinite(capacity) else int(room < total)
+        if needed <= count:
+            return max(routes + needed, problem.min_vehicles, 1)
+        room, routes = room + count * capacity, routes + count
+    return max(routes + 1, problem.min_vehicles)
+
+
+def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
+    """Why a vehicle of this type cannot serve each customer; None where nothing forbids it."""
+    sites, at = problem.sites, problem.customers
+    durations, distances = problem.travel.durations, problem.travel.distances
+    service = sites.service[at]
+    out, back = _ways(durations, at, kind, service)
+    opens, due = float(sites.ready[kind.start]), sites.due[at]
+    begin = np.maximum(opens + out, sites.ready[at])
+    finish = begin + service + back
+    shortest = out + service + back
+    tests: list[tuple[Floats, Floats | float, str]] = [
+        (sites.demand[at], kind.capacity, "its demand is {:g}, the capacity {:g}"),
+        (opens + out, due, "it is reached at {:.6g} at the earliest, due {:g}"),
+        (finish, float(sites.due[kind.end]), "the return from it is at {:.6g} at the earliest, due {:g}"),
+        (shortest, kind.max_duration, "a route to it lasts {:.6g} at least, the longest duration is {:g}"),
+    ]
+    if math.isfinite(kind.max_distance):
+        far, home = _ways(distances, at, kind, np.zeros(len(at)))
+        tests.append((far + home, kind.max_distance, "a route to it is {:.6g} long at least, the longest distance is {:g}"))
+    if kind.energy is not None:
+        rate, charge, store = kind.energy.rate, kind.energy.charge, kind.energy.capacity
+        if charge == "travel":
+            far, home = _ways(durations, at, kind, np.zeros(len(at)))
+            used = far + home
+        elif charge == "elapsed":
+            used = shortest
+        else:  # from the opening of the depot, and no less where each move is charged at its window
+            used = finish - opens
+        tests.append((rate * used, store, f"a route to it draws {{:.6g}} of energy at least ({charge}), the store holds {{:g}}"))
+    reasons: list[str | None] = [None] * len(at)
+    for value, limit, text in tests:
+        bounds = np.broadcast_to(np.asarray(limit, dtype=np.float64), len(at))
+        for k in np.nonzero(value > bounds + CHECK_TOLERANCE + 1e-9 * np.abs(value))[0].tolist():
+            reasons[k] = reasons[k] or text.format(value[k], bounds[k])
+    return reasons
+
+
+def _ways(matrix: Floats, at: NDArray[np.int64], kind: VehicleType, service: Floats) -> tuple[Floats, Floats]:
+    """Shortest ways from the start to each customer, and from it to the end, services on the way included (Bellman-Ford)."""
+    between = matrix[np.ix_(at, at)]
+    np.fill_diagonal(between, 0.0)
+    out, back = matrix[kind.start, at].copy(), matrix[at, kind.end].copy()
+    for _ in range(len(at)):
+        nearer = np.minimum(out, ((out + service)[:, None] + between).min(axis=0))
+        sooner = np.minimum(back, (between + (service + back)[None, :]).min(axis=1))
+        if (nearer >= out).all() and (sooner >= back).all():
+            break
+        out, back = nearer, sooner
+    return out, back

@@ -1,0 +1,54 @@
+"""waybound's JSON: every kind of instance, exact to the bit. The schema is documented in ``docs/formats.md``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..document import dump_json, fields, integer, kind_of, parse_json, string
+from ..errors import InputError, UsageError
+from ..instance import Instance
+from ..kinds import KINDS
+from . import FORMATS, Format
+
+VERSION = 1
+
+
+def recognises(text: str) -> bool:
+    """Whether the text is meant as a JSON object."""
+    return text.lstrip().startswith("{")
+
+
+def read(text: str, path: Path) -> Instance:
+    """The instance; see ``Format.read``."""
+    data = parse_json(text)
+    if not isinstance(data, dict):
+        raise InputError("must hold one object", found=kind_of(data))
+    if "waybound" not in data:
+        if "answer" in data or "routes" in data:
+            raise InputError("is a solution file, not an instance")
+        raise InputError("is JSON, but no waybound instance", expected='the key "waybound" with the version of the schema')
+    version = integer(data["waybound"], "waybound", 1)
+    if version != VERSION:
+        raise InputError("schema version is not supported", expected=str(VERSION), found=str(version))
+    fields(data, "the document", tuple(data), ("kind",))
+    kind = string(data["kind"], "kind")
+    if kind not in KINDS:
+        raise InputError("kind is unknown", expected=", ".join(KINDS.names()), found=kind)
+    return KINDS[kind].decode({key: value for key, value in data.items() if key not in ("waybound", "kind")})
+
+
+def write(instance: Any) -> str:
+    """The text; see ``Format.write``."""
+    if instance.kind not in KINDS:
+        raise UsageError(f"{instance.name} is of kind {instance.kind}, which has no JSON form")
+    return dump_json({"waybound": VERSION, "kind": instance.kind, **KINDS[instance.kind].encode(instance)})
+
+
+FORMATS.add(
+    "json",
+    Format(
+        "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",), "",
+        ("tsp", "cvrp", "vrptw", "min-cost-vrp"), "exact",
+    ),
+)  # fmt: skip

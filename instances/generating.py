@@ -1,0 +1,44 @@
+"""Generation of instances by name of the recipe."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .errors import UsageError
+from .generators import GENERATORS, Draw
+from .instance import Instance
+
+
+def generate(kind: str, seed: int, **settings: Any) -> Instance:
+    """A new instance; the same seed and settings give the same instance, on every machine.
+
+    Parameters
+    ----------
+    kind : str
+        A name of ``GENERATORS``: ``solomon``, ``uchoa``, ``random``.
+    seed : int
+        At least 0.
+    **settings
+        The recipe's own; dashes and underscores are one. Values may be text, as on the command line.
+
+    Returns
+    -------
+    Instance
+        Of format ``generated``.
+
+    Raises
+    ------
+    UsageError
+        If the recipe or a setting does not exist, or a value is out of range.
+    """
+    recipe = GENERATORS[kind]
+    try:
+        number = int(str(seed))
+    except ValueError:
+        number = -1
+    if number < 0 or isinstance(seed, bool):
+        raise UsageError(f"the seed must be a whole number of at least 0, not {seed!r}")
+    values = recipe.values(settings)
+    return recipe.make(Draw(np.random.Generator(np.random.PCG64(number))), {**values, "seed": number})

@@ -1,0 +1,49 @@
+"""Writing of instances, by name of the format or by the file's suffix."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+from .atomic import atomic_write
+from .errors import UsageError
+from .formats import FORMATS, Format
+from .instance import Instance
+
+
+def write_instance(instance: Instance, path: str | PathLike[str], format: str | None = None) -> None:  # noqa: A002
+    """Write ``instance`` to ``path``, whole or not at all.
+
+    Parameters
+    ----------
+    instance : Instance
+    path : path-like
+    format : str, optional
+        A name of ``FORMATS``; by default the one that the suffix of ``path`` stands for.
+
+    Raises
+    ------
+    UsageError
+        If no format is named and the suffix stands for none, or the format cannot express the instance; then the
+        message names what has no place in it.
+    InputError
+        If the file cannot be written.
+    """
+    chosen = FORMATS[format] if format is not None else format_of_suffix(path)
+    if chosen.write is None:
+        raise UsageError(f"{chosen.name} files are read only; write one of {', '.join(_writable())}")
+    atomic_write(path, chosen.write(instance))
+
+
+def format_of_suffix(path: str | PathLike[str]) -> Format:
+    """The format that is written under the suffix of ``path``."""
+    suffix = Path(path).suffix.lower()
+    for entry in FORMATS.values():
+        if entry.write is not None and suffix in entry.suffixes:
+            return entry
+    known = ", ".join(s for entry in FORMATS.values() if entry.write is not None for s in entry.suffixes)
+    raise UsageError(f"{path}: the suffix stands for no format; use one of {known}, or name a format of {', '.join(_writable())}")
+
+
+def _writable() -> list[str]:
+    return [entry.name for entry in FORMATS.values() if entry.write is not None]

@@ -1,0 +1,219 @@
+"""Time from a routing problem to a solver's model: waybound, PuLP and bare HiGHS calls on ready arrays, side by side.
+
+Run as ``python -m waybound.reports.benchmarks.compile_three_index [--customers 100] [--vehicles 10] [--seed 1] [--repeats 5]``.
+
+All three write the three-index form of one generated problem with time windows. PuLP gets arcs, big-M constants and tightened
+windows ready-made as lists, outside its clock, and writes the same rows and columns; that they are the same is checked through its
+MPS file. Windows are wide by default, so that the arc filters remove nothing; ``--windows narrow`` shows what they remove otherwise.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from waybound.formulations.forms._routes import ArcIndex
+from waybound.formulations.preparation import prepare
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.program import Program
+from waybound.formulations.reachability import minimum_vehicles
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.travel import Travel
+
+WINDOWS = {"wide": (2000.0, 3000.0), "medium": (200.0, 400.0), "narrow": (20.0, 60.0)}
+"""Widths of the time windows, within a day of 1000 units on a square of 100 x 100."""
+
+TARGET_PULP, TARGET_BARE = 40.0, 3.0
+
+
+def generate(customers: int, vehicles: int, windows: str, seed: int) -> RoutingProblem:
+    """Uniform customers with demands 1 to 19, services of 10, and windows around a uniform midpoint."""
+    rng = np.random.default_rng(seed)
+    xy = rng.uniform(0.0, 100.0, (customers + 1, 2)).round(1)
+    middle, width = rng.uniform(150.0, 850.0, customers), rng.uniform(*WINDOWS[windows], customers)
+    ready, due = np.clip(middle - width / 2, 0.0, 850.0), np.clip(middle + width / 2, 150.0, 850.0)
+    demand = np.append(0.0, rng.integers(1, 20, customers).astype(float))
+    sites = Sites.of(
+        range(customers + 1), demand=demand, ready=np.append(0.0, ready.round(1)), due=np.append(1000.0, due.round(1)),
+        service=np.append(0.0, np.full(customers, 10.0)), coordinates=xy,
+    )  # fmt: skip
+    capacity = float(np.ceil(1.3 * demand.sum() / vehicles))
+    travel = Travel("euclidean", coordinates=xy, convention="trunc1")
+    return RoutingProblem(sites, travel, (VehicleType(count=vehicles, capacity=capacity),), name=f"generated-{customers}")
+
+
+def with_waybound(problem: RoutingProblem) -> Any:
+    """From the problem to a HiGHS model ready to start."""
+    return problem.compile("three-index").to_highs()
+
+
+def with_bare_highs(program: Program) -> tuple[Any, float]:
+    """HiGHS calls on arrays that exist; also the seconds that ``addRows`` alone took."""
+    import highspy
+
+    n, none = program.num_variables, np.zeros(0, dtype=np.int32)
+    integer = np.nonzero(program.integer)[0].astype(np.int32)
+    model = highspy.Highs()
+    model.setOptionValue("output_flag", False)
+    model.addCols(n, program.cost, program.lower, program.upper, 0, np.zeros(n, dtype=np.int32), none, np.zeros(0))
+    model.changeColsIntegrality(len(integer), integer, np.ones(len(integer), dtype=np.uint8))
+    began = time.perf_counter()
+    model.addRows(
+        program.num_rows, program.row_lower, program.row_upper, len(program.data), program.indptr[:-1], program.indices, program.data
+    )
+    return model, time.perf_counter() - began
+
+
+def lists_for_pulp(problem: RoutingProblem) -> dict[str, Any]:
+    """What a modeller would hold in lists before the first variable is made: arcs with the idle one, windows, big-M."""
+    prep = prepare(problem)
+    clock, idle = prep.time, (0, prep.end)
+    find = ArcIndex(prep).find
+    arcs = sorted([*zip(prep.tail.tolist(), prep.head.tolist(), strict=True), idle])
+    tails, heads = (np.array(side, dtype=np.int64) for side in zip(*arcs, strict=True))
+    at = find(tails, heads)
+    weight, cost = np.where(at >= 0, clock.weight[at], 0.0), np.where(at >= 0, prep.cost[at], 0.0)
+    big = np.where(at >= 0, clock.upper[tails] + weight - clock.lower[heads], 0.0)
+    return {
+        "arcs": arcs, "cost": cost.tolist(), "weight": weight.tolist(), "M": big.tolist(), "lower": clock.lower.tolist(),
+        "upper": clock.upper.tolist(), "demand": prep.demand.tolist(), "nodes": prep.nodes, "vehicles": prep.fleet,
+        "capacity": problem.fleet[0].capacity, "least": minimum_vehicles(problem),
+    }  # fmt: skip
+
+
+def with_pulp(data: dict[str, Any], path: Path) -> Any:
+    """The same rows and columns in PuLP's own words, and its MPS file."""
+    import pulp
+
+    arcs, nodes, vehicles = data["arcs"], range(data["nodes"]), range(data["vehicles"])
+    out: dict[int, list[int]] = {i: [] for i in nodes}
+    into: dict[int, list[int]] = {i: [] for i in nodes}
+    for a, (i, j) in enumerate(arcs):
+        out[i].append(a)
+        into[j].append(a)
+    end, customers = data["nodes"] - 1, range(1, data["nodes"] - 1)
+    model = pulp.LpProblem("three_index", pulp.LpMinimize)
+    x = {(a, k): model.add_variable(f"x_{i}_{j}_{k}", cat="Binary") for a, (i, j) in enumerate(arcs) for k in vehicles}
+    t = {(i, k): model.add_variable(f"t_{i}_{k}", data["lower"][i], data["upper"][i]) for i in nodes for k in vehicles}
+    model += pulp.lpSum(data["cost"][a] * x[a, k] for a in range(len(arcs)) for k in vehicles)
+    for i in customers:
+        model += pulp.lpSum(x[a, k] for a in out[i] for k in vehicles) == 1, f"visit_{i}"
+    model += pulp.lpSum(x[a, k] for a in out[0] if arcs[a][1] != end for k in vehicles) >= data["least"], "fleet"
+    for k in vehicles:
+        model += pulp.lpSum(x[a, k] for a in out[0]) == 1, f"depart_{k}"
+        for i in customers:
+            model += pulp.lpSum(x[a, k] for a in into[i]) - pulp.lpSum(x[a, k] for a in out[i]) == 0, f"flow_{i}_{k}"
+        model += pulp.lpSum(data["demand"][i] * x[a, k] for i in customers for a in out[i]) <= data["capacity"], f"load_{k}"
+    for a, (i, j) in enumerate(arcs):
+        big = data["M"][a]
+        if big > 0:
+            for k in vehicles:
+                model += t[i, k] - t[j, k] + big * x[a, k] <= big - data["weight"][a], f"time_{i}_{j}_{k}"
+    model.writeMPS(str(path), rename=True)
+    return model
+
+
+def same_model(program: Program, path: Path) -> None:
+    """Raise AssertionError unless the MPS file holds the program's numbers of rows, columns and entries, and the same values."""
+    import highspy
+
+    other = highspy.Highs()
+    other.setOptionValue("output_flag", False)
+    other.readModel(str(path))
+    lp = other.getLp()
+    sizes = (lp.num_row_, lp.num_col_, len(lp.a_matrix_.value_))
+    own = (program.num_rows, program.num_variables, len(program.data))
+    assert sizes == own, f"PuLP wrote {sizes} rows, columns and entries, waybound {own}"
+    for name, theirs, ours in (
+        ("costs", lp.col_cost_, program.cost),
+        ("lower bounds", lp.col_lower_, program.lower), ("upper bounds", lp.col_upper_, program.upper),
+        ("left sides", lp.row_lower_, program.row_lower), ("right sides", lp.row_upper_, program.row_upper),
+        ("coefficients", lp.a_matrix_.value_, program.data),
+    ):  # fmt: skip
+        assert np.allclose(np.sort(theirs), np.sort(ours), rtol=1e-9, atol=1e-9), f"the {name} differ"
+
+
+class Clock:
+    """Wall and CPU seconds of the calls made through it."""
+
+    def __init__(self) -> None:
+        self.wall: list[float] = []
+        self.cpu: list[float] = []
+
+    def __call__(self, run: Callable[[], Any]) -> Any:
+        wall, cpu = time.perf_counter(), time.process_time()
+        result = run()
+        self.wall.append(time.perf_counter() - wall)
+        self.cpu.append(time.process_time() - cpu)
+        return result
+
+    def medians(self) -> tuple[float, float]:
+        """Of wall and CPU seconds; the first call warms up and is left out if there are others."""
+        return statistics.median(self.wall[1:] or self.wall), statistics.median(self.cpu[1:] or self.cpu)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--customers", type=int, default=100)
+    parser.add_argument("--vehicles", type=int, default=10)
+    parser.add_argument("--windows", choices=list(WINDOWS), default="wide")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--repeats", type=int, default=5)
+    given = parser.parse_args()
+
+    print(report(given.customers, given.vehicles, given.windows, given.seed, given.repeats))
+
+
+def report(customers: int, vehicles: int, windows: str, seed: int, repeats: int) -> str:
+    """Measure, and say what came out."""
+    import highspy  # noqa: F401  (imports are not part of any clock)
+    import pulp  # noqa: F401
+
+    problem = generate(customers, vehicles, windows, seed)
+    program = problem.compile("three-index")
+    unfiltered = (customers * (customers - 1) + 2 * customers + 1) * vehicles
+    time_rows = sum(b.size for b in program.rows if b.name == "time")
+    lines = [
+        f"three-index form, {customers} customers, {vehicles} vehicles, {windows} windows, seed {seed}",
+        f"  {program.num_variables} columns, {program.num_rows} rows, {len(program.data)} entries",
+        f"  arc variables left by the filters: {program.variables[0].size} of {unfiltered}; time rows with M > 0: {time_rows}",
+    ]
+    ours, bare, theirs = Clock(), Clock(), Clock()
+    rows_only: list[float] = []
+    for _ in range(repeats + 1):  # side by side, so that both meet the same load of the machine
+        fresh = generate(customers, vehicles, windows, seed)  # a problem keeps its distances, so each run gets a new one
+        ours(partial(with_waybound, fresh))
+        rows_only.append(bare(partial(with_bare_highs, program))[1])
+    data = lists_for_pulp(problem)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "three_index.mps"
+        for _ in range(min(3, repeats)):
+            theirs(partial(with_pulp, data, path))
+        same_model(program, path)
+
+    (a, a_cpu), (b, b_cpu), (c, c_cpu) = ours.medians(), bare.medians(), theirs.medians()
+    rows_wall = statistics.median(rows_only[1:])
+    met = c / a >= TARGET_PULP and a / b <= TARGET_BARE
+    lines += [
+        "",
+        f"{'medians':40}{'wall s':>9}{'CPU s':>9}   waybound, by wall (CPU) time",
+        f"{'waybound: problem to HiGHS model':40}{a:>9.4f}{a_cpu:>9.4f}",
+        f"{'bare HiGHS calls on ready arrays':40}{b:>9.4f}{b_cpu:>9.4f}   {a / b:.2f}x ({a_cpu / b_cpu:.2f}x) as long",
+        f"{'  of these addRows alone':40}{rows_wall:>9.4f}{'':9}   {a / rows_wall:.2f}x as long",
+        f"{'PuLP: lists to MPS file, same model':40}{c:>9.4f}{c_cpu:>9.4f}   {c / a:.0f}x ({c_cpu / a_cpu:.0f}x) as fast",
+        "",
+        f"targets: at least {TARGET_PULP:.0f}x as fast as PuLP, at most {TARGET_BARE:.0f}x bare HiGHS: {'met' if met else 'MISSED'}",
+    ]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+"""PuLP: CBC by default, or any other solver that PuLP finds, as ``pulp:NAME``."""
+
+from __future__ import annotations
+
+import inspect
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.program import Program
+from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
+from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from ..cbc import find_cbc, run_cbc
+from ..sanity import prepared, settled
+from .highs import set_option
+
+FEASIBLE_TOLERANCE = 1e-6
+"""Residual up to which values that a solver leaves in PuLP's variables are taken for a point."""
+
+
+@BACKENDS.register("pulp")
+class PuLP(ProgramBackend):
+    """CBC (Forrest & Lougee-Heimer 2005) through PuLP, or another solver that PuLP finds.
+
+    CBC reads the program as MPS and is driven directly, because PuLP's own account of it is not to be trusted: it says
+    ``Optimal`` for whatever incumbent a limit left behind, and drops the bound. The truth is in CBC's log.
+    ``iterations`` counts nodes of a mixed-integer program and iterations of a linear one. Extra options are CBC's own
+    parameters by name (``cuts=off``), or the keywords of PuLP's class for ``NAME``.
+    """
+
+    name = "pulp"
+    package = "pulp"
+    modules = ("pulp",)
+    summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
+    interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME cannot be stopped"
+    kinds = frozenset({"LP", "MILP"})
+    variants = ("CBC", "HiGHS", "GLPK_CMD", "SCIP_CMD", "GUROBI", "CPLEX_PY")
+
+    @property
+    def is_cbc(self) -> bool:
+        """Whether CBC is meant."""
+        return self.variant.upper() in ("", "CBC", "PULP_CBC_CMD", "COIN_CMD")
+
+    def run(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.run``."""
+        if program.kind not in self.kinds:
+            raise UnsupportedError(self.name, {f"{program.kind} programs"})
+        program = prepared(program)
+        with tempfile.TemporaryDirectory(prefix="waybound-") as folder:
+            if self.is_cbc:
+                cbc = find_cbc()
+                return settled(program) or run_cbc(cbc, program, options, control, Path(folder))
+            solver = self._solver(options)
+            return settled(program) or _through_pulp(solver, self.variant, program, options)
+
+    def _solver(self, options: Options) -> Any:
+        """PuLP's solver object for ``variant``, with those of the common options that it knows."""
+        import pulp
+
+        if self.variant not in pulp.listSolvers():
+            raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}")
+        if self.variant not in pulp.listSolvers(onlyAvailable=True):
+            raise MissingPackageError(f"PuLP does not find {self.variant} on this machine; found: {', '.join(_found())}")
+        common = {"msg": False, "timeLimit": options.time_limit, "gapRel": options.gap, "threads": options.threads}
+        if options.iterations is not None:
+            common["maxNodes"] = options.iterations
+        known = inspect.signature(_class(self.variant)).parameters
+        extra = dict(options.extra)
+        if self.variant == "HiGHS":
+            import highspy
+
+            # Its scheduler keeps the number of threads of the first run in this thread, and refuses another one.
+            highspy.Highs.resetGlobalScheduler(True)
+            extra = {name: set_option(highspy.Highs(), name, value) for name, value in extra.items()}
+            extra.setdefault("random_seed", options.seed % (2**31 - 1))
+        elif not any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values()):
+            unknown = set(extra) - set(known)
+            if unknown:
+                raise UsageError(f"pulp:{self.variant} has no option {', '.join(sorted(unknown))}; it has {', '.join(known)}")
+        if "maxNodes" in common and "maxNodes" not in known:
+            raise UsageError(f"pulp:{self.variant} has no limit on iterations; use a time limit")
+        chosen = {name: value for name, value in common.items() if name in known}
+        return pulp.getSolver(self.variant, **chosen, **extra)
+
+
+def _class(name: str) -> Any:
+    import pulp
+
+    return getattr(pulp.apis, name)
+
+
+def _found() -> list[str]:
+    import pulp
+
+    return [str(n) for n in pulp.listSolvers(onlyAvailable=True)]
+
+
+def _through_pulp(solver: Any, name: str, program: Program, options: Options) -> RawResult:
+    """Solve with one of PuLP's own interfaces, and take its word only where it can be right."""
+    import pulp
+    from pulp import constants
+
+    began = time.perf_counter()
+    try:
+        status, found, x = _one_run(solver, program)
+        late = time.perf_counter() - began >= 0.98 * options.time_limit
+        if status == constants.LpStatusInfeasible and not late:
+            # Interfaces call programs infeasible that are infeasible or unbounded. Without its objective none is unbounded.
+            zero = replace(program, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables))
+            again, _, _ = _one_run(solver, zero)
+            status = constants.LpStatusUnbounded if again == constants.LpStatusOptimal else again
+            late = time.perf_counter() - began >= 0.98 * options.time_limit
+    except pulp.PulpSolverError as fault:
+        return RawResult("error", message=f"{name} through PuLP failed: {fault}")
+    statistics = {"said": f"{constants.LpStatus[status]}, {constants.LpSolution[found]}"}
+    limit = "time" if late else "none"
+    if found in (constants.LpSolutionOptimal, constants.LpSolutionIntegerFeasible) and program.residual(x) <= FEASIBLE_TOLERANCE:
+        proven = found == constants.LpSolutionOptimal and not late
+        if proven and options.gap > 0 and program.is_integer:
+            proven, limit = False, "gap"
+        value = program.value(x)
+        return RawResult("optimal" if proven else "feasible", limit, x, value, value if proven else None, statistics=statistics)
+    settles = {constants.LpStatusInfeasible: "infeasible", constants.LpStatusUnbounded: "unbounded"}
+    if status in settles and not late:
+        return RawResult(settles[status], statistics=statistics)
+    return RawResult("unknown", limit, statistics=statistics, message=f"{name} through PuLP says: {statistics['said']}")
+
+
+def _one_run(solver: Any, program: Program) -> tuple[int, int, NDArray[np.float64]]:
+    """PuLP's two statuses and the values it leaves behind, NaN where it leaves none."""
+    model = program.to_pulp()
+    model.solve(solver)
+    x = np.full(program.num_variables, np.nan)
+    for variable in model.variables():
+        if variable.name != "__dummy" and variable.varValue is not None:
+            x[int(variable.name[1:])] = variable.varValue
+    return int(model.status), int(model.sol_status), x

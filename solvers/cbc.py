@@ -1,0 +1,345 @@
+"""CBC as a child process: driven by files, watched through its log, stopped by SIGINT."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+import re
+import select
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..formulations.export import write_program
+from ..formulations.program import Program
+from ..instances.errors import MissingPackageError, UsageError
+from .backend import Control, Options, RawResult
+
+Floats = NDArray[np.float64]
+
+TOLERANCE = 1e-6
+"""Residual up to which a point that CBC calls feasible is handed on, and difference up to which bound and value are equal."""
+
+GRACE = 3.0
+"""Seconds CBC has to write its incumbent once it was asked to stop."""
+
+AGAIN = 0.25
+"""Seconds between two such requests."""
+
+OVERTIME = 5.0
+"""Seconds past its own time limit after which it is asked to stop."""
+
+STATUS_MAP = {
+    "optimal": "optimal",
+    "infeasible": "infeasible",
+    "integer": "infeasible",
+    "unbounded": "unbounded",
+    "stopped": "unknown",
+}
+"""First word of CBC's solution file to our status, before the log is asked what it means."""
+
+LIMITS = (
+    ("maximum nodes", "nodes"),
+    ("node limit", "nodes"),
+    ("maximum time", "time"),
+    ("time limit", "time"),
+    ("user event", "interrupt"),
+    ("integer gap", "gap"),
+    ("maximum solutions", "iterations"),
+    ("maximum iterations", "iterations"),
+)
+"""What CBC's log says when it ends early ("Exiting on maximum nodes") to our limit."""
+
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+_BOUND = re.compile(rf"best possible {_NUMBER}")
+_LOWER = re.compile(rf"Lower bound:\s+{_NUMBER}")
+_NONE = 1e49
+
+
+def _weakened(bound: float, line: str) -> float:
+    """A printed lower bound less what its printing may have added: three decimals at the end, seven digits before."""
+    if line.startswith("Lower bound"):
+        return bound - 5e-4
+    return bound - (0.5 * 10.0 ** (math.floor(math.log10(abs(bound))) - 6) if bound else 5e-7)
+
+
+def find_cbc() -> str:
+    """Path of the CBC that PuLP brings, else of one on the PATH."""
+    import pulp
+
+    bundled = getattr(getattr(pulp.apis, "PULP_CBC_CMD", None), "pulp_cbc_path", None)
+    for path in (bundled, shutil.which("cbc")):
+        if path and os.access(path, os.X_OK):
+            return str(Path(path).resolve())
+    raise MissingPackageError("PuLP finds no CBC: pip install 'pulp>=3.3,<4' brings one")
+
+
+@dataclass
+class Log:
+    """What CBC has written so far: bounds as they come, and how it ended."""
+
+    bound: float | None = None
+    end: str = ""
+    gap_closed: bool = True
+    doubtful: bool = False
+    start: str = ""
+    nodes: int | None = None
+    iterations: int | None = None
+    tail: list[str] = field(default_factory=list)
+    _rest: str = ""
+
+    def feed(self, text: str) -> float | None:
+        """Take what is new; a better bound, if there is one."""
+        *lines, self._rest = (self._rest + text).replace("\r", "").split("\n")
+        before = self.bound
+        for line in lines:
+            self._take(line)
+        return self.bound if self.bound != before else None
+
+    def _take(self, line: str) -> None:
+        if line.strip():
+            self.tail = [*self.tail[-4:], line.strip()]
+        found = _BOUND.search(line) or _LOWER.match(line)
+        if found and abs(float(found[1])) < _NONE:
+            self.bound = max(_weakened(float(found[1]), line), -math.inf if self.bound is None else self.bound)
+        if "Exiting on" in line or "Exiting as" in line or (line.startswith("Result -") and not self.end):
+            self.end = next((limit for words, limit in LIMITS if words in line), self.end)
+        if "within gap tolerance" in line:
+            self.gap_closed = False
+        if "infeasible or unbounded" in line.lower():
+            self.doubtful = True
+        if "MIPStart provided solution" in line:
+            self.start = "used"
+        elif "mipstart values could not be used" in line.lower():
+            self.start = "refused"
+        for words, name in (("Enumerated nodes:", "nodes"), ("Total iterations:", "iterations")):
+            if line.startswith(words):
+                setattr(self, name, int(line.split()[-1]))
+
+
+def run_cbc(cbc: str, program: Program, options: Options, control: Control, folder: Path) -> RawResult:
+    """Solve ``program`` with CBC; see ``ProgramBackend.run``.
+
+    Parameters
+    ----------
+    cbc : str
+        Path of the program.
+    folder : Path
+        An empty one for its files.
+    """
+    _check_extra(cbc, options.extra)
+    sign = 1.0 if program.sense == "min" else -1.0
+    plain = minimised(program)
+    began = time.perf_counter()
+    hear = lambda bound: control.publish(bound=sign * bound + program.offset)  # noqa: E731
+    result = _one_run(cbc, plain, options, control, folder, hear)
+    if result.status == "infeasible_or_unbounded":
+        # Without its objective a program is never unbounded.
+        left = options.time_limit - (time.perf_counter() - began)
+        zero = replace(plain, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in plain.variables))
+        again = _one_run(cbc, zero, replace(options, time_limit=max(left, 0.1), start=None), control, folder)
+        settled = {"optimal": "unbounded", "feasible": "unbounded", "infeasible": "infeasible", "infeasible_or_unbounded": "infeasible"}
+        result = replace(result, status=settled.get(again.status, result.status))
+    value = None if result.answer is None else program.value(result.answer)
+    bound = None if result.bound is None else sign * result.bound + program.offset
+    status, limit = result.status, result.limit
+    if status == "optimal" and limit == "gap":
+        if bound is None or value is None or abs(bound - value) > TOLERANCE * max(1.0, abs(value)):
+            status = "feasible"
+    elif status == "optimal":
+        bound = value
+    duals = None if result.row_duals is None else sign * result.row_duals
+    return replace(result, status=status, limit=limit, objective=value, bound=bound, row_duals=duals)
+
+
+def minimised(program: Program) -> Program:
+    """The program to minimise and without a constant, about whose signs readers of MPS disagree."""
+    if program.sense == "max":
+        program = replace(program, variables=tuple(replace(b, cost=-b.cost) for b in program.variables))
+    return replace(program, sense="min", offset=0.0)
+
+
+def _command(cbc: str, program: Program, options: Options, model: Path, solution: Path, start: Path | None) -> list[str]:
+    words: dict[str, Any] = {
+        "sec": max(0.01, min(options.time_limit, 1e9)),
+        "timeMode": "elapsed",
+        "ratioGap": options.gap,
+        "randomSeed": options.seed % (2**31 - 1),
+        "randomCbcSeed": options.seed % (2**31 - 1),
+    }
+    if options.threads > 1:
+        words["threads"] = options.threads
+    if options.iterations is not None:
+        words["maxNodes" if program.is_integer else "maxIterations"] = options.iterations
+    words.update(options.extra)
+    line = [cbc, str(model)]
+    for name, value in words.items():
+        line += [f"-{name}", str(value)]
+    if start is not None:
+        line += ["-mipstart", str(start)]
+    return [*line, "-solve", "-printingOptions", "all", "-solution", str(solution)]
+
+
+def _one_run(
+    cbc: str, program: Program, options: Options, control: Control, folder: Path, hear: Callable[[float], None] = lambda bound: None
+) -> RawResult:
+    model, solution = folder / "model.mps", folder / "model.sol"
+    solution.unlink(missing_ok=True)
+    write_program(program, model, names=False)
+    start = None
+    if options.start is not None and program.is_integer:
+        start = folder / "start.sol"
+        _write_start(start, np.asarray(options.start, dtype=np.float64))
+    log = Log()
+    # On a terminal CBC's output comes line by line; into a file or a pipe it would come at the end.
+    ours, theirs = os.openpty()
+    try:
+        # A group of its own keeps the user's Ctrl-C away; a session leader's child stays where its end reaches it.
+        alone = os.getsid(0) == os.getpid()
+        process = subprocess.Popen(
+            _command(cbc, program, options, model, solution, start), stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
+            cwd=folder, process_group=None if alone else 0,
+        )  # fmt: skip
+    finally:
+        os.close(theirs)
+    try:
+        asked = _follow(process, ours, log, options, control, hear)
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        os.close(ours)
+    return _read_result(solution, log, program, options, process.returncode, asked)
+
+
+def _follow(
+    process: subprocess.Popen[bytes], output: int, log: Log, options: Options, control: Control, hear: Callable[[float], None]
+) -> bool:
+    """Pass bounds on until CBC ends; whether the user asked it to."""
+    deadline, asked, again = time.perf_counter() + options.time_limit + OVERTIME, math.inf, math.inf
+    while True:
+        if select.select([output], [], [], 0.05)[0]:
+            try:
+                text = os.read(output, 65536).decode(errors="replace")
+            except OSError:  # Linux's word for the end of a terminal
+                text = ""
+            if not text:
+                process.wait()
+                return control.stopped and math.isfinite(asked)
+            bound = log.feed(text)
+            if bound is not None:
+                hear(bound)
+        now = time.perf_counter()
+        if math.isinf(asked) and (control.stopped or now > deadline):
+            asked = again = now
+        if now > asked + GRACE:
+            process.kill()
+        elif now >= again:
+            process.send_signal(signal.SIGINT)
+            again = now + AGAIN  # it hears nothing before its tree search
+
+
+def _read_result(solution: Path, log: Log, program: Program, options: Options, code: int, asked: bool) -> RawResult:
+    statistics: dict[str, Any] = {name: getattr(log, name) for name in ("nodes", "iterations") if getattr(log, name) is not None}
+    if options.start is not None and program.is_integer:
+        statistics["start"] = log.start or "ignored"
+    limit = "interrupt" if asked else log.end or "none"
+    if limit == "nodes" and not program.is_integer:
+        limit = "iterations"  # CBC's words for either
+    if not solution.exists():
+        if asked:
+            return RawResult(
+                "unknown", "interrupt", bound=log.bound, statistics=statistics, message="CBC was ended before it wrote an answer"
+            )
+        said = " / ".join(log.tail)
+        return RawResult("error", statistics=statistics, message=f"CBC ended with code {code} and no answer: {said}")
+    said, columns, duals = _read_solution(solution, program)
+    word = said.split()[0].lower() if said.split() else ""
+    status = STATUS_MAP.get(word, "error")
+    if status == "infeasible" and log.doubtful:
+        status = "infeasible_or_unbounded"
+    statistics["said"] = said
+    point: Floats | None = None
+    if status in ("optimal", "unknown") and "no integer solution" not in said and program.residual(columns) <= TOLERANCE:
+        point = columns
+    if status == "unknown":
+        if limit == "none":
+            limit = "time" if "time" in said else "iterations"
+        if point is not None:
+            status = "feasible"
+    message = ""
+    if status == "optimal" and not log.gap_closed:
+        limit = "gap"
+    elif status == "optimal":
+        limit = "none"
+    if status == "optimal" and point is None:
+        status, message = "unknown", "CBC reports an optimum, but its point is not feasible within 1e-6"
+    elif status == "unknown":
+        message = f"CBC found no feasible point: {said}"
+    elif status == "error":
+        message = f"CBC says: {said}"
+    solved = not program.is_integer and status == "optimal"
+    bound = log.bound if program.is_integer and status in ("optimal", "feasible", "unknown") else None
+    return RawResult(status, limit, point, None, bound, duals if solved else None, statistics, message)
+
+
+def _write_start(path: Path, start: Floats) -> None:
+    known = np.nonzero(np.isfinite(start))[0]
+    lines = [f"{j} x{j} {float(start[j])!r} 0" for j in known.tolist()]
+    path.write_text("\n".join(["Stopped on time - objective value 0", *lines]) + "\n")
+
+
+def _read_solution(path: Path, program: Program) -> tuple[str, Floats, Floats]:
+    """First line of a solution file, values of the columns, duals of the rows."""
+    with path.open() as file:
+        said = file.readline().strip()
+        lines = [line.split()[-3:] for line in file if len(line) > 2]
+    columns, duals = np.zeros(program.num_variables), np.zeros(program.num_rows)
+    for name, value, dual in lines:
+        at = int(name[1:])
+        if name[0] == "x":
+            columns[at] = float(value)
+        else:
+            duals[at] = float(dual)
+    return said, columns, duals
+
+
+OWN_PARAMETERS = {
+    "seconds": "the time limit", "ratioGap": "the gap", "threads": "the threads", "randomSeed": "the seed",
+    "randomCbcSeed": "the seed", "maxNodes": "the iterations", "maxIterations": "the iterations",
+}  # fmt: skip
+"""Parameters that have a name common to all solvers."""
+
+
+def _check_extra(cbc: str, extra: dict[str, Any]) -> None:
+    """Raise UsageError for parameters or values that CBC does not know."""
+    if not extra:
+        return
+    listed = _say(cbc, "-?").split("Actions or string parameters:")
+    known = [word for part in listed[:1] for word in re.findall(r"(?<![\w(])[A-Za-z]\w*(?:\(\w+\))?", part.split("Commands are:")[-1])]
+    full = {k.replace("(", "").replace(")", ""): k.split("(")[0] for k in known}
+    for name, value in extra.items():
+        meant = [f for f, least in full.items() if f.lower().startswith(name.lower()) and len(name) >= len(least)]
+        if not meant:
+            close = difflib.get_close_matches(name, full, n=3)
+            raise UsageError(f"CBC has no parameter {name!r}" + (f"; close: {', '.join(close)}" if close else ""))
+        if meant[0] in OWN_PARAMETERS:
+            raise UsageError(f"pulp: set {OWN_PARAMETERS[meant[0]]} by its own option, not by {name}")
+        said = _say(cbc, f"-{name}", str(value))
+        fault = re.search(r"Possible options for \S+ are:([^;>]*)|is illegal for|out of range|valid range", said)
+        if fault:
+            choices = f"; choose from {fault[1].strip()}" if fault[1] else ""
+            raise UsageError(f"{value!r} is no value for CBC's parameter {name}{choices}")
+
+
+def _say(cbc: str, *words: str) -> str:
+    return subprocess.run([cbc, *words, "-quit"], capture_output=True, text=True, timeout=20, stdin=subprocess.DEVNULL).stdout

@@ -1,0 +1,306 @@
+"""Why a problem has no answer: unreachable sites, a fleet too small, or else a smallest set of rows that contradict each other."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..formulations.forms import FORMS, relaxed
+from ..formulations.problem import Problem
+from ..formulations.program import Program, Rows
+from ..heuristics.heuristic import HEURISTICS
+from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
+from .backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from .search import search
+from .solve import solve
+
+FILTER_SOLVER = "highs"
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Reason:
+    """One part of an explanation: a ``site``, the ``fleet``, or a ``row`` of a form; ``where`` is its name."""
+
+    kind: str
+    where: str
+    message: str
+
+    def to_json(self) -> dict[str, str]:
+        return {"kind": self.kind, "where": self.where, "message": self.message}
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a problem has no answer.
+
+    Attributes
+    ----------
+    verdict : str
+        ``infeasible``, ``feasible`` (there is nothing to explain), or ``undecided``.
+    according_to : str
+        ``the data`` (each reason is a proof by itself), a solver's name (its word for it), or "" if undecided.
+    reasons : tuple of Reason
+    minimal : bool
+        For rows: whether leaving out any one of them was found to allow an answer.
+    form : str or None
+        The form whose rows are named.
+    message : str
+        What else a user should read.
+    """
+
+    verdict: str
+    according_to: str = ""
+    reasons: tuple[Reason, ...] = ()
+    minimal: bool = False
+    form: str | None = None
+    message: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "verdict": self.verdict,
+            "according_to": self.according_to,
+            "reasons": [r.to_json() for r in self.reasons],
+            "minimal": self.minimal,
+            "form": self.form,
+            "message": self.message,
+        }
+
+
+def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
+    """Why ``problem`` has no answer, in its own words.
+
+    First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion
+    filter over the row blocks and the rows of a form, through HiGHS.
+
+    Parameters
+    ----------
+    problem : Problem or Program
+    time_limit : float, seconds
+        For everything together.
+    form : str, optional
+        Form whose rows shall be named; the problem's first by default.
+
+    Returns
+    -------
+    Explanation
+
+    Notes
+    -----
+    Source of the filter: Chinneck and Dravnieks 1991, "Locating minimal infeasible constraint sets in linear programs",
+    ORSA Journal on Computing 3(2). Rows are dropped in halving groups first, so that few of many rows take few solves.
+    """
+    if not time_limit > 0:
+        raise UsageError(f"the time limit must be positive, not {time_limit!r}")
+    end = time.perf_counter() + time_limit
+    if isinstance(problem, Problem):
+        reasons = reasons_from_data(problem)
+        if reasons:
+            return Explanation("infeasible", "the data", tuple(reasons))
+
+    def work(control: Control) -> RawResult:
+        return RawResult("unknown", answer=_explain_by_rows(problem, form, end, control))
+
+    searched = search(work, Control(), time_limit, overtime=1.0)
+    made: Explanation | None = searched.result.answer
+    return made or Explanation("undecided", message="interrupted" if searched.interrupted else f"undecided within {time_limit:g} s")
+
+
+def reasons_from_data(problem: Problem) -> list[Reason]:
+    """Reasons that are proofs by themselves: unreachable sites, or else a fleet too small."""
+    from ..formulations.problems.routing import RoutingProblem
+
+    if not isinstance(problem, RoutingProblem):
+        return []
+    from ..formulations.fleet_need import fleet_conflicts
+    from ..formulations.reachability import unreachable
+
+    required, ids = problem.sites.required, problem.sites.ids
+    sites = [Reason("site", ids[k], why) for k, why in unreachable(problem).items() if required[k]]
+    return sites or [Reason("fleet", "fleet", why) for why in fleet_conflicts(problem)]
+
+
+def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, control: Control) -> Explanation:
+    if not BACKENDS[FILTER_SOLVER].installed():
+        return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].package}")
+    try:
+        program = problem if isinstance(problem, Program) else _program_of(problem, form)
+    except UnsupportedError as error:
+        if form is not None:
+            raise
+        return Explanation("undecided", message=f"no form can write this problem down, so no rows can be named: {error}")
+    if not program.exactness.infeasibility_is_valid:
+        raise UsageError(f"form {program.form} is a {program.exactness.value}: that it has no point would prove nothing")
+    plain = replace(
+        program, sense="min", quadratic=None, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables)
+    )
+    inner = Control()
+    control.on_stop(inner.stop)
+
+    def stop() -> bool:
+        return control.stopped or time.perf_counter() >= end
+
+    relaxation = relaxed(plain) if plain.is_integer and not plain.cones else None
+    if relaxation is not None:
+        test = _Tester(relaxation, end, inner)
+        if test(np.ones(plain.num_rows, dtype=bool)) is True:
+            return _from_rows(relaxation, *deletion_filter(relaxation, test, stop))
+        if isinstance(problem, Problem) and _has_answer(problem, (end - time.perf_counter()) / 4.0):
+            return Explanation("feasible", "the data", message="there is an answer that passes every check")
+    test = _Tester(plain, end, inner)
+    whole = test(np.ones(plain.num_rows, dtype=bool))
+    if whole is True:
+        return _from_rows(plain, *deletion_filter(plain, test, stop))
+    if whole is False and program.exactness.answer_is_valid:
+        return Explanation("feasible", FILTER_SOLVER, form=program.form, message=f"{FILTER_SOLVER} finds a point that satisfies all rows")
+    return Explanation("undecided", form=program.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
+
+
+_TRIAL_SECONDS = 5.0
+
+
+def _has_answer(problem: Problem, seconds: float) -> bool:
+    """Whether a heuristic or the default solver finds a verified answer quickly; the MILP may take long to find one."""
+    end = time.perf_counter() + min(seconds, _TRIAL_SECONDS)
+    trials: list[str | None] = [*(name for name in HEURISTICS if not HEURISTICS[name].missing(problem)), None]
+    for heuristic in trials:
+        left = end - time.perf_counter()
+        if left <= 0:
+            return False
+        try:
+            if solve(problem, heuristic=heuristic, time_limit=left, bound_time=0.0).answer is not None:
+                return True
+        except (UnsupportedError, MissingPackageError):
+            continue
+    return False
+
+
+def _program_of(problem: Problem, form: str | None) -> Program:
+    if form is None:
+        usable = [name for name in problem.forms() if FORMS[name].exactness.infeasibility_is_valid]
+        if not usable:
+            raise UnsupportedError("every form", problem.features())
+        form = usable[0]
+    return problem.compile(form)
+
+
+class _Tester:
+    """``test(keep)``: whether the rows ``keep`` contradict each other; None if that was not found out in time.
+
+    The first call may take all the time, later ones an eighth of what is left, so that one hard trial does not starve the rest.
+    """
+
+    def __init__(self, program: Program, end: float, control: Control) -> None:
+        self.program, self.end, self.control = program, end, control
+        self.matrix, self.calls = program.matrix, 0
+        backend = BACKENDS[FILTER_SOLVER]()
+        assert isinstance(backend, ProgramBackend)
+        self.backend = backend
+
+    def __call__(self, keep: Flags) -> bool | None:
+        left = self.end - time.perf_counter()
+        if left <= 0 or self.control.stopped:
+            return None
+        limit = left if self.calls == 0 else max(0.5, left / 8.0)
+        self.calls += 1
+        part = self.matrix[keep]
+        rows = Rows(
+            "kept", indptr=part.indptr.astype(np.int32), indices=part.indices.astype(np.int32), data=part.data,
+            lower=self.program.row_lower[keep], upper=self.program.row_upper[keep],
+        )  # fmt: skip
+        trial = replace(self.program, rows=(rows,), encode=None, dual_evidence=None)
+        result = self.backend.run(trial, Options(time_limit=limit), self.control)
+        if result.status in ("infeasible", "infeasible_or_unbounded"):  # without costs nothing is unbounded
+            return True
+        return False if result.status in ("optimal", "feasible") else None
+
+
+def deletion_filter(program: Program, test: Callable[[Flags], bool | None], stop: Callable[[], bool]) -> tuple[list[int], bool]:
+    """Rows of an infeasible program that are infeasible together, as few as the time allows.
+
+    Parameters
+    ----------
+    program : Program
+        Known to be infeasible.
+    test : callable
+        From flags of shape (rows,) to whether those rows alone are infeasible; None if unknown.
+    stop : callable
+        Whether time is up.
+
+    Returns
+    -------
+    rows : list of int
+    minimal : bool
+        Whether dropping any one of them was found to leave a feasible program.
+    """
+    keep = np.ones(program.num_rows, dtype=bool)
+    starts = np.cumsum([0, *(block.size for block in program.rows)])
+    decided = True
+
+    def drop(rows: NDArray[np.int64]) -> bool:
+        nonlocal decided
+        trial = keep.copy()
+        trial[rows] = False
+        verdict = test(trial)
+        decided &= verdict is not None
+        if verdict:
+            keep[rows] = False
+        return bool(verdict)
+
+    for k in sorted(range(len(program.rows)), key=lambda k: -program.rows[k].size):
+        if program.rows[k].size:
+            drop(np.arange(starts[k], starts[k + 1]))
+    size = max(1, int(keep.sum()) // 2)
+    while not stop():
+        decided = True
+        at = np.nonzero(keep)[0]
+        for first in range(0, len(at), size):
+            if stop():
+                decided = False
+                break
+            drop(at[first : first + size])
+        if size == 1:
+            return np.nonzero(keep)[0].tolist(), decided
+        size = max(1, size // 2)
+    return np.nonzero(keep)[0].tolist(), False
+
+
+def _from_rows(program: Program, kept: list[int], minimal: bool) -> Explanation:
+    names = [program.row_name(row) for row in kept]
+    reasons = tuple(Reason("row", name, _row_text(program, row)) for name, row in zip(names, kept, strict=True))
+    if not kept:
+        message = "the bounds of the variables alone leave no answer"
+    elif minimal:
+        message = f"these {len(kept)} rows contradict each other within the variables' bounds; the rest of them without any one does not"
+    else:
+        message = f"these {len(kept)} rows contradict each other; time was up before the set was known to be smallest"
+    return Explanation("infeasible", FILTER_SOLVER, reasons, minimal, program.form, message)
+
+
+_SHOWN_TERMS = 6
+
+
+def _row_text(program: Program, row: int) -> str:
+    """The row as a formula, long ones cut."""
+    span = slice(program.indptr[row], program.indptr[row + 1])
+    entries = list(zip(program.data[span].tolist(), program.indices[span].tolist(), strict=True))
+    terms = [
+        f"{'-' if a < 0 else '+'} {'' if abs(a) == 1 else f'{abs(a):g} '}{program.variable_name(j)}" for a, j in entries[:_SHOWN_TERMS]
+    ]
+    more = f" + ({len(entries) - _SHOWN_TERMS} more terms)" if len(entries) > _SHOWN_TERMS else ""
+    body = (" ".join(terms) + more).removeprefix("+ ")
+    low, high = float(program.row_lower[row]), float(program.row_upper[row])
+    if low == high:
+        return f"{body} = {low:g}"
+    left = f"{low:g} <= " if np.isfinite(low) else ""
+    right = f" <= {high:g}" if np.isfinite(high) else ""
+    return f"{left}{body}{right}"
+
+
+__all__ = ["Explanation", "Reason", "deletion_filter", "explain", "reasons_from_data"]

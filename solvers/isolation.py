@@ -1,0 +1,269 @@
+"""Any backend in a process of its own: hard limits on time and memory, and a crash that costs one solve only.
+
+The child is a fresh interpreter that runs nothing of the caller's program, in a session of its own, so that a terminal's
+Ctrl-C reaches the parent alone. Incumbents come through a pipe as they are found, and outlive the child.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection, Pipe
+from pathlib import Path
+from typing import IO, Any
+
+from ..formulations.problem import Problem
+from ..formulations.program import Program
+from ..instances import errors
+from ..instances.errors import UsageError, WayboundError
+from .backend import BACKENDS, Control, Options, RawResult
+
+OVERTIME = 5.0
+"""Seconds past its time limit after which a child is asked to stop."""
+
+GRACE = 2.0
+"""Seconds between asking a child to stop and ending it."""
+
+STARTUP = 60.0
+"""Seconds within which a child must have begun its search."""
+
+_MEGABYTE = 2**20
+_TICK = 0.05
+
+
+def run_isolated(solver: str, target: Problem | Program, options: Options, control: Control) -> RawResult:
+    """Run a backend in a process of its own.
+
+    Parameters
+    ----------
+    solver : str
+        Its name, with the variant where there is one: ``pulp:HiGHS``.
+    target : Problem or Program
+        What the backend takes. A program travels as arrays; its vectors are decoded by the caller.
+    options : Options
+        ``memory_limit`` counts megabytes on top of an idle process that has loaded the solver; kept on Linux only.
+    control : Control
+
+    Returns
+    -------
+    RawResult
+        The backend's own; after a crash, a kill or a lack of memory one made from the incumbents it had published, or of
+        status ``error`` if there are none and nobody asked for its end.
+
+    Raises
+    ------
+    WayboundError
+        What the backend raised about its input or options.
+    UsageError
+        If the problem cannot be sent to another process.
+    """
+    payload = _payload(solver, target, options)
+    with tempfile.TemporaryFile() as output:
+        child = _Child(payload, options, control, output)
+        try:
+            return child.watch()
+        finally:
+            child.end()
+
+
+def _payload(solver: str, target: Problem | Program, options: Options) -> bytes:
+    if isinstance(target, Program):
+        target = replace(target, decode=_as_is, encode=None, dual_evidence=None, problem=None)
+    try:
+        return pickle.dumps((solver, target, options))
+    except (pickle.PicklingError, TypeError, AttributeError) as fault:
+        raise UsageError(f"this problem cannot be sent to a process of its own: {fault}") from None
+
+
+def _as_is(x: Any) -> Any:
+    return x
+
+
+class _Child:
+    """The parent's end of a child process."""
+
+    def __init__(self, payload: bytes, options: Options, control: Control, output: IO[bytes]) -> None:
+        self.options, self.control, self.output = options, control, output
+        self.mine, theirs = Pipe()
+        code = f"import sys; sys.path[:] = {sys.path!r}; from waybound.solvers.isolation import serve; serve({theirs.fileno()})"
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=output, stderr=output,
+            start_new_session=True, pass_fds=[theirs.fileno()],
+        )  # fmt: skip
+        theirs.close()
+        self.began = time.perf_counter()
+        self.searching: float | None = None
+        self.asked: float | None = None
+        self.late = False
+        with suppress(BrokenPipeError, ConnectionResetError):  # it died at once; ``watch`` tells how
+            self.mine.send_bytes(payload)
+
+    def watch(self) -> RawResult:
+        """Take what comes until the child is done or dead."""
+        while True:
+            try:
+                if self.mine.poll(_TICK):
+                    last = self._take(pickle.loads(self.mine.recv_bytes()))
+                    if last is not None:
+                        return last
+            except (EOFError, ConnectionResetError):
+                return self._obituary()
+            if self._overdue():
+                self._kill()
+                return self._from_incumbents("the solver did not stop when asked and was ended")
+
+    def _take(self, message: _Message) -> RawResult | None:
+        if message.kind == "searching":
+            self.searching = time.perf_counter()
+        elif message.kind == "incumbent":
+            answer, objective, bound = message.value
+            self.control.publish(answer, objective, bound)
+        elif message.kind == "done":
+            result = message.value
+            assert isinstance(result, RawResult)
+            return result
+        elif message.kind == "refused":
+            name, text = message.value
+            kind = getattr(errors, name, WayboundError)
+            fault = kind.__new__(kind)
+            fault.args = (text,)
+            raise fault
+        elif message.kind == "memory":
+            return self._from_incumbents(f"the memory limit of {self.options.memory_limit:g} MB was reached", "memory")
+        elif message.kind == "failed":
+            return self._from_incumbents(f"the solver failed: {message.value}")
+        return None
+
+    def _overdue(self) -> bool:
+        """Ask for the end where it is due; whether the child has had its grace."""
+        now = time.perf_counter()
+        if self.asked is None:
+            since = self.began + STARTUP if self.searching is None else self.searching + self.options.time_limit + OVERTIME
+            self.late = now > since
+            if self.control.stopped or self.late:
+                self.asked = now
+                try:
+                    self.mine.send_bytes(b"stop")
+                except (BrokenPipeError, ConnectionResetError):
+                    return False
+        return self.asked is not None and now > self.asked + GRACE
+
+    def _obituary(self) -> RawResult:
+        """What to say about a child that ended without a last word."""
+        code = self.process.wait()
+        self.output.seek(0)
+        said = self.output.read()[-2000:].decode(errors="replace").strip()
+        last = said.splitlines()[-1] if said else ""
+        limit = self.options.memory_limit
+        if limit is not None and any(word in said for word in ("bad_alloc", "MemoryError", "Cannot allocate", "out of memory")):
+            return self._from_incumbents(f"the memory limit of {limit:g} MB was reached: {last}", "memory")
+        how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
+        return self._from_incumbents(f"the solver's process {how}" + (f": {last}" if last else ""))
+
+    def _from_incumbents(self, message: str, limit: str = "none") -> RawResult:
+        stopped, control = self.control.stopped, self.control
+        if stopped:
+            limit = "interrupt"
+        elif self.late:
+            limit = "time"
+        status = "feasible" if control.answer is not None else "error" if limit == "none" else "unknown"
+        return RawResult(status, limit, control.answer, control.objective, control.bound, message=message)
+
+    def _kill(self) -> None:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+
+    def end(self) -> None:
+        """Leave no process behind."""
+        with suppress(subprocess.TimeoutExpired):
+            self.process.wait(0.5 if self.asked is None else 0.0)
+        self._kill()
+        self.process.wait()
+        self.mine.close()
+
+
+@dataclass(frozen=True)
+class _Message:
+    """From the child: ``searching, incumbent, done, refused, memory`` or ``failed``."""
+
+    kind: str
+    value: Any = None
+
+
+class _Relay(Control):
+    """The child's ``Control``: what is published goes to the parent."""
+
+    def __init__(self, connection: Connection) -> None:
+        super().__init__()
+        self._connection = connection
+        self._sending = threading.Lock()
+
+    def send(self, kind: str, value: Any = None) -> None:
+        with self._sending:
+            self._connection.send_bytes(pickle.dumps(_Message(kind, value)))
+
+    def publish(self, answer: Any = None, objective: float | None = None, bound: float | None = None) -> None:
+        super().publish(answer, objective, bound)
+        self.send("incumbent", (answer, objective, bound))
+
+    def listen(self) -> None:
+        """Wait for the parent's wish to stop, or for its end."""
+        try:
+            self._connection.recv_bytes()
+        except (EOFError, OSError):
+            os.killpg(0, signal.SIGKILL)
+        self.stop()
+
+
+def serve(descriptor: int) -> None:
+    """Child: read a task from the pipe, run it, and leave without ceremony."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    connection = Connection(descriptor)
+    relay = _Relay(connection)
+    solver, target, options = pickle.loads(connection.recv_bytes())
+    threading.Thread(target=relay.listen, daemon=True).start()
+    try:
+        name, _, variant = solver.partition(":")
+        kind: Any = BACKENDS[name]
+        backend = kind(variant) if variant else kind()
+        for module in backend.modules:
+            importlib.import_module(module)  # before the limit: a library's own size is nobody's choice
+        enforced = options.memory_limit is None or _limit_memory(options.memory_limit)
+        relay.send("searching")
+        result = backend.run(target, options, relay)
+        if not enforced:
+            result = replace(result, statistics={**result.statistics, "memory_limit": "not enforced on this system"})
+        relay.send("done", result)
+    except WayboundError as fault:
+        relay.send("refused", (type(fault).__name__, str(fault)))
+    except MemoryError:
+        relay.send("memory")
+    except Exception as fault:
+        relay.send("failed", f"{type(fault).__name__}: {fault}")
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def _limit_memory(megabytes: float) -> bool:
+    """Limit the address space to what it is now plus ``megabytes``; whether the system keeps such a limit."""
+    import resource
+
+    pages = Path("/proc/self/statm")
+    if not pages.exists():
+        return False
+    now = int(pages.read_text().split()[0]) * resource.getpagesize()
+    most = now + int(megabytes * _MEGABYTE)
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    if hard != resource.RLIM_INFINITY:
+        most = min(most, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+    return True

@@ -1,0 +1,140 @@
+"""``waybound check, bound, explain``."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import waybound as wb
+
+
+@pytest.fixture
+def solved(run, tmp_path):
+    """Files of a solved instance: answer, certificate."""
+    out, proof = tmp_path / "a.sol", tmp_path / "c.json"
+    result = run("solve", "demo-tiny", "--solver", "pyvrp", "--iterations", "50", "--out", out, "--certificate", proof, "-q")
+    assert result.exit_code == 0
+    return out, proof
+
+
+def test_a_feasible_solution_is_exit_0(run, strict_json, solved):
+    result = run("check", "demo-tiny", solved[0], "--json")
+    data = strict_json(result.stdout)
+    assert (result.exit_code, data["feasible"], data["violations"]) == (0, True, [])
+    assert data["stated_objective"] == pytest.approx(data["objective"])
+
+
+def test_a_dropped_visit_is_exit_5_and_named(run, strict_json, solved):
+    routes = solved[0].read_text().splitlines()
+    head, _, visits = routes[0].partition(":")
+    dropped = visits.split()[0]
+    solved[0].write_text("\n".join([f"{head}: {' '.join(visits.split()[1:])}", *routes[1:]]))
+    result = run("check", "demo-tiny", solved[0], "--json")
+    data = strict_json(result.stdout)
+    assert (result.exit_code, data["feasible"]) == (5, False)
+    assert [(v["check"], v["site"]) for v in data["violations"] if v["check"] == "visits"] == [("visits", dropped)]
+    assert "visited 0 times" in run("check", "demo-tiny", solved[0]).stdout
+
+
+def test_a_stated_cost_that_is_not_the_recomputed_one_is_told_with_both(run, strict_json, solved):
+    text = solved[0].read_text().splitlines()
+    solved[0].write_text("\n".join([*text[:-1], "Cost 12.5"]))
+    result = run("check", "demo-tiny", solved[0], "--json")
+    data = strict_json(result.stdout)
+    assert result.exit_code == 0
+    assert "12.5" in data["notes"][0]
+    assert repr(data["objective"]) in data["notes"][0]
+    assert data["notes"][0].split()[0] in run("check", "demo-tiny", solved[0]).stdout
+
+
+def test_a_certificate_is_verified(run, strict_json, solved):
+    result = run("check", "demo-tiny", solved[0], "--certificate", solved[1], "--json")
+    assert result.exit_code == 0
+    assert strict_json(result.stdout)["bound"] == json.loads(solved[1].read_text())["bound"]
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "says"),
+    [
+        ({"bound": 1e6}, 5, "its evidence proves"),
+        ({"objective": 1.0}, 5, "the answer's is"),
+        ({"convention": "trunc1"}, 2, "convention differs"),
+        ({"instance_hash": "sha256:0"}, 2, "instance_hash differs"),
+        ({"kind": "recipe"}, 2, "not a waybound certificate"),
+        ({"evidence": "trust me"}, 2, "not a list"),
+        ({"evidence": [{"kind": "trust", "source": "me", "value": 1.0, "data": {}}]}, 2, "unknown kind of evidence"),
+    ],
+)
+def test_a_certificate_that_does_not_hold_is_refused(refused, solved, change, code, says):
+    solved[1].write_text(json.dumps({**json.loads(solved[1].read_text()), **change}))
+    assert says in refused("check", "demo-tiny", solved[0], "--certificate", solved[1], code=code)
+
+
+@pytest.mark.parametrize("text", ["", "[1, 2]", "{", "\x00"])
+def test_a_file_that_is_no_certificate_is_refused_by_name(refused, solved, text):
+    solved[1].write_text(text)
+    assert str(solved[1]) in refused("check", "demo-tiny", solved[0], "--certificate", solved[1])
+
+
+@pytest.mark.parametrize("text", ["", "Route #1: 1 99\n", "Route #1: 1 x\n", "hello\n", '{"answer": null}'])
+def test_a_file_that_is_no_solution_is_refused_by_name(refused, tmp_path, text):
+    path = tmp_path / "a.sol"
+    path.write_text(text)
+    assert str(path) in refused("check", "demo-tiny", path)
+
+
+def test_settings_are_part_of_the_instance_that_is_checked_against(run, solved):
+    assert run("check", "demo-tiny", solved[0], "--set", "capacity=10").exit_code == 5
+
+
+def test_published_solutions_are_feasible_at_their_value(run, strict_json, benchmarks):
+    folder = benchmarks / "vrptw-solomon"
+    data = strict_json(run("check", folder / "C101.txt", folder / "C101.dimacs.sol", "--convention", "dimacs", "--json").stdout)
+    assert (data["feasible"], data["objective"]) == (True, pytest.approx(827.3, abs=1e-6))
+
+
+def test_a_bound_is_told_with_its_source(run, strict_json, tmp_path):
+    proof = tmp_path / "b.json"
+    result = run("bound", "demo-tiny", "--bound-time", "2", "--json", "-q", "--certificate", proof)
+    data = strict_json(result.stdout)
+    assert result.exit_code == 0
+    assert data["bound_kind"] == "verified"
+    assert data["bound_source"]
+    assert data["bound"] >= max(0.0, *(f["value"] for f in data["found"])) - 1e-6
+    assert json.loads(proof.read_text())["bound"] == data["bound"]
+    assert "verified:" in run("bound", "demo-tiny", "--bound-time", "1", "-q").stdout
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "nan", "inf"])
+def test_bounding_needs_a_finite_time(refused, value):
+    assert "--bound-time" in refused("bound", "demo-tiny", f"--bound-time={value}")
+
+
+def test_a_bound_cannot_be_written_into_a_missing_folder(refused, tmp_path):
+    assert "no folder" in refused("bound", "demo-tiny", "--certificate", tmp_path / "missing" / "b.json")
+
+
+def test_explain_names_sites_and_is_exit_3(run, strict_json):
+    result = run("explain", "demo-tiny", "--set", "capacity=9", "--json")
+    data = strict_json(result.stdout)
+    assert (result.exit_code, data["verdict"], data["according_to"]) == (3, "infeasible", "the data")
+    problem = wb.read("demo-tiny")
+    assert isinstance(problem, wb.RoutingProblem)
+    heavy = {problem.sites.ids[i] for i in problem.customers if problem.sites.demand[i] > 9}
+    assert {r["where"] for r in data["reasons"]} == heavy
+
+
+def test_explain_names_the_fleet(run):
+    result = run("explain", "demo-c25", "--set", "vehicles=2")
+    assert result.exit_code == 3
+    assert "2 vehicles can carry" in result.stdout
+
+
+def test_explain_of_an_instance_with_a_solution_is_exit_0(run):
+    result = run("explain", "demo-tiny", "--time-limit", "10")
+    assert (result.exit_code, "there is a solution" in result.stdout) == (0, True)
+
+
+def test_explain_refuses_an_unknown_form(refused):
+    assert "unknown form" in refused("explain", "demo-tiny", "--form", "four-index")

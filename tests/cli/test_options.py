@@ -1,0 +1,113 @@
+"""KEY=VALUE pairs, output paths, and the way from an error to one line."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+import typer
+from hypothesis import given
+from hypothesis import strategies as st
+
+from waybound.cli.options import distinct_paths, finite, handled, output_path, parse_pairs, parse_value
+from waybound.instances.errors import CheckFailedError, InputError, NoAnswerError, UsageError
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("3", 3), ("-3", -3), ("2.5", 2.5), ("1e3", 1000.0), (".5", 0.5), ("true", True), ("False", False), ("unlimited", "unlimited"),
+        ("1-100", "1-100"), ("nan", "nan"), ("inf", "inf"), ("0x10", "0x10"), ("1_000", "1_000"),
+        ("1e999", "1e999"), ("9" * 5000, "9" * 5000),
+        ("\u0663", "\u0663"),
+    ],
+)  # fmt: skip
+def test_values_are_numbers_flags_or_text(text, value):
+    assert parse_value(text) == value
+    assert type(parse_value(text)) is type(value)
+
+
+@given(st.integers())
+def test_whole_numbers_stay_whole(number):
+    assert parse_value(str(number)) == number
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_decimal_numbers_are_read_back_exactly(number):
+    assert parse_value(repr(number)) == number
+
+
+def test_a_value_may_hold_an_equals_sign():
+    assert parse_pairs(["rule=a=b"], "--set") == {"rule": "a=b"}
+
+
+@pytest.mark.parametrize("pair", ["vehicles", "=3", "vehicles=", "", " = "])
+def test_what_is_no_pair_is_refused(pair):
+    with pytest.raises(UsageError, match="KEY=VALUE"):
+        parse_pairs([pair], "--set")
+
+
+def test_a_repeated_key_is_refused_even_with_the_same_value():
+    with pytest.raises(UsageError, match="vehicles is given twice"):
+        parse_pairs(["vehicles=3", "vehicles=3"], "--set")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_options_must_be_finite(value):
+    with pytest.raises(UsageError, match="--gap must be a finite number"):
+        finite("--gap", value)
+
+
+def test_paths_that_could_not_be_written_are_refused_beforehand(tmp_path):
+    (tmp_path / "folder.sol").mkdir()
+    (tmp_path / "in.sol").touch()
+    output_path("--out", tmp_path / "a.sol", (".sol",))
+    for path, says in (
+        (tmp_path / "a.xyz", "suffix"),
+        (tmp_path / "folder.sol", "directory"),
+        (tmp_path / "missing" / "a.sol", "no folder"),
+        (tmp_path / "in.sol", "overwrite the input"),
+    ):
+        with pytest.raises(UsageError, match=says):
+            output_path("--out", path, (".sol",), unlike=str(tmp_path / "in.sol"))
+
+
+def test_two_outputs_cannot_go_to_one_file(tmp_path):
+    with pytest.raises(UsageError, match="--out and --certificate"):
+        distinct_paths(out=tmp_path / "a.json", certificate=tmp_path / "." / "a.json", plot=None)
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (UsageError("x"), 2),
+        (InputError("x"), 2),
+        (NoAnswerError("x"), 4),
+        (CheckFailedError("x"), 5),
+        (KeyboardInterrupt(), 130),
+        (ValueError("x"), 1),
+    ],
+)
+def test_each_error_has_its_exit_code_and_one_line(error, code, capsys):
+    def command(verbose: bool = False) -> None:
+        raise error
+
+    with pytest.raises(typer.Exit) as caught:
+        handled(command)()
+    assert caught.value.exit_code == code
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+
+
+def test_an_internal_error_shows_its_traceback_only_when_asked(capsys):
+    def command(verbose: bool = False) -> None:
+        raise ValueError("boom")
+
+    with pytest.raises(typer.Exit):
+        handled(command)()
+    assert "run again with -v" in capsys.readouterr().err
+    with pytest.raises(typer.Exit):
+        handled(command)(verbose=True)
+    told = capsys.readouterr().err
+    assert "Traceback" in told
+    assert told.strip().splitlines()[-1] == "error: internal error: ValueError: boom"

@@ -1,0 +1,315 @@
+"""``waybound solve``."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+
+import pytest
+
+import waybound as wb
+from waybound.formulations.certificate import check_certificate
+from waybound.solvers.backend import BACKENDS, Engine, RawResult
+
+QUICK = ("--solver", "pyvrp", "--iterations", "30", "--bound-time", "0", "--quiet")
+
+JSON_KEYS = {
+    "instance", "instance_hash", "problem", "sense", "convention", "solver", "form", "status", "limit", "objective", "bound", "bound_kind",
+    "bound_source", "gap", "seconds", "seed", "versions", "answer", "certificate",
+}  # fmt: skip
+CERTIFICATE_KEYS = {"feasible", "checks", "objective", "bound", "bound_source", "gap", "guarantee", "observed_ratio"}
+
+
+def test_json_is_one_object_with_the_promised_keys_and_nothing_else(run, strict_json):
+    result = run("solve", "demo-tiny", "--solver", "pyvrp", "--iterations", "30", "--json")
+    assert result.exit_code == 0
+    data = strict_json(result.stdout)
+    assert data.keys() >= JSON_KEYS
+    assert data["certificate"].keys() >= CERTIFICATE_KEYS
+    assert data["seconds"].keys() == {"compile", "solve", "bound", "check"}
+    assert data["certificate"]["feasible"] is True
+    assert data["bound"] <= data["objective"] + 1e-6
+
+
+def test_json_holds_null_where_there_is_no_number(run, strict_json):
+    result = run("solve", "demo-c25", "--set", "vehicles=2", *QUICK, "--json")
+    data = strict_json(result.stdout)
+    assert result.exit_code in (3, 4)
+    assert data["answer"] is None
+    assert data["objective"] is None
+    assert data["gap"] is None
+
+
+def test_the_readable_answer_tells_routes_checks_objective_and_bound(run):
+    told = run("solve", "demo-tiny", "--solver", "pyvrp", "--iterations", "30").stdout
+    for words in ("vehicle 1", "sites in order", "feasible: all", "recomputed from the data", "verified:", "gap"):
+        assert words in told
+
+
+def test_without_a_solver_named_one_that_can_take_it_is_chosen(run, strict_json):
+    result = run("solve", "demo-tiny", "--iterations", "30", "--bound-time", "0", "--json", "-q")
+    assert strict_json(result.stdout)["solver"] in BACKENDS
+
+
+def test_a_heuristic_is_named_instead_of_a_solver(run, strict_json):
+    result = run("solve", "demo-tiny", "--heuristic", "savings", "--option", "shape=1.2", "--bound-time", "0", "--json", "-q")
+    assert result.exit_code == 0
+    assert strict_json(result.stdout)["solver"] == "savings"
+
+
+def test_an_answer_of_a_search_without_proof_is_not_called_optimal(run, strict_json):
+    assert strict_json(run("solve", "demo-c25", *QUICK, "--json").stdout)["status"] == "feasible"
+
+
+def test_an_optimum_on_the_solvers_word_names_the_solver(run):
+    told = run("solve", "demo-tiny", "--solver", "highs", "--bound-time", "0", "-q").stdout
+    assert "optimal according to highs" in told or "optimal: the verified bound meets the objective" in told
+
+
+def test_notes_of_the_instance_are_told(run, tmp_path):
+    path = tmp_path / "P-n4-k2.vrp"
+    path.write_text(
+        "NAME : P-n4-k2\nTYPE : CVRP\nDIMENSION : 4\nEDGE_WEIGHT_TYPE : EUC_2D\nCAPACITY : 10\n"
+        "NODE_COORD_SECTION\n1 0 0\n2 0 5\n3 5 0\n4 5 5\n"
+        "DEMAND_SECTION\n1 0\n2 4\n3 4\n4 4\nDEPOT_SECTION\n1\n-1\nEOF\n"
+    )
+    told = run("solve", path, *QUICK).stdout
+    assert wb.read(path).notes
+    assert "note" in told
+    assert "P-n4-k2" in told
+
+
+def test_all_outputs_are_written_and_hold_up(run, tmp_path):
+    out, proof, plot = tmp_path / "a.json", tmp_path / "c.json", tmp_path / "map.png"
+    result = run(
+        "solve", "demo-tiny", "--solver", "pyvrp", "--iterations", "30", "--out", out, "--certificate", proof, "--plot", plot, "-q"
+    )
+    assert result.exit_code == 0
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    problem = wb.read("demo-tiny")
+    data = json.loads(proof.read_text())
+    made = check_certificate(problem, data, problem.evaluate(problem.answer_from_json(json.loads(out.read_text())["answer"])))
+    assert made.bound == data["bound"] is not None
+    assert run("check", "demo-tiny", out, "--certificate", proof).exit_code == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.json", "c.json", "map.png"]
+
+
+def test_a_sol_file_goes_out_and_comes_back_as_the_same_answer(run, strict_json, tmp_path):
+    path = tmp_path / "a.sol"
+    solved = strict_json(run("solve", "demo-c25", *QUICK, "--out", path, "--json").stdout)
+    checked = strict_json(run("check", "demo-c25", path, "--json").stdout)
+    assert checked["objective"] == pytest.approx(solved["objective"], abs=1e-6)
+    assert checked["stated_objective"] == pytest.approx(solved["objective"], abs=1e-9)
+    assert checked["notes"] == []
+
+
+def test_a_start_is_at_least_kept(run, strict_json, tmp_path):
+    good = tmp_path / "good.json"
+    best = strict_json(
+        run("solve", "demo-c25", "--solver", "pyvrp", "--iterations", "300", "--bound-time", "0", "-q", "--json", "--out", good).stdout
+    )
+    again = run("solve", "demo-c25", "--solver", "pyvrp", "--iterations", "1", "--bound-time", "0", "-q", "--json", "--start", good)
+    assert strict_json(again.stdout)["objective"] <= best["objective"] + 1e-6
+
+
+def test_the_same_seed_and_iterations_give_the_same_answer(run, strict_json):
+    first, second = (strict_json(run("solve", "demo-rc50", *QUICK, "--seed", "5", "--json").stdout)["answer"] for _ in range(2))
+    assert first == second
+
+
+def test_isolation_gives_a_verified_answer_too(run, strict_json):
+    result = run("solve", "demo-tiny", "--solver", "highs", "--isolate", "--bound-time", "0", "-q", "--json")
+    assert (result.exit_code, strict_json(result.stdout)["certificate"]["feasible"]) == (0, True)
+
+
+def test_proven_infeasibility_is_exit_3_with_the_reason(run):
+    result = run("solve", "demo-tiny", "--set", "capacity=9", "--solver", "highs", "-q")
+    assert result.exit_code == 3
+    assert "Unserved sites" in result.stdout
+    assert "capacity 9" in result.stdout
+
+
+def test_nothing_is_written_where_there_is_no_answer(run, tmp_path):
+    result = run(
+        "solve", "demo-tiny", "--set", "capacity=9", "--solver", "highs", "-q", "--out", tmp_path / "a.sol", "--plot", tmp_path / "a.svg"
+    )
+    assert result.exit_code == 3
+    assert "was not written" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+class _Scripted(Engine):
+    """An engine that does what a test tells it."""
+
+    family = "routing"
+    package = "waybound"
+    modules = ("json",)
+    summary = "for tests"
+
+    def missing(self, problem):
+        return frozenset()
+
+
+@pytest.fixture
+def engine(monkeypatch):
+    """Registers an engine for one test: ``engine(run)`` with ``run(problem, options, control) -> RawResult``."""
+    BACKENDS.names()
+
+    def make(work):
+        kind = type("Made", (_Scripted,), {"name": "made", "features": frozenset(), "run": lambda self, *given: work(*given)})
+        monkeypatch.setitem(BACKENDS._entries, "made", kind)
+
+    return make
+
+
+def test_no_answer_within_the_limit_is_exit_4(run, engine, strict_json):
+    engine(lambda problem, options, control: RawResult("unknown", limit="time"))
+    result = run("solve", "demo-c25", "--solver", "made", "--bound-time", "0", "-q", "--json")
+    assert result.exit_code == 4
+    assert strict_json(result.stdout)["limit"] == "time"
+
+
+def test_a_solver_whose_claimed_answer_breaks_a_constraint_is_exit_5_and_named(refused, engine):
+    engine(lambda problem, options, control: RawResult("feasible", answer=wb.Routes.of([[1, 2]]), objective=1.0))
+    told = refused("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "-q", code=5)
+    assert "made claims a feasible answer" in told
+    assert "visited 0 times" in told
+
+
+def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numbers(refused, monkeypatch):
+    from waybound.solvers.backends.highs import Highs
+
+    honest = Highs.run
+
+    def lie(self, program, options, control):
+        result = honest(self, program, options, control)
+        return dataclasses.replace(result, objective=1.0, bound=1.0)
+
+    monkeypatch.setattr(Highs, "run", lie)
+    best = wb.solve(wb.read("demo-tiny"), "pyvrp", iterations=300, bound_time=0)
+    told = refused("solve", "demo-tiny", "--solver", "highs", "--bound-time", "0", "-q", code=5)
+    assert "highs claims the objective 1.0" in told
+    assert f"{best.objective:.6f}"[:-1] in told
+
+
+def test_a_solver_that_breaks_down_is_exit_1_with_a_hint(refused, engine):
+    def fail(problem, options, control):
+        raise ZeroDivisionError("oops")
+
+    engine(fail)
+    assert "run again with -v" in refused("solve", "demo-tiny", "--solver", "made", "-q", code=1)
+
+
+def test_what_native_code_prints_does_not_reach_standard_output(engine, capfd, monkeypatch):
+    from waybound.cli import main
+
+    def chatty(problem, options, control):
+        os.write(1, b"Welcome to the solver\n")
+        return RawResult("unknown", limit="time")
+
+    engine(chatty)
+    monkeypatch.setattr("sys.argv", ["waybound", "solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json"])
+    with pytest.raises(SystemExit):
+        main()
+    out, err = capfd.readouterr()
+    json.loads(out)
+    assert "Welcome to the solver" in err
+
+
+def test_progress_goes_to_standard_error_and_not_when_quiet(run, engine):
+    good = wb.solve(wb.read("demo-tiny"), heuristic="savings", bound_time=0)
+    assert isinstance(good.objective, float)
+    value = good.objective
+
+    def publish(problem, options, control):
+        control.publish(good.answer, value, 1.0)
+        return RawResult("feasible", answer=good.answer, objective=value)
+
+    engine(publish)
+    loud = run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json")
+    assert "objective" in loud.stderr
+    assert "gap" in loud.stderr
+    assert run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json", "-q").stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("no-such-file.txt",), "no such file"),
+        ((".",), "is a directory"),
+        (("demo-tiny", "--solver", "gurobii"), "unknown solver 'gurobii'"),
+        (("demo-tiny", "--solver", "highs:fast"), "no variants"),
+        (("demo-tiny", "--heuristic", "magic"), "unknown heuristic 'magic'"),
+        (("demo-tiny", "--solver", "highs", "--form", "four-index"), "unknown form 'four-index'"),
+        (("demo-tiny", "--format", "xml"), "unknown format 'xml'"),
+        (("demo-tiny", "--problem", "knapsack"), "unknown problem 'knapsack'"),
+        (("demo-tiny", "--convention", "nearest"), "unknown convention 'nearest'"),
+        (("demo-tiny", "--set", "vehicles"), "KEY=VALUE"),
+        (("demo-tiny", "--set", "vehicles=3", "--set", "vehicles=4"), "given twice"),
+        (("demo-tiny", "--set", "vehicles=0"), "at least 1"),
+        (("demo-tiny", "--set", "vehicles=two"), "whole number"),
+        (("demo-tiny", "--set", "customers=800"), "out of range"),
+        (("demo-tiny", "--set", "colour=red"), "unknown setting colour"),
+        (("demo-tiny", "--set", "format=json"), "use --format"),
+        (("demo-tiny", "--solver", "highs", "--heuristic", "savings"), "either --solver or --heuristic"),
+        (("demo-tiny", "--heuristic", "savings", "--option", "shade=1"), "no option 'shade'"),
+        (("demo-tiny", "--solver", "pyvrp", "--form", "three-index"), "no forms"),
+        (("demo-tiny", "--time-limit", "0"), "positive"),
+        (("demo-tiny", "--time-limit", "nan"), "finite"),
+        (("demo-tiny", "--bound-time", "-1"), "negative"),
+        (("demo-tiny", "--gap", "-1"), "negative"),
+        (("demo-tiny", "--memory-limit", "0"), "positive"),
+        (("demo-tiny", "--out", "missing/a.sol"), "no folder"),
+        (("demo-tiny", "--out", "a.xlsx"), "suffix"),
+        (("demo-tiny", "--out", "a.tour"), "one route"),
+        (("demo-tiny", "--certificate", "a.txt"), "suffix"),
+        (("demo-tiny", "--plot", "a.jpeg"), "suffix"),
+        (("demo-tiny", "--out", "a.json", "--certificate", "a.json"), "same file"),
+        (("demo-tiny", "--start", "nothing.sol"), "no such file"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(refused, tmp_path, monkeypatch, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    assert says in refused("solve", *arguments)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "is empty"),
+        (b"\xff\xfe\x00", "text"),
+        (b"hello world\n", "no known format"),
+        (b'{"waybound": 1', "JSON"),
+        (b"Route #1: 1 2\n", "solution file"),
+    ],
+)
+def test_a_file_that_is_no_instance_is_one_line_with_its_name(refused, tmp_path, content, says):
+    path = tmp_path / "bad.txt"
+    path.write_bytes(content)
+    told = refused("solve", path)
+    assert says in told
+    assert str(path) in told
+
+
+def test_a_feature_that_a_solver_lacks_is_named_with_those_that_have_it(run, refused, tmp_path):
+    path = tmp_path / "priorities.json"
+    assert run("convert", "demo-tiny", "--to", path).exit_code == 0
+    data = json.loads(path.read_text())
+    data["objective"] = ["vehicles", "total-cost"]
+    path.write_text(json.dumps(data))
+    lacking = [info.name for info in wb.solvers(wb.read(path)) if info.missing and info.installed]
+    assert lacking
+    told = refused("solve", path, "--solver", lacking[0], "-q")
+    assert "it lacks" in told
+    assert "objective:" in told or "form" in told
+
+
+@pytest.mark.parametrize(
+    "arguments", [("solve",), ("solve", "demo-tiny", "--no-such-option"), ("solve", "demo-tiny", "--seed", "x"), ("fly",)]
+)
+def test_what_the_command_line_itself_refuses_is_exit_2(run, arguments):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""

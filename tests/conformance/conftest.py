@@ -1,0 +1,146 @@
+"""One suite for every backend: programs as arrays, and the conditions that answers must meet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from waybound.formulations.program import Program, Rows, Variables
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult
+
+TOLERANCE = 1e-6
+INF = math.inf
+
+
+def _names(kind: type) -> list[str]:
+    names = [n for n in BACKENDS if issubclass(BACKENDS[n], kind) and BACKENDS[n].installed()]
+    return [*names, "pulp:HiGHS"] if kind is ProgramBackend and "pulp" in names else names
+
+
+PROGRAM_BACKENDS = _names(ProgramBackend)
+ENGINES = _names(Engine)
+
+
+def _made(name: str) -> Any:
+    base, _, variant = name.partition(":")
+    kind: Any = BACKENDS[base]
+    return kind(variant) if variant else kind()
+
+
+@pytest.fixture(params=PROGRAM_BACKENDS)
+def backend_name(request: pytest.FixtureRequest) -> str:
+    """Each backend for programs, in turn."""
+    return str(request.param)
+
+
+@pytest.fixture
+def solve_with(backend_name: str) -> Callable[..., RawResult]:
+    """``solve_with(program, control=None, **options)``; skips programs of a kind that the backend does not declare."""
+
+    def solve(program: Program, control: Control | None = None, **options: Any) -> RawResult:
+        backend = _made(backend_name)
+        if program.kind not in backend.kinds:
+            pytest.skip(f"{backend_name} takes no {program.kind}")
+        result = backend.run(program, Options(**options), control or Control())
+        assert isinstance(result, RawResult)
+        return result
+
+    return solve
+
+
+@pytest.fixture(params=ENGINES)
+def engine_name(request: pytest.FixtureRequest) -> str:
+    """Each engine for routing problems, in turn."""
+    return str(request.param)
+
+
+def _program(
+    cost: Sequence[float],
+    matrix: Any,
+    row_lower: Any,
+    row_upper: Any,
+    lower: Any = 0.0,
+    upper: Any = INF,
+    *,
+    integer: Sequence[int] = (),
+    sense: str = "min",
+    offset: float = 0.0,
+    quadratic: Any = None,
+) -> Program:
+    n = len(cost)
+    a = matrix if sp.issparse(matrix) else sp.csr_matrix(np.asarray(matrix, dtype=float).reshape(-1, n))
+    m = a.shape[0]
+    spread = lambda values, size: np.array(np.broadcast_to(np.asarray(values, dtype=float), size))  # noqa: E731
+    low, high, price = spread(lower, n), spread(upper, n), np.asarray(cost, dtype=float)
+    chosen = set(integer)
+    columns = tuple(
+        Variables(f"x{j}", lower=low[j : j + 1], upper=high[j : j + 1], cost=price[j : j + 1], integer=j in chosen) for j in range(n)
+    )
+    rows = Rows(
+        "row", keys=(np.arange(m),), indptr=a.indptr.astype(np.int32), indices=a.indices.astype(np.int32),
+        data=np.asarray(a.data, dtype=float), lower=spread(row_lower, m), upper=spread(row_upper, m),
+    )  # fmt: skip
+    hessian = None if quadratic is None else sp.csr_matrix(np.asarray(quadratic, dtype=float))
+    return Program("conformance", sense, columns, (rows,), offset, hessian)
+
+
+@pytest.fixture(scope="session")
+def program() -> Callable[..., Program]:
+    """``program(cost, matrix, row_lower, row_upper, lower, upper, integer=, sense=, offset=, quadratic=)``."""
+    return _program
+
+
+@pytest.fixture(scope="session")
+def knapsack() -> Program:
+    """Too hard to finish in seconds; first points are found at once. Thirty rows, 250 binaries, maximised."""
+    rng = np.random.default_rng(0)
+    m, n = 30, 250
+    a = rng.integers(10, 1000, (m, n)).astype(float)
+    return _program(
+        rng.integers(10, 1000, n).tolist(), a, -INF, np.floor(a.sum(axis=1) / 2), 0, 1, integer=range(n), sense="max", offset=5.0
+    )
+
+
+@pytest.fixture(scope="session")
+def market_split() -> Program:
+    """Cornuejols and Dawande's market split problem: six equations over 50 binaries, no point found in seconds."""
+    rng = np.random.default_rng(0)
+    m, n = 6, 50
+    a = rng.integers(0, 100, (m, n)).astype(float)
+    half = np.floor(a.sum(axis=1) / 2)
+    return _program([0.0] * n, a, half, half, 0, 1, integer=range(n))
+
+
+def _check_kkt(program: Program, result: RawResult) -> None:
+    x, y = result.answer, result.row_duals
+    assert program.residual(x) <= TOLERANCE
+    assert result.objective == pytest.approx(program.value(x), abs=1e-7)
+    sign = 1.0 if program.sense == "min" else -1.0
+    gradient = program.cost if program.quadratic is None else program.cost + program.quadratic @ x
+    activity, y = program.matrix @ x, sign * y
+    reduced = sign * gradient - program.matrix.T @ y
+    for value, multiplier, low, high in ((activity, y, program.row_lower, program.row_upper), (x, reduced, program.lower, program.upper)):
+        # A positive multiplier leans on the lower side, a negative one on the upper side.
+        assert (np.minimum(np.maximum(multiplier, 0.0), value - low) <= TOLERANCE).all()
+        assert (np.minimum(np.maximum(-multiplier, 0.0), high - value) <= TOLERANCE).all()
+
+
+@pytest.fixture(scope="session")
+def check_optimum() -> Callable[..., None]:
+    """``check_optimum(program, result, value)``: feasible, of the known value, and KKT wherever the backend tells duals."""
+
+    def check(program: Program, result: RawResult, value: float) -> None:
+        assert (result.status, result.limit) == ("optimal", "none"), result
+        assert program.residual(result.answer) <= TOLERANCE
+        assert result.objective == pytest.approx(program.value(result.answer), abs=1e-7)
+        assert result.objective == pytest.approx(value, abs=TOLERANCE)
+        assert result.bound == pytest.approx(value, abs=TOLERANCE)
+        if result.row_duals is not None:
+            _check_kkt(program, result)
+
+    return check

@@ -1,0 +1,278 @@
+"""Every routing engine: each feature it declares against enumeration, limits, starts, interrupts, and data with fractions."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from oracles import optimum as first_level_optimum
+from oracles import small_problems
+from small_routing import FEATURES, optimum, small
+
+from waybound.formulations.objective import LongestRoute, TotalCost, Vehicles
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routes import Routes
+from waybound.instances.errors import InputError, UnsupportedError, UsageError
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.travel import Travel
+from waybound.solvers.backend import BACKENDS, Control, Options
+from waybound.solvers.isolation import run_isolated
+
+WORK = {"pyvrp": 200, "ortools": 300}
+"""Enough of each engine's own iterations for five customers."""
+
+AGREE = 1e-6
+
+
+def run(engine: str, problem, control=None, **options):
+    options.setdefault("time_limit", 5.0)
+    return BACKENDS[engine]().run(problem, Options(**options), control or Control())
+
+
+def middling(customers: int = 60, convention: str = "exact", seed: int = 0) -> RoutingProblem:
+    """A problem with time windows that takes an engine more than a moment."""
+    rng = np.random.default_rng(seed)
+    n = customers + 1
+    xy = rng.uniform(0, 100, (n, 2))
+    ready = np.append(0.0, rng.uniform(0, 400, customers))
+    due = np.append(1000.0, ready[1:] + rng.uniform(80, 200, customers))
+    sites = Sites.of(
+        range(n), demand=np.append(0.0, rng.uniform(1, 20, customers)), ready=ready, due=due,
+        service=np.append(0.0, np.full(customers, 7.3)), coordinates=xy,
+    )  # fmt: skip
+    return RoutingProblem(sites, Travel("euclidean", xy, convention=convention), (VehicleType(capacity=100.0),), problem="vrptw")
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+@pytest.mark.parametrize("convention", ["round", "trunc1", "exact"])
+def test_each_declared_feature_gives_the_optimum_of_small_problems(engine_name, feature, convention):
+    tried = 0
+    for seed in range(2):
+        problem = small(feature, seed, convention)
+        if BACKENDS[engine_name]().missing(problem):
+            continue
+        tried += 1
+        best = optimum(problem)
+        result = run(engine_name, problem, iterations=WORK.get(engine_name, 200))
+        if best is None:
+            assert result.answer is None or not problem.evaluate(result.answer).feasible
+            continue
+        verdict = problem.evaluate(result.answer)
+        assert verdict.feasible, verdict.violations
+        assert verdict.values == pytest.approx(best, abs=AGREE)
+        if result.objective is not None:
+            assert result.objective == pytest.approx(verdict.values[0], abs=1e-5)
+    if not tried:
+        pytest.skip(f"{engine_name} does not declare what {feature} needs")
+
+
+@pytest.mark.parametrize("hetero", [False, True])
+def test_engines_agree_with_enumeration_on_any_mix_of_features(engine_name, hetero):
+    engine = BACKENDS[engine_name]()
+
+    @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, database=None)
+    @given(small_problems(most=4, hetero=hetero))
+    def agree(problem):
+        if engine.missing(problem):
+            return
+        best = first_level_optimum(problem)
+        result = run(engine_name, problem, iterations=WORK.get(engine_name, 200), time_limit=3)
+        if best is None:
+            assert result.answer is None or not problem.evaluate(result.answer).feasible
+            assert result.status in ("unknown", "infeasible")
+            return
+        assert result.status in ("feasible", "optimal"), result
+        verdict = problem.evaluate(result.answer)
+        assert verdict.feasible, verdict.violations
+        # A heuristic may miss the optimum, but never beat it.
+        gain = best - verdict.values[0] if problem.sense == "min" else verdict.values[0] - best
+        assert gain <= AGREE
+        if result.objective is not None:
+            assert result.objective == pytest.approx(verdict.values[0], abs=1e-5)
+
+    agree()
+
+
+@pytest.mark.parametrize("convention", ["exact", "trunc1", "trunc2", "round"])
+def test_fractional_data_give_feasible_answers_of_the_value_told(engine_name, convention):
+    problem = middling(25, convention)
+    result = run(engine_name, problem, time_limit=1.0)
+    verdict = problem.evaluate(result.answer)
+    assert verdict.feasible, verdict.violations
+    assert result.objective == pytest.approx(verdict.objective, abs=1e-4)
+    assert result.statistics["scale"]["time"] == 1_000_000  # demands and windows with all their decimals
+    assert result.statistics["scale"]["exact"] is False
+
+
+def test_data_with_one_decimal_are_scaled_exactly(engine_name):
+    problem = small("time-windows", 0, "trunc1")
+    scale = run(engine_name, problem, iterations=20).statistics["scale"]
+    assert scale["distance"] == 10
+    assert scale["exact"] is True
+
+
+def test_fractions_that_truncation_would_lose_are_kept(engine_name):
+    # Truncated to integers all distances are 0, all loads fit, and any tour costs nothing.
+    xy = np.array([[0, 0], [0.4, 0], [0.8, 0], [0, 0.4], [0, 0.8]])
+    sites = Sites.of(range(5), demand=[0, 0.6, 0.6, 0.6, 0.6], coordinates=xy)
+    problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(capacity=1.2),))
+    result = run(engine_name, problem, iterations=WORK.get(engine_name, 200))
+    assert problem.evaluate(result.answer).feasible
+    assert result.objective == pytest.approx(3.2)
+
+
+def test_iterations_repeat_to_the_bit(engine_name):
+    problem = middling(30)
+    first, second = (run(engine_name, problem, iterations=60, time_limit=60, seed=3) for _ in range(2))
+    assert first.limit == second.limit == "iterations"
+    assert first.answer == second.answer
+
+
+def test_a_time_limit_is_named(engine_name):
+    began = time.perf_counter()
+    result = run(engine_name, middling(), time_limit=0.8)
+    assert time.perf_counter() - began < 5.0
+    assert (result.status, result.limit) == ("feasible", "time")
+
+
+def test_whichever_limit_comes_first_is_named(engine_name):
+    assert run(engine_name, middling(), time_limit=0.7, iterations=10**7).limit == "time"
+    assert run(engine_name, middling(20), time_limit=60, iterations=5).limit == "iterations"
+
+
+def test_no_optimum_is_claimed(engine_name):
+    result = run(engine_name, small("capacity", 0, "round"), iterations=50)
+    assert result.status == "feasible"
+    assert result.bound is None
+
+
+def test_an_interrupt_in_mid_run_keeps_the_best_answer(engine_name):
+    problem, control = middling(), Control()
+    threading.Timer(2.5, control.stop).start()
+    began = time.perf_counter()
+    kind = BACKENDS[engine_name]
+    if kind.needs_process:
+        result = run_isolated(engine_name, problem, Options(time_limit=120), control)
+    else:
+        result = run(engine_name, problem, control, time_limit=120)
+    assert time.perf_counter() - began < 8.0
+    assert (result.status, result.limit) == ("feasible", "interrupt")
+    assert problem.evaluate(result.answer).feasible
+
+
+def test_incumbents_are_published_in_order_and_are_feasible(engine_name):
+    problem, seen = middling(40), []
+    control = Control(lambda event: seen.append(event["objective"]))
+    result = run(engine_name, problem, control, time_limit=1.5)
+    assert seen == sorted(seen, reverse=True)
+    assert problem.evaluate(control.answer).feasible
+    assert result.objective <= seen[-1] + 1e-9
+
+
+def test_a_start_is_never_made_worse(engine_name):
+    problem = middling(40)
+    good = run(engine_name, problem, time_limit=1.5)
+    again = run(engine_name, problem, start=good.answer, iterations=3)
+    assert again.statistics["start"] == "used"
+    assert again.objective <= good.objective + 1e-6
+
+
+def test_an_infeasible_start_does_no_harm(engine_name):
+    problem = small("capacity", 0, "round")
+    tour = Routes.of([problem.customers.tolist()])
+    assert not problem.evaluate(tour).feasible
+    result = run(engine_name, problem, start=tour, iterations=WORK.get(engine_name, 200))
+    verdict = problem.evaluate(result.answer)
+    assert verdict.feasible
+    assert verdict.values == pytest.approx(optimum(problem))
+
+
+def test_a_start_for_another_fleet_is_refused_not_crashed_on(engine_name):
+    problem = small("limited-fleet", 0, "round")
+    alone = Routes.of([[c] for c in problem.customers.tolist()])
+    result = run(engine_name, problem, start=alone, iterations=WORK.get(engine_name, 200))
+    assert result.statistics["start"] == "refused"
+    assert problem.evaluate(result.answer).values == pytest.approx(optimum(problem))
+
+
+def test_a_problem_without_customers_is_solved_by_staying_at_home(engine_name):
+    xy = np.zeros((1, 2))
+    problem = RoutingProblem(Sites.of(["depot"], coordinates=xy), Travel("euclidean", xy), (VehicleType(),))
+    result = run(engine_name, problem)
+    assert (result.status, result.objective, len(result.answer)) == ("optimal", 0.0, 0)
+
+
+def test_demand_beyond_the_fleet_leaves_no_answer(engine_name):
+    problem = small("capacity", 1, "round")
+    problem = replace(problem, fleet=(replace(problem.fleet[0], count=1, capacity=10.0),))
+    assert optimum(problem) is None
+    result = run(engine_name, problem, iterations=50, time_limit=2)
+    assert result.status in ("unknown", "infeasible")
+    assert result.answer is None
+    assert result.message
+
+
+def test_a_depot_that_closes_before_it_opens_elsewhere_is_infeasible(engine_name):
+    xy = np.array([[0, 0], [1, 0], [2, 0]], dtype=float)
+    sites = Sites.of(range(3), depot=[True, True, False], ready=[50, 0, 0], due=[90, 20, 90], coordinates=xy)
+    problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(start=0, end=1),))
+    assert run(engine_name, problem).status == "infeasible"
+
+
+def test_a_fleet_that_only_a_good_packing_fits_is_used(engine_name):
+    # Five vehicles of 10 for 6,4,7,3,5,5,8,2,9,1: every vehicle is full, and greedy insertions fail.
+    rng = np.random.default_rng(1)
+    loads = np.array([0, 6, 4, 7, 3, 5, 5, 8, 2, 9, 1], dtype=float)
+    xy = rng.integers(0, 50, (11, 2)).astype(float)
+    problem = RoutingProblem(Sites.of(range(11), demand=loads, coordinates=xy), Travel("EUC_2D", xy), (VehicleType(5, 10.0),))
+    result = run(engine_name, problem, time_limit=3)
+    assert result.answer is not None
+    assert problem.evaluate(result.answer).feasible
+
+
+def test_negative_ready_times_and_tight_windows(engine_name):
+    xy = np.array([[0, 0], [3, 4], [6, 8]], dtype=float)
+    sites = Sites.of(range(3), ready=[-20, -15, -10], due=[40, -15, -10], coordinates=xy)
+    problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(),))
+    result = run(engine_name, problem, iterations=50)
+    assert problem.evaluate(result.answer).feasible
+    assert result.objective == pytest.approx(20.0)
+
+
+def test_numbers_beyond_the_integers_are_refused_with_the_largest(engine_name):
+    xy = np.array([[0, 0], [1e14, 0]])
+    problem = RoutingProblem(Sites.of(range(2), coordinates=xy), Travel("euclidean", xy), (VehicleType(),))
+    with pytest.raises(InputError, match=r"largest distance.*1e\+14"):
+        run(engine_name, problem)
+
+
+def test_unknown_options_are_refused_with_the_close_ones(engine_name):
+    with pytest.raises(UsageError, match="no option 'first_solution_stratgy'"):
+        run(engine_name, small("capacity", 0, "round"), extra={"first_solution_stratgy": "SAVINGS"})
+
+
+def test_objectives_beyond_its_terms_are_refused_by_name(engine_name):
+    problem = small("capacity", 0, "round")
+    for objective, word in ((LongestRoute(), "objective:longest-route"), (TotalCost().then(Vehicles()), "before others")):
+        asked = replace(problem, objective=objective)
+        with pytest.raises(UnsupportedError, match=word):
+            run(engine_name, asked)
+
+
+def test_a_real_fleet_of_unlimited_vehicles_may_be_as_large_as_needed(engine_name):
+    # Every customer needs a vehicle of its own: more than an estimate from the loads would give.
+    n = 41
+    rng = np.random.default_rng(2)
+    xy = rng.integers(0, 50, (n, 2)).astype(float)
+    due = np.append(1000.0, np.full(n - 1, 80.0))
+    sites = Sites.of(
+        range(n), demand=np.append(0.0, np.ones(n - 1)), due=due, service=np.append(0.0, np.full(n - 1, 100.0)), coordinates=xy
+    )
+    problem = RoutingProblem(sites, Travel("EUC_2D", xy), (VehicleType(capacity=100.0),))
+    result = run(engine_name, problem, time_limit=4)
+    assert problem.evaluate(result.answer).feasible
+    assert len(result.answer) == n - 1

@@ -1,0 +1,197 @@
+"""Every program backend at a limit, on an interrupt and from a start: what is said then must be true."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from waybound.instances.errors import UsageError
+from waybound.solvers.backend import Control, Options
+from waybound.solvers.isolation import run_isolated
+
+TOLERANCE = 1e-6
+SHORT = 0.6
+LATE = 6.0
+"""Seconds past a limit after which a backend has overstayed, with room for a busy machine."""
+
+
+def holds(program, result) -> None:
+    """An answer is feasible and of the value told, and the bound lies on the other side of it."""
+    assert program.residual(result.answer) <= TOLERANCE
+    assert result.objective == pytest.approx(program.value(result.answer), abs=1e-7)
+    if result.bound is not None:
+        assert result.bound >= result.objective - TOLERANCE if program.sense == "max" else result.bound <= result.objective + TOLERANCE
+
+
+def stopped_after(seconds: float, condition=lambda: True) -> Control:
+    """A control that is asked to stop from another thread."""
+    control = Control()
+
+    def stop() -> None:
+        time.sleep(seconds)
+        control.stop()
+
+    threading.Thread(target=stop, daemon=True).start()
+    return control
+
+
+def test_a_time_limit_with_an_incumbent_is_feasible_not_optimal(knapsack, solve_with):
+    began = time.perf_counter()
+    result = solve_with(knapsack, time_limit=SHORT)
+    assert time.perf_counter() - began < SHORT + LATE
+    assert (result.status, result.limit) == ("feasible", "time")
+    holds(knapsack, result)
+
+
+def test_native_backends_tell_a_bound_at_the_time_limit(knapsack, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP drops the bound")
+    result = solve_with(knapsack, time_limit=SHORT)
+    assert result.bound is not None
+    assert result.bound > result.objective + 1.0
+
+
+def test_a_time_limit_without_an_incumbent_leaves_no_answer(market_split, solve_with):
+    result = solve_with(market_split, time_limit=SHORT)
+    assert (result.status, result.limit) == ("unknown", "time")
+    assert result.answer is None
+    assert result.objective is None
+    assert result.message
+
+
+def test_a_tiny_time_limit_of_an_lp_claims_nothing_false(program, solve_with):
+    rng = np.random.default_rng(3)
+    m, n = 400, 600
+    a = rng.random((m, n))
+    lp = program(rng.random(n).tolist(), a, a.sum(axis=1) * 0.3, np.inf, 0, 1)
+    result = solve_with(lp, time_limit=0.02)
+    assert result.status in ("unknown", "feasible", "optimal")
+    if result.answer is not None:
+        holds(lp, result)
+    if result.status == "unknown":
+        assert result.limit == "time"
+        assert result.bound is None
+
+
+def test_a_node_limit_is_named(knapsack, backend_name, solve_with):
+    if ":" in backend_name:
+        with pytest.raises(UsageError, match="iterations"):
+            solve_with(knapsack, iterations=1)
+        return
+    result = solve_with(knapsack, iterations=1, time_limit=60)
+    assert (result.status, result.limit) == ("feasible", "nodes")
+    holds(knapsack, result)
+
+
+def test_an_iteration_limit_of_an_lp_is_named(program, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces have no such limit")
+    rng = np.random.default_rng(4)
+    a = rng.random((60, 80))
+    lp = program(rng.random(80).tolist(), a, a.sum(axis=1) * 0.3, np.inf, 0, 1)
+    result = solve_with(lp, iterations=3)
+    assert result.limit == "iterations"
+    assert result.status in ("unknown", "feasible")
+
+
+def test_work_limits_repeat_to_the_bit(knapsack, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces have no work limit")
+    first, second = (solve_with(knapsack, iterations=1, seed=7) for _ in range(2))
+    assert first.objective == second.objective
+    assert (first.answer == second.answer).all()
+
+
+def test_a_gap_that_suffices_is_not_called_optimal(knapsack, solve_with):
+    result = solve_with(knapsack, gap=0.2, time_limit=60)
+    assert (result.status, result.limit) == ("feasible", "gap")
+    holds(knapsack, result)
+    if result.bound is not None:
+        assert abs(result.bound - result.objective) <= 0.2 * abs(result.objective) + TOLERANCE
+
+
+def test_an_interrupt_in_mid_run_keeps_the_best_answer(knapsack, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces cannot be stopped; see the isolated test")
+    began = time.perf_counter()
+    result = solve_with(knapsack, stopped_after(SHORT), time_limit=120)
+    assert time.perf_counter() - began < SHORT + LATE
+    assert (result.status, result.limit) == ("feasible", "interrupt")
+    holds(knapsack, result)
+
+
+def test_an_interrupt_without_an_incumbent_leaves_no_answer(market_split, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces cannot be stopped; see the isolated test")
+    result = solve_with(market_split, stopped_after(SHORT), time_limit=120)
+    assert (result.status, result.limit) == ("unknown", "interrupt")
+    assert result.answer is None
+
+
+def test_an_interrupt_before_the_run_ends_it_at_once(knapsack, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces cannot be stopped; see the isolated test")
+    control = Control()
+    control.stop()
+    began = time.perf_counter()
+    result = solve_with(knapsack, control, time_limit=120)
+    assert time.perf_counter() - began < LATE
+    assert result.limit == "interrupt"
+
+
+def test_any_backend_can_be_ended_in_a_process_of_its_own(market_split, backend_name):
+    began = time.perf_counter()
+    result = run_isolated(backend_name, market_split, Options(time_limit=120), stopped_after(1.5))
+    assert time.perf_counter() - began < 1.5 + LATE
+    assert (result.status, result.limit) == ("unknown", "interrupt")
+
+
+def test_progress_is_published_and_ends_at_the_result(knapsack, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces show no progress")
+    events = []
+    control = Control(events.append)
+    result = solve_with(knapsack, control, time_limit=1.5)
+    assert control.bound is not None
+    assert control.bound >= result.objective - TOLERANCE
+    assert events
+    if control.answer is not None:
+        assert knapsack.residual(control.answer) <= TOLERANCE
+        assert control.objective == pytest.approx(knapsack.value(control.answer), abs=1e-6)
+
+
+def test_a_second_model_with_other_threads_in_one_process(program, knapsack, solve_with, check_optimum):
+    # HiGHS 1.12 refuses another number of threads until its scheduler is reset.
+    rng = np.random.default_rng(0)
+    a = rng.integers(10, 1000, (6, 30)).astype(float)
+    milp = program(rng.integers(10, 1000, 30).tolist(), a, -np.inf, np.floor(a.sum(axis=1) / 2), 0, 1, integer=range(30), sense="max")
+    values = []
+    for threads in (1, 2, 1):
+        result = solve_with(milp, threads=threads)
+        assert result.status == "optimal"
+        values.append(result.objective)
+    assert values == pytest.approx([values[0]] * 3)
+
+
+def test_a_feasible_start_is_used(knapsack, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces take no start")
+    good = solve_with(knapsack, time_limit=2)
+    again = solve_with(knapsack, start=good.answer, iterations=1, time_limit=60)
+    holds(knapsack, again)
+    assert again.objective >= good.objective - TOLERANCE
+    assert again.statistics["start"] == "used"
+
+
+def test_an_infeasible_start_does_no_harm(program, backend_name, solve_with, check_optimum):
+    milp = program([5, 4, 3], [[2, 3, 1], [4, 1, 2], [3, 4, 2]], -np.inf, [5, 11, 8], 0, 9, integer=[0, 1, 2], sense="max")
+    result = solve_with(milp, start=np.array([9.0, 9.0, 9.0]))
+    check_optimum(milp, result, 13.0)
+
+
+def test_a_partial_start_is_completed_or_ignored(program, solve_with, check_optimum):
+    milp = program([5, 4, 3], [[2, 3, 1], [4, 1, 2], [3, 4, 2]], -np.inf, [5, 11, 8], 0, 9, integer=[0, 1, 2], sense="max")
+    check_optimum(milp, solve_with(milp, start=np.array([2.0, np.nan, np.nan])), 13.0)

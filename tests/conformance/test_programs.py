@@ -1,0 +1,273 @@
+"""Every program backend on small programs whose answers are known: statuses, optima by KKT, and refusals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from waybound.formulations.program import Program, Rows, Variables
+from waybound.instances.errors import InputError, UnsupportedError, UsageError
+from waybound.solvers.backend import BACKENDS, Control, Options
+
+INF = math.inf
+
+
+def test_an_lp_has_its_optimum_and_dual_vector(program, solve_with, check_optimum):
+    lp = program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)
+    result = solve_with(lp)
+    check_optimum(lp, result, 2.8)
+    if result.row_duals is not None:
+        assert result.row_duals == pytest.approx([0.4, 0.2])
+
+
+def test_native_backends_tell_the_duals_of_an_lp(program, backend_name, solve_with):
+    if ":" in backend_name:
+        pytest.skip("PuLP's interfaces split ranges, so their duals belong to other rows")
+    result = solve_with(program([1, 1], [[1, 2], [3, 1]], [4, 6], INF))
+    assert result.row_duals is not None
+
+
+def test_a_maximised_lp_has_duals_in_its_own_sense(program, solve_with, check_optimum):
+    lp = program([3, 5], [[1, 0], [0, 2], [3, 2]], -INF, [4, 12, 18], sense="max", offset=7)
+    result = solve_with(lp)
+    check_optimum(lp, result, 43.0)
+    if result.row_duals is not None:
+        assert result.row_duals == pytest.approx([0.0, 1.5, 1.0])  # one more on the right side is worth that much more
+
+
+def test_a_degenerate_lp_ends_at_its_optimum(program, solve_with, check_optimum):
+    # Beale's cycling example.
+    lp = program(
+        [-0.75, 150, -0.02, 6], [[0.25, -60, -0.04, 9], [0.5, -90, -0.02, 3], [0, 0, 1, 0]], -INF, [0, 0, 1]
+    )  # fmt: skip
+    check_optimum(lp, solve_with(lp), -0.05)
+
+
+def test_redundant_rows_do_no_harm(program, solve_with, check_optimum):
+    lp = program([1, 2], [[1, 1], [1, 1], [2, 2]], [3, 3, 6], [INF, 3, 6])
+    check_optimum(lp, solve_with(lp), 3.0)
+
+
+def test_an_infeasible_lp_is_infeasible_and_has_no_answer(program, solve_with):
+    result = solve_with(program([1, 1], [[1, 1]], 3, INF, 0, 1))
+    assert result.status == "infeasible"
+    assert result.answer is None
+
+
+def test_an_infeasible_milp_is_infeasible_and_has_no_answer(program, solve_with):
+    result = solve_with(program([1], [[2]], 1, 1, 0, 5, integer=[0]))
+    assert result.status == "infeasible"
+    assert result.answer is None
+
+
+def test_an_unbounded_lp_is_unbounded_and_has_no_answer(program, solve_with):
+    result = solve_with(program([-1, -1], [[1, -1]], -1, 1))
+    assert result.status in ("unbounded", "infeasible_or_unbounded")
+    assert result.answer is None
+
+
+def test_an_unbounded_milp_is_not_called_infeasible(program, solve_with):
+    result = solve_with(program([-1, -1], [[1, -1]], -1, 1, integer=[0, 1]))
+    assert result.status in ("unbounded", "infeasible_or_unbounded", "unknown")
+    assert result.answer is None
+
+
+def test_infeasible_is_told_from_unbounded_where_both_look_alike(program, solve_with):
+    # Dual infeasible as well: a presolve can only say that it is one of the two.
+    result = solve_with(program([-1, -1, 0], [[1, -1, 0], [0, 0, 1], [0, 0, 1]], [-1, 2, -INF], [1, INF, 1]))
+    assert result.status == "infeasible"
+    assert result.answer is None
+
+
+@pytest.mark.parametrize("sense", ["min", "max"])
+def test_the_two_variable_milp_that_highs_1_14_gets_wrong(program, solve_with, check_optimum, sense):
+    # HiGHS#2957: 15 where the optimum is 9.
+    sign = 1.0 if sense == "min" else -1.0
+    milp = program([2 * sign, 3 * sign], [[1, 1]], 4.5, INF, integer=[1], sense=sense)
+    check_optimum(milp, solve_with(milp), 9.0 * sign)
+
+
+def test_free_variables_go_below_zero(program, solve_with, check_optimum):
+    lp = program([1, 1], [[1, 1], [1, -1]], [-3, -1], INF, -INF, INF)
+    check_optimum(lp, solve_with(lp), -3.0)
+
+
+def test_free_integer_variables_go_below_zero(program, solve_with, check_optimum):
+    milp = program([1], [[2]], -7, INF, -INF, INF, integer=[0])
+    check_optimum(milp, solve_with(milp), -3.0)
+
+
+def test_variables_without_a_lower_but_with_an_upper_bound(program, solve_with, check_optimum):
+    lp = program([-1, -1], [[1, -1]], -4, 4, -INF, [-2, 9])
+    check_optimum(lp, solve_with(lp), -0.0)
+
+
+def test_integer_variables_without_an_upper_bound_are_not_binary(program, solve_with, check_optimum):
+    milp = program([1], [[1]], 6.5, INF, integer=[0])
+    check_optimum(milp, solve_with(milp), 7.0)
+
+
+def test_fixed_variables_keep_their_value(program, solve_with, check_optimum):
+    milp = program([1, 1, 1], [[1, 1, 1]], 10, INF, [2.5, 0, -1], [2.5, INF, -1], integer=[1])
+    result = solve_with(milp)
+    check_optimum(milp, result, 2.5 + 9 - 1)
+    assert result.answer[[0, 2]] == pytest.approx([2.5, -1])
+
+
+def test_ranges_hold_on_both_sides(program, solve_with, check_optimum):
+    for sign, value in ((1.0, 2.0), (-1.0, -5.0)):
+        lp = program([sign, sign], [[1, 1]], 2, 5, 0, 9)
+        check_optimum(lp, solve_with(lp), value)
+
+
+def test_ranges_with_negative_sides(program, solve_with, check_optimum):
+    lp = program([1, -1], [[1, 1], [1, -1]], [-5, -3], [-2, -1], -INF, INF)
+    check_optimum(lp, solve_with(lp), -3.0)
+
+
+def test_equalities_hold(program, solve_with, check_optimum):
+    lp = program([2, 3, 1], [[1, 1, 1], [1, -1, 0]], [6, 1], [6, 1])
+    check_optimum(lp, solve_with(lp), 7.0)
+
+
+def test_rows_without_limits_and_rows_without_entries(program, solve_with, check_optimum):
+    lp = program([1, 1], [[1, 1], [1, 0], [0, 0]], [2, -INF, -1], [INF, INF, 1])
+    check_optimum(lp, solve_with(lp), 2.0)
+
+
+def test_the_constant_of_the_objective_counts(program, solve_with, check_optimum):
+    for sense in ("min", "max"):
+        milp = program([1, 2], [[1, 1]], 3, 3, 0, 2, integer=[0, 1], sense=sense, offset=-100.25)
+        check_optimum(milp, solve_with(milp), (4.0 if sense == "min" else 5.0) - 100.25)
+
+
+def test_maximisation_of_a_milp(program, solve_with, check_optimum):
+    milp = program([5, 4, 3], [[2, 3, 1], [4, 1, 2], [3, 4, 2]], -INF, [5, 11, 8], integer=[0, 1, 2], sense="max")
+    check_optimum(milp, solve_with(milp), 13.0)
+
+
+def test_an_empty_program_is_its_constant(solve_with):
+    empty = Program("empty", "min", (), (), offset=4.0)
+    result = solve_with(empty)
+    assert (result.status, result.objective, result.bound) == ("optimal", 4.0, 4.0)
+    assert result.answer.shape == (0,)
+
+
+def test_a_program_without_rows_sits_on_its_bounds(program, solve_with, check_optimum):
+    lp = program([5, -1], np.zeros((0, 2)), 0, 0, [2, 0], [3, 8], offset=3)
+    check_optimum(lp, solve_with(lp), 5.0)
+
+
+def test_a_program_without_objective_has_any_feasible_point(program, solve_with, check_optimum):
+    milp = program([0, 0], [[2, 3]], 7, 7, 0, 9, integer=[0, 1])
+    check_optimum(milp, solve_with(milp), 0.0)
+
+
+def test_rows_without_variables_can_be_infeasible(solve_with):
+    rows = Rows("row", indptr=np.zeros(2, dtype=np.int32), lower=np.array([1.0]), upper=np.array([2.0]))
+    assert solve_with(Program("empty", "min", (), (rows,))).status == "infeasible"
+
+
+def test_bounds_that_cross_are_infeasible(program, solve_with):
+    result = solve_with(program([1], [[1]], 0, INF, 2, 1))
+    assert result.status == "infeasible"
+    assert "x0" in result.message
+
+
+@pytest.mark.parametrize("where", ["cost", "coefficient", "lower", "row", "offset", "quadratic"])
+def test_data_that_are_not_numbers_are_refused_by_name(program, solve_with, where):
+    nan = math.nan
+    parts = {
+        "cost": program([1, nan], [[1, 1]], 1, INF),
+        "coefficient": program([1, 1], [[1, nan]], 1, INF),
+        "lower": program([1, 1], [[1, 1]], 1, INF, [0, nan]),
+        "row": program([1, 1], [[1, 1]], nan, INF),
+        "offset": program([1, 1], [[1, 1]], 1, INF, offset=nan),
+        "quadratic": program([1, 1], [[1, 1]], 1, INF, quadratic=[[1, 0], [0, nan]]),
+    }
+    with pytest.raises(InputError) as caught:
+        solve_with(parts[where])
+    word = {"cost": "x1", "coefficient": "x1", "lower": "x1", "row": "row", "offset": "constant", "quadratic": "quadratic"}[where]
+    assert word in str(caught.value)
+
+
+def test_infinite_costs_and_coefficients_are_refused(program, solve_with):
+    for bad in (program([1, INF], [[1, 1]], 1, INF), program([1, 1], [[1, INF]], 1, INF)):
+        with pytest.raises(InputError):
+            solve_with(bad)
+
+
+def test_duplicate_coefficients_add_up(solve_with, check_optimum, program):
+    # x + x + y >= 4, given as three entries: column 0 twice.
+    doubled = sp.csr_matrix((np.array([1.0, 1.0, 1.0]), np.array([0, 0, 1]), np.array([0, 3])), shape=(1, 2))
+    lp = program([1, 3], doubled, 4, INF)
+    assert len(lp.data) == 3
+    check_optimum(lp, solve_with(lp), 2.0)
+
+
+def test_columns_in_any_order_within_a_row(solve_with, check_optimum, program):
+    shuffled = sp.csr_matrix((np.array([2.0, 1.0]), np.array([1, 0]), np.array([0, 2])), shape=(1, 2))
+    lp = program([1, 3], shuffled, 4, INF)
+    check_optimum(lp, solve_with(lp), 4.0)
+
+
+def test_blocks_of_variables_come_back_in_their_order(solve_with):
+    one = Variables("a", keys=(np.arange(2),), lower=np.zeros(2), upper=np.full(2, 5.0), cost=np.array([1.0, 2.0]), integer=True)
+    two = Variables("b", lower=np.array([1.0]), upper=np.array([1.0]), cost=np.array([7.0]))
+    rows = Rows(
+        "row", indptr=np.array([0, 3], dtype=np.int32), indices=np.array([0, 1, 2], dtype=np.int32), data=np.ones(3),
+        lower=np.array([8.0]), upper=np.array([INF]),
+    )  # fmt: skip
+    result = solve_with(Program("blocks", "min", (one, two), (rows,)))
+    assert result.answer == pytest.approx([5, 2, 1])
+
+
+def test_a_convex_qp_meets_its_optimality_conditions(program, solve_with, check_optimum):
+    qp = program([-2, -5], [[1, 1]], -INF, 2, quadratic=[[2, 0], [0, 2]])
+    check_optimum(qp, solve_with(qp), -6.125)
+
+
+def test_a_concave_qp_is_maximised(program, solve_with, check_optimum):
+    qp = program([2, 5], [[1, 1]], -INF, 2, quadratic=[[-2, 0], [0, -2]], sense="max", offset=1.0)
+    check_optimum(qp, solve_with(qp), 7.125)
+
+
+def test_a_nonconvex_qp_is_never_called_optimal(program, solve_with):
+    result = solve_with(program([0, 0], [[1, 1]], -INF, 2, -1, 1, quadratic=[[-2, 0], [0, -2]]))
+    assert result.status in ("error", "unknown", "feasible")
+    assert result.bound is None
+
+
+def test_kinds_that_are_not_declared_are_refused(program, backend_name):
+    base, _, variant = backend_name.partition(":")
+    kind = BACKENDS[base]
+    backend = kind(variant) if variant else kind()
+    miqp = program([1, 1], [[1, 1]], 1, INF, integer=[0], quadratic=[[1, 0], [0, 1]])
+    if miqp.kind in backend.kinds:
+        pytest.skip(f"{backend_name} takes MIQP")
+    with pytest.raises(UnsupportedError, match="MIQP"):
+        backend.run(miqp, Options(), Control())
+
+
+def test_unknown_options_are_refused(program, solve_with):
+    with pytest.raises(UsageError):
+        solve_with(program([1], [[1]], 1, INF), extra={"no_such_option": 1})
+
+
+def test_random_lps_meet_kkt_and_agree(program, solve_with, check_optimum):
+    from scipy.optimize import linprog
+
+    rng = np.random.default_rng(5)
+    for _ in range(8):
+        m, n = 6, 8
+        a = rng.integers(-4, 6, (m, n)).astype(float)
+        inside = rng.integers(0, 4, n)
+        cost = rng.integers(0, 9, n).astype(float)
+        low = a @ inside - rng.integers(0, 5, m)
+        lp = program(cost, a, low, low + 12, 0, 6)
+        sides = np.vstack([-a, a]), np.concatenate([-low, low + 12])
+        known = linprog(cost, *sides, bounds=[(0, 6)] * n, method="highs").fun
+        check_optimum(lp, solve_with(lp), known)

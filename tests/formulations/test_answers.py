@@ -1,0 +1,112 @@
+"""Answers read from files and written by suffix."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import waybound as wb
+from waybound.formulations.answers import check_answer_path, finite, json_text, read_answer, write_answer
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return wb.solve(wb.read("demo-tiny"), heuristic="savings", bound_time=0)
+
+
+@pytest.mark.parametrize("suffix", [".sol", ".json"])
+def test_an_answer_survives_its_file(solution, tmp_path, suffix):
+    path = tmp_path / f"a{suffix}"
+    write_answer(solution, path)
+    read = read_answer(solution.problem, path)
+    assert read.answer.canonical() == solution.answer.canonical()
+    assert read.stated == pytest.approx(solution.objective, abs=1e-9)
+    assert read.notes == ()
+
+
+def test_a_tour_survives_its_file(tmp_path):
+    problem = wb.generate("random", seed=5, customers=6, vehicles=1)
+    assert isinstance(problem, wb.RoutingProblem)
+    problem = wb.RoutingProblem(problem.sites, problem.travel, (wb.VehicleType(count=1),), name="one")
+    solution = wb.solve(problem, "pyvrp", iterations=20, bound_time=0)
+    write_answer(solution, tmp_path / "a.tour")
+    assert read_answer(problem, tmp_path / "a.tour").answer == solution.answer
+
+
+def test_a_bare_answer_is_read_too(solution, tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(solution.problem.answer_to_json(solution.answer)))
+    read = read_answer(solution.problem, path)
+    assert (read.answer, read.stated) == (solution.answer, None)
+
+
+def test_an_answer_to_other_data_is_read_with_a_note(solution, tmp_path):
+    write_answer(solution, tmp_path / "a.json")
+    notes = read_answer(wb.read("demo-tiny", convention="trunc1"), tmp_path / "a.json").notes
+    assert any("convention" in note and "exact" in note for note in notes)
+    assert any("instance" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('{"answer": null}', "no answer"),
+        ('{"answer": {"kind": "prices"}}', "routing"),
+        ('{"kind": "routes", "routes": [{"visits": ["nowhere"]}]}', "nowhere"),
+        ('{"kind": "routes"', "JSON"),
+        ("", "empty"),
+        ("hello", "no solution file"),
+    ],
+)
+def test_a_file_that_is_no_answer_is_refused_by_name(solution, tmp_path, text, says):
+    path = tmp_path / "bad.json"
+    path.write_text(text)
+    with pytest.raises(wb.InputError, match=says) as caught:
+        read_answer(solution.problem, path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_tour_cannot_hold_several_routes():
+    with pytest.raises(wb.UsageError, match="one route"):
+        check_answer_path(wb.read("demo-tiny"), "a.tour")
+
+
+def test_an_unknown_suffix_names_the_known_ones():
+    with pytest.raises(wb.UsageError, match=r"\.json, \.sol, \.tour"):
+        check_answer_path(wb.read("demo-tiny"), "a.xlsx")
+
+
+def test_a_mixed_fleet_needs_json(tmp_path):
+    problem = wb.read("demo-tiny")
+    assert isinstance(problem, wb.RoutingProblem)
+    mixed = wb.RoutingProblem(problem.sites, problem.travel, (wb.VehicleType(2, name="van"), wb.VehicleType(2, name="lorry")), name="mixed")
+    with pytest.raises(wb.UsageError, match="vehicle types"):
+        check_answer_path(mixed, "a.sol")
+    (tmp_path / "a.sol").write_text("Route #1: 1\n")
+    with pytest.raises(wb.UsageError, match="vehicle types"):
+        read_answer(mixed, tmp_path / "a.sol")
+
+
+def test_numbers_that_json_does_not_know_are_null():
+    data = {"a": math.inf, "b": [math.nan, np.float64(1.5), np.arange(2)], "c": (-math.inf, 3), "d": np.int64(7), "e": True}
+    assert finite(data) == {"a": None, "b": [None, 1.5, [0, 1]], "c": [None, 3], "d": 7, "e": True}
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    max_leaves=20,
+)
+
+
+@given(json_values)
+def test_the_text_is_standard_json_whatever_the_numbers(data):
+    def refuse(name: str) -> None:
+        raise AssertionError(name)
+
+    json.loads(json_text(data), parse_constant=refuse)

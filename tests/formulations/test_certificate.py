@@ -1,0 +1,221 @@
+"""Certificates hold what evidence proves, and contradictions are errors."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waybound.formulations.bounds.spanning_tree import spanning_tree_bound
+from waybound.formulations.certificate import beats_bound, better_bound, certify, check_certificate, verified_bound
+from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.objective import Reward, Vehicles
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routes import Routes
+from waybound.instances.errors import CheckFailedError, InputError, UsageError
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.travel import EXPLICIT, Travel
+
+SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
+TOUR = Routes.of([[1, 2, 3]])
+
+
+def square(**changes: Any) -> RoutingProblem:
+    parts: dict[str, Any] = {"sites": Sites.of("oabc", demand=[0, 1, 1, 1]), "fleet": (VehicleType(count=1),)} | changes
+    return RoutingProblem(travel=Travel("euclidean", coordinates=SQUARE), **parts)
+
+
+@pytest.fixture
+def says(monkeypatch):
+    """Registers a checker that returns what its evidence says."""
+
+    def checker(problem: Any, data: Mapping[str, Any]) -> float:
+        return float(data["bound"])
+
+    "says" in CHECKERS  # noqa: B015 - discovery comes first
+    monkeypatch.setitem(CHECKERS._entries, "says", checker)
+    return lambda bound, source="a word": Evidence("says", source, 0.0, {"bound": bound})
+
+
+def test_a_bound_is_what_the_checker_derives_not_what_the_evidence_claims():
+    problem = square()
+    evidence = spanning_tree_bound(problem, 1.0)
+    boast = Evidence(evidence.kind, evidence.source, 1e6, evidence.data)
+    made = certify(problem, problem.evaluate(TOUR), [boast])
+    assert made.bound == pytest.approx(14.0, abs=1e-6)
+    assert made.bound_source == evidence.source
+    assert made.gap == pytest.approx(0.0, abs=1e-7)
+    assert made.observed_ratio == pytest.approx(1.0, abs=1e-6)
+    assert made.feasible
+    assert not made.infeasible
+
+
+def test_the_best_of_several_bounds_is_kept_with_its_evidence(says):
+    problem = square()
+    made = certify(problem, problem.evaluate(TOUR), [says(3.0), says(10.0, "the best"), says(-math.inf), says(math.nan)])
+    assert (made.bound, made.bound_source) == (10.0, "the best")
+    assert [e.source for e in made.evidence] == ["the best"]
+    assert made.gap == pytest.approx(4.0 / 14.0)
+    assert made.observed_ratio == pytest.approx(1.4)
+
+
+def test_for_max_the_smallest_bound_is_the_best(says):
+    problem = square(objective=Reward(), sites=Sites.of("oabc", reward=[0, 1, 2, 3]))
+    made = certify(problem, problem.evaluate(TOUR), [says(9.0), says(7.5), says(math.inf)])
+    assert made.bound == 7.5
+    assert made.observed_ratio == pytest.approx(1.25)
+
+
+def test_without_evidence_there_is_no_bound():
+    problem = square()
+    made = certify(problem, problem.evaluate(TOUR))
+    assert (made.bound, made.bound_source, made.gap, made.observed_ratio, made.evidence) == (None, None, None, None, ())
+
+
+def test_an_answer_better_than_a_bound_is_an_error_that_tells_both(says):
+    problem = square()
+    with pytest.raises(CheckFailedError, match=r"14\.0.*15\.0"):
+        certify(problem, problem.evaluate(TOUR), [says(15.0)])
+    certify(problem, problem.evaluate(TOUR), [says(14.0 + 1e-6)])  # within the tolerance of the check
+    certify(problem, problem.evaluate(Routes.of([[1, 2]])), [says(15.0)])  # an infeasible answer contradicts nothing
+
+
+def test_proved_infeasibility_is_kept_apart_from_bounds(says):
+    problem = square()
+    made = certify(problem, None, [says(3.0), says(math.inf, "no vehicle can serve c")])
+    assert made.infeasible
+    assert (made.bound, made.bound_source, made.gap, made.feasible) == (None, "no vehicle can serve c", None, None)
+    assert [e.source for e in made.evidence] == ["no vehicle can serve c"]
+    assert made.to_json()["infeasible"] is True
+    with pytest.raises(CheckFailedError, match="no vehicle can serve c"):
+        certify(problem, problem.evaluate(TOUR), [says(math.inf, "no vehicle can serve c")])
+    assert certify(problem, problem.evaluate(Routes.of([[1, 2]])), [says(math.inf)]).infeasible
+
+
+def test_for_max_the_infinities_change_places(says):
+    problem = square(objective=Reward(), sites=Sites.of("oabc", reward=1.0))
+    assert certify(problem, None, [says(-math.inf)]).infeasible
+    assert not certify(problem, None, [says(math.inf)]).infeasible
+
+
+def test_the_gap_of_priorities_is_that_of_the_first_open_level(says):
+    problem = square(objective=Vehicles().then(Vehicles()))
+    assert certify(problem, problem.evaluate(TOUR), [says(0.5)]).gap == pytest.approx(0.5)
+    assert certify(problem, problem.evaluate(TOUR), [says(1.0)]).gap is None
+
+
+def test_no_ratio_is_observed_across_signs(says):
+    problem = square()
+    assert certify(problem, problem.evaluate(TOUR), [says(-3.0)]).observed_ratio is None
+    assert certify(problem, problem.evaluate(TOUR), [says(0.0)]).observed_ratio is None
+
+
+def test_malformed_evidence_is_an_input_error(says):
+    problem = square()
+    for data in ({}, {"bound": "x"}, {"bound": None}, {"bound": 10**400}):
+        with pytest.raises(InputError):
+            verified_bound(problem, Evidence("says", "", 0.0, data))
+    with pytest.raises(UsageError, match="unknown kind of evidence"):
+        verified_bound(problem, Evidence("hearsay", "", 0.0, {}))
+
+
+def test_comparisons_follow_the_sense():
+    assert better_bound("min", 2.0, 1.0)
+    assert better_bound("max", 1.0, 2.0)
+    assert beats_bound("min", 0.9, 1.0)
+    assert not beats_bound("min", 1.0 - 5e-7, 1.0)
+    assert beats_bound("max", 1.1, 1.0)
+
+
+# -- certificate files -----------------------------------------------------------------------------------------------
+
+
+def written(problem: RoutingProblem, answer: Routes | None, *evidence: Evidence) -> dict[str, Any]:
+    made = certify(problem, None if answer is None else problem.evaluate(answer), evidence)
+    return json.loads(json.dumps(made.to_json(with_evidence=True), allow_nan=False))
+
+
+def test_a_certificate_file_is_verified_again():
+    problem = square()
+    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    again = check_certificate(problem, data, problem.evaluate(TOUR))
+    assert again.bound == data["bound"]
+    assert again.evidence == tuple(Evidence.from_json(e) for e in data["evidence"])
+
+
+def test_a_proof_of_infeasibility_survives_the_file():
+    problem = square(fleet=(VehicleType(max_distance=9.0),))
+    site = Evidence("infeasible-site", "no vehicle can serve b", math.inf, {"site": "b"})
+    data = written(problem, None, site)
+    assert data["evidence"][0]["value"] == "inf"
+    assert check_certificate(problem, data, None).infeasible
+    with pytest.raises(CheckFailedError, match="no answer"):
+        check_certificate(problem, {**data, "evidence": []}, None)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"bound": 14.5}, "states the bound"),
+        ({"evidence": []}, "states the bound"),
+        ({"objective": 13.0}, "states the objective"),
+        ({"objective": [14.0, 1.0]}, "states the objective"),
+        ({"infeasible": True}, "no answer"),
+    ],
+)
+def test_a_file_that_states_more_than_it_proves_fails(change, message):
+    problem = square()
+    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    with pytest.raises(CheckFailedError, match=message):
+        check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
+
+
+def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
+    problem = square()
+    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    with pytest.raises(CheckFailedError, match="visited 0 times"):
+        check_certificate(problem, data, problem.evaluate(Routes.of([[1, 2]])))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"kind": "solution"},
+        {"schema": 99},
+        {"instance_hash": "sha256:0"},
+        {"problem": "tsp"},
+        {"convention": "round"},
+        {"bound": "14"},
+        {"bound": math.nan},
+        {"bound": True},
+        {"objective": "14"},
+        {"evidence": {}},
+        {"evidence": [3]},
+        {"evidence": [{"kind": "spanning-tree", "source": "", "value": "x", "data": {}}]},
+        {"evidence": [{"kind": "spanning-tree", "source": "", "value": 1.0, "data": {"multipliers": [1.0]}}]},
+    ],
+)
+def test_files_that_are_malformed_or_for_other_data_are_refused(change):
+    problem = square()
+    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    with pytest.raises(InputError):
+        check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
+
+
+def test_what_is_no_object_is_no_certificate():
+    with pytest.raises(InputError, match="not a waybound certificate"):
+        check_certificate(square(), [], None)  # type: ignore[arg-type]
+
+
+def test_evidence_for_one_instance_is_priced_anew_on_another():
+    near, far = (
+        square(),
+        RoutingProblem(Sites.of("oabc", demand=[0, 1, 1, 1]), Travel(EXPLICIT, matrix=np.full((4, 4), 100.0)), (VehicleType(count=1),)),
+    )
+    evidence = spanning_tree_bound(far, 1.0)
+    assert verified_bound(far, evidence) == pytest.approx(400.0)
+    assert verified_bound(near, evidence) <= 14.0 + 1e-9

@@ -1,0 +1,59 @@
+"""A checklist keeps the largest residual of each check, and every violation."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from waybound.formulations.evaluation import CHECK_TOLERANCE, Check, Checklist, Evaluation, Violation
+
+
+def test_residuals_up_to_the_tolerance_pass():
+    judge = Checklist()
+    judge.test("load", -5.0, "light")
+    judge.test("load", CHECK_TOLERANCE, "on the edge")
+    assert judge.violations == []
+    assert judge.checks(["load"]) == (Check("load", True, CHECK_TOLERANCE, 2),)
+
+
+def test_residuals_beyond_the_tolerance_are_violations_with_their_place():
+    judge = Checklist()
+    judge.test("load", 2 * CHECK_TOLERANCE, "heavy", vehicle="vehicle 1", site="s")
+    judge.test("load", 7.0, "heavier", vehicle="vehicle 2")
+    assert judge.violations == [
+        Violation("load", "heavy", 2 * CHECK_TOLERANCE, "vehicle 1", "s"),
+        Violation("load", "heavier", 7.0, "vehicle 2"),
+    ]
+    assert judge.checks(["load"]) == (Check("load", False, 7.0, 2),)
+
+
+def test_what_is_not_a_number_never_passes():
+    judge = Checklist()
+    judge.test("energy", math.nan, "unknown")
+    assert judge.violations[0].amount == math.inf
+    assert not judge.checks(["energy"])[0].passed
+
+
+def test_a_check_with_nothing_to_test_passes_and_says_so():
+    assert Checklist().checks(["energy"]) == (Check("energy", True, 0.0, 0),)
+
+
+def test_json_holds_no_infinity():
+    check, violation = Check("energy", False, math.inf, 1), Violation("energy", "unknown", math.inf)
+    text = json.dumps([check.to_json(), violation.to_json()], allow_nan=False)
+    assert json.loads(text) == [
+        {"name": "energy", "passed": False, "residual": None, "tested": 1},
+        {"check": "energy", "message": "unknown", "amount": None},
+    ]
+
+
+def test_json_names_vehicle_and_site_where_they_are_known():
+    assert Violation("load", "m", 1.0, "vehicle 1", "s").to_json() == {
+        "check": "load", "message": "m", "amount": 1.0, "vehicle": "vehicle 1", "site": "s",
+    }  # fmt: skip
+
+
+def test_an_objective_is_a_number_or_a_list_in_order_of_priority():
+    assert Evaluation((3.0,), (), (), {}).objective == 3.0
+    assert Evaluation((3.0, 4.0), (), (), {}).objective == [3.0, 4.0]
+    assert not Evaluation((3.0,), (), (Violation("load", "m", 1.0),), {}).feasible

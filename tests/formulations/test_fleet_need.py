@@ -1,0 +1,93 @@
+"""Arguments that a fleet is too small: each must be a proof."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from waybound.formulations.fleet_need import _bin_packing_bound, fleet_conflicts
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routes import Routes
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.travel import Travel
+
+
+def problem(demand, *, count, capacity=10.0, ready=0.0, due=np.inf, service=0.0, xy=None, min_vehicles=0):
+    n = len(demand) + 1
+    xy = np.column_stack([np.arange(n), np.zeros(n)]) if xy is None else np.asarray(xy, dtype=float)
+    pad = lambda v: np.concatenate([[0.0], np.broadcast_to(v, n - 1)])  # noqa: E731
+    window = np.concatenate([[np.inf], np.broadcast_to(due, n - 1)])
+    sites = Sites.of(range(n), demand=pad(demand), ready=pad(ready), due=window, service=pad(service), coordinates=xy)
+    return RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(count, capacity),), min_vehicles=min_vehicles)
+
+
+def test_a_total_demand_beyond_the_fleet_is_told_with_both_amounts():
+    (reason,) = fleet_conflicts(problem([6, 6, 6], count=1, capacity=17))[:1]
+    assert "18" in reason
+    assert "17" in reason
+
+
+def test_demands_that_fit_in_sum_but_not_in_bins_are_found():
+    reasons = fleet_conflicts(problem([6, 6, 6], count=2, capacity=10))
+    assert any("at least 3 vehicles" in r for r in reasons)
+
+
+def test_sites_due_at_one_time_far_apart_need_a_vehicle_each():
+    xy = [(0, 0), (10, 0), (-10, 0), (0, 10), (0, -10)]
+    reasons = fleet_conflicts(problem([1, 1, 1, 1], count=3, due=11.0, xy=xy))
+    assert any("no two of these 4 sites" in r and "1, 2, 3, 4" in r for r in reasons)
+
+
+def test_more_routes_than_sites_are_refused():
+    assert any("at least 4 routes" in r for r in fleet_conflicts(problem([1, 1, 1], count=5, min_vehicles=4)))
+
+
+@pytest.mark.parametrize("count", [None, 3])
+def test_a_fleet_that_suffices_raises_no_conflict(count):
+    assert fleet_conflicts(problem([5, 5, 5, 5, 5], count=count)) == []
+
+
+def fits(demand, bins, capacity):
+    """Whether the demands fit, by trying every assignment."""
+    return any(
+        all(sum(d for d, b in zip(demand, place, strict=True) if b == k) <= capacity for k in range(bins))
+        for place in itertools.product(range(bins), repeat=len(demand))
+    )
+
+
+@given(st.lists(st.integers(1, 10), min_size=1, max_size=6))
+def test_the_bin_packing_bound_never_exceeds_the_true_number_of_bins(demand):
+    bound = _bin_packing_bound(np.array(demand, dtype=float), 10.0)
+    true = next(b for b in range(1, 7) if fits(demand, b, 10))
+    assert -(-sum(demand) // 10) <= bound <= true
+
+
+def partitions(items):
+    if not items:
+        yield []
+        return
+    first, rest = items[0], items[1:]
+    for part in partitions(rest):
+        for k in range(len(part)):
+            yield [*part[:k], [first, *part[k]], *part[k + 1 :]]
+        yield [[first], *part]
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=60, deadline=None)
+def test_a_conflict_is_never_told_where_an_answer_exists(seed):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 5))
+    asked = problem(
+        rng.integers(1, 7, n), count=int(rng.integers(1, 3)), ready=(r := rng.integers(0, 20, n)), due=r + rng.integers(1, 30, n),
+        service=rng.integers(0, 4), xy=rng.integers(-8, 9, (n + 1, 2)), min_vehicles=0,
+    )  # fmt: skip
+    if not fleet_conflicts(asked):
+        return
+    for part in partitions(list(range(1, n + 1))):
+        for orders in itertools.product(*(itertools.permutations(group) for group in part)):
+            assert not asked.evaluate(Routes.of(orders)).feasible, orders

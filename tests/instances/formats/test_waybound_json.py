@@ -1,0 +1,76 @@
+"""waybound's JSON around the kinds of instances."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.formats.waybound_json import recognises, write
+from waybound.instances.generating import generate
+
+
+def document(**changes: Any) -> str:
+    data = json.loads(write(generate("random", 1)))
+    data.update(changes)
+    return json.dumps({key: value for key, value in data.items() if value != "drop"}, indent=1)
+
+
+def test_the_version_stands_first() -> None:
+    assert write(generate("random", 1)).startswith('{\n  "waybound": 1,\n  "kind": "routing",')
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"waybound": 2}, "schema version is not supported; expected 1; found 2"),
+        ({"waybound": "1"}, "waybound must be a whole number"),
+        ({"waybound": True}, "waybound must be a whole number"),
+        ({"waybound": "drop"}, "is JSON, but no waybound instance"),
+        ({"kind": "drop"}, "the document lacks the key 'kind'"),
+        ({"kind": "sudoku"}, "kind is unknown; expected routing"),
+        ({"waybound": "drop", "answer": None}, "is a solution file, not an instance"),
+        ({"colour": "red"}, "the document has an unknown key 'colour'"),
+    ],
+)
+def test_a_document_of_another_sort_is_refused(changes: dict[str, Any], message: str, refusal: Callable[..., InputError]) -> None:
+    assert message in str(refusal(document(**changes)))
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "line"),
+    [
+        ('{\n"waybound": 1,\n', "is no JSON: Expecting property name", 3),
+        ('{\n"waybound": 1,\n"waybound": 1}', "key 'waybound' stands twice", 2),
+        ('{\n"waybound":\nNaN}', "JSON has no such number", 3),
+        ('{"a": -Infinity}', "JSON has no such number", 1),
+        ('{"a": 1} x', "Extra data", 1),
+        ('{"a": ' + "[" * 100_000, "is nested too deeply", None),
+        ('{"a": ' + "9" * 5000 + "}", "is no JSON", None),
+    ],
+)
+def test_what_is_no_json_is_refused(text: str, message: str, line: int | None, refusal: Callable[..., InputError]) -> None:
+    error = refusal(text)
+    assert message in error.message
+    assert error.line == line
+
+
+def test_an_unknown_convention_in_the_file_is_an_input_error(refusal: Callable[..., InputError]) -> None:
+    assert "unknown convention 'half'" in refusal(document(convention="half")).message
+
+
+def test_objects_alone_are_recognised() -> None:
+    assert recognises(' \n{"a": 1}')
+    assert not recognises("[1]")
+
+
+def test_an_instance_of_a_kind_without_json_is_refused() -> None:
+    class Other:
+        kind = "sudoku"
+        name = "s1"
+
+    with pytest.raises(UsageError, match="s1 is of kind sudoku"):
+        write(Other())

@@ -1,0 +1,40 @@
+"""Small random instances."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waybound.instances.generating import generate
+
+
+def made(**settings: Any) -> Any:
+    return generate("random", 2, **settings)
+
+
+def test_the_defaults_make_a_cvrp() -> None:
+    i = made()
+    assert (i.problem, len(i.sites), i.fleet[0].count, i.travel.metric) == ("cvrp", 7, None, "euclidean")
+    assert i.sites.demand[0] == 0 and (i.sites.demand[1:] >= 1).all()
+
+
+@pytest.mark.parametrize(
+    ("settings", "problem"),
+    [({"windows": True}, "vrptw"), ({"capacity": 0, "vehicles": 1}, "tsp"), ({"capacity": 0}, "min-cost-vrp")],
+)
+def test_settings_choose_the_problem(settings: dict[str, Any], problem: str) -> None:
+    assert made(**settings).problem == problem
+
+
+def test_windows_are_windows_and_service_is_bounded() -> None:
+    i = made(customers=50, windows=True, service=20)
+    s = i.sites
+    assert np.isfinite(s.due).all() and (s.ready <= s.due).all() and (s.ready[1:] > 0).any()
+    assert s.service.max() <= 20 and s.service[0] == 0
+
+
+def test_explicit_distances_differ_by_direction() -> None:
+    d = made(metric="explicit").travel.distances
+    assert not np.array_equal(d, d.T)

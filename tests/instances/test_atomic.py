@@ -1,0 +1,81 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from waybound.instances.atomic import atomic_file, atomic_write
+from waybound.instances.errors import InputError
+
+
+def test_text_and_bytes_are_written_as_they_are(tmp_path: Path) -> None:
+    atomic_write(tmp_path / "a", "ü\n")
+    atomic_write(tmp_path / "b", b"\r\n")
+    assert (tmp_path / "a").read_bytes() == "ü\n".encode()
+    assert (tmp_path / "b").read_bytes() == b"\r\n"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError, InputError])
+def test_whatever_ends_the_writing_early_leaves_the_old_file_and_nothing_else(tmp_path: Path, error: type[BaseException]) -> None:
+    path = tmp_path / "out.sol"
+    path.write_text("old")
+    with pytest.raises(error), atomic_file(path) as stream:
+        stream.write(b"half of the new")
+        raise error("stop")
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["out.sol"]
+
+
+def test_an_interrupt_leaves_no_file_where_there_was_none(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt), atomic_file(tmp_path / "new") as stream:
+        stream.write(b"x")
+        raise KeyboardInterrupt
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_text_that_cannot_be_encoded_leaves_nothing_behind(tmp_path: Path) -> None:
+    with pytest.raises(UnicodeEncodeError):
+        atomic_write(tmp_path / "a", "\ud800")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_directory_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is a directory"):
+        atomic_write(tmp_path, "x")
+
+
+def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no folder"):
+        atomic_write(tmp_path / "none" / "a", "x")
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match="cannot be written: No space left on device"):
+        atomic_write(tmp_path / "a", "x")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_permissions_are_those_of_the_replaced_file_or_of_a_new_one(tmp_path: Path) -> None:
+    path, plain = tmp_path / "a", tmp_path / "plain"
+    atomic_write(path, "x")
+    plain.write_text("x")
+    assert path.stat().st_mode == plain.stat().st_mode
+    path.chmod(0o600)
+    atomic_write(path, "y")
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_symbolic_link_stays_one(tmp_path: Path) -> None:
+    (tmp_path / "real").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    atomic_write(tmp_path / "link", "new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real").read_text() == "new"

@@ -1,0 +1,68 @@
+"""Recognition of formats, and what every reader has in common."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from waybound.instances.bundled import bundled_path
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.formats import FORMATS
+from waybound.instances.reading import read_instance, recognise
+
+
+def test_the_content_decides_and_not_the_name(tmp_path: Path) -> None:
+    for name, expected in (("demo-c25", "solomon"), ("demo-x40", "vrplib"), ("demo-tiny", "json")):
+        path = tmp_path / "some.csv"
+        path.write_bytes(bundled_path(name).read_bytes())
+        assert read_instance(path).format == expected
+
+
+def test_a_format_can_be_forced(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="heading is missing"):
+        read_instance(bundled_path("demo-x40"), format="solomon")
+    with pytest.raises(UsageError, match="unknown format 'excel'; choose from csv, json, solomon, vrplib"):
+        read_instance(tmp_path / "does-not-matter", format="excel")
+
+
+def test_two_possible_formats_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "both.txt"
+    path.write_text("VEHICLE\nNUMBER CAPACITY\n3 5\nDIMENSION: 5\n")
+    with pytest.raises(UsageError, match=r"both.txt: the content allows more than one format; choose with --format from solomon, vrplib"):
+        read_instance(path)
+
+
+def test_no_known_format_lists_them_all(tmp_path: Path) -> None:
+    path = tmp_path / "letter.txt"
+    path.write_text("\nDear customer,\n")
+    with pytest.raises(
+        InputError, match=r"letter.txt:1: is of no known format; expected csv, json, solomon, vrplib; found 'Dear customer,'"
+    ):
+        read_instance(path)
+
+
+@pytest.mark.parametrize("text", ["Route #1: 1 2\nCost 5\n", "TOUR_SECTION\n1\n-1\n"])
+def test_a_solution_file_is_named_as_one(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.sol"
+    path.write_text(text)
+    with pytest.raises(InputError, match="is a solution file, not an instance"):
+        read_instance(path)
+
+
+def test_every_format_recognises_what_it_writes_and_nothing_else_does() -> None:
+    instance = read_instance(bundled_path("demo-tiny"))
+    made = {name: FORMATS[name].write for name in FORMATS}
+    written = {name: write(instance) for name, write in made.items() if write is not None and name not in ("vrplib", "solomon")}
+    written["solomon"] = bundled_path("demo-c25").read_text()
+    written["vrplib"] = bundled_path("demo-x40").read_text()
+    assert set(written) == set(FORMATS)
+    for name, text in written.items():
+        assert recognise(text).name == name
+
+
+def test_non_utf8_is_refused_before_a_format_is_looked_for(tmp_path: Path) -> None:
+    path = tmp_path / "old.tsp"
+    path.write_bytes(b"NAME: x\nCOMMENT: Gr\xf6tschel\nTYPE: TSP\n")
+    with pytest.raises(InputError, match=r"old.tsp:2: is not UTF-8; expected UTF-8 text; found byte 0xf6 at offset 19"):
+        read_instance(path)

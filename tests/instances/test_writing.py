@@ -1,0 +1,44 @@
+"""Writing of instances by name and by suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.generating import generate
+from waybound.instances.reading import read_instance
+from waybound.instances.writing import format_of_suffix, write_instance
+
+
+@pytest.mark.parametrize(
+    ("suffix", "name"), [(".json", "json"), (".txt", "solomon"), (".vrp", "vrplib"), (".tsp", "vrplib"), (".csv", "csv"), (".JSON", "json")]
+)
+def test_the_suffix_chooses_the_format(suffix: str, name: str) -> None:
+    assert format_of_suffix(f"a{suffix}").name == name
+
+
+def test_an_unknown_suffix_lists_the_choices() -> None:
+    with pytest.raises(UsageError, match=r"a.xml: the suffix stands for no format; use one of .csv, .json, .txt, .vrp, .tsp"):
+        format_of_suffix("a.xml")
+
+
+def test_a_named_format_wins_over_the_suffix(tmp_path: Path, differences: Callable[..., list[str]]) -> None:
+    made = generate("solomon", 1, customers=5)
+    write_instance(made, tmp_path / "a.dat", "solomon")
+    assert differences(made, read_instance(tmp_path / "a.dat")) == []
+
+
+def test_what_cannot_be_expressed_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="cannot be written as solomon"):
+        write_instance(generate("uchoa", 1), tmp_path / "a.txt")
+    with pytest.raises(UsageError, match="cannot be written as vrplib"):
+        write_instance(generate("random", 1), tmp_path / "a.vrp")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_directory_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is a directory"):
+        write_instance(generate("random", 1), tmp_path, "json")

@@ -1,0 +1,67 @@
+"""Tables that people read."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import waybound as wb
+from waybound.formulations.answers import finite
+from waybound.reports.tables import facts, facts_table, heuristics_table, routes_table, solvers_table, unserved_sites
+
+
+@pytest.fixture(scope="module")
+def problem():
+    return wb.read("demo-c25")
+
+
+def test_routes_are_told_with_their_totals(problem):
+    answer = wb.Routes.of([[1, 2, 3], [10, 11]])
+    table = routes_table(problem, answer)
+    assert [row[0] for row in table.rows] == ["vehicle 1", "vehicle 2"]
+    assert [row[1] for row in table.rows] == ["3", "2"]
+    assert table.rows[0][-1] == " ".join(problem.sites.ids[i] for i in (1, 2, 3))
+    assert float(table.total[2]) == problem.sites.demand[[1, 2, 3, 10, 11]].sum()
+    assert float(table.total[3]) == pytest.approx(problem.evaluate(answer).quantities["distance"], abs=1e-3)
+
+
+def test_a_mixed_fleet_names_the_type_of_each_vehicle(problem):
+    mixed = dataclasses.replace(problem, fleet=(wb.VehicleType(2, 200, name="van"), wb.VehicleType(2, 400, name="lorry")))
+    answer = wb.Routes((wb.Route((1, 2)), wb.Route((3,), vehicle=1)))
+    assert "lorry" in routes_table(mixed, answer).rows[1][0]
+
+
+def test_sites_left_out_are_told_with_the_reason():
+    sites = wb.Sites.of(range(4), demand=[0, 5, 50, 5], required=[False, True, True, False], coordinates=np.eye(4)[:, :2])
+    problem = wb.RoutingProblem(sites, wb.Travel("euclidean", sites.coordinates), (wb.VehicleType(2, 10),))
+    reasons = unserved_sites(problem, wb.Routes.of([[1]]))
+    assert "capacity 10" in reasons["2"]
+    assert "optional" in reasons["3"]
+    assert set(unserved_sites(problem, None)) == {"2"}
+
+
+def test_a_complete_answer_leaves_nobody_out(problem):
+    assert unserved_sites(problem, wb.Routes.of([problem.customers.tolist()])) == {}
+
+
+def test_facts_are_plain_values_and_agree_with_the_data(problem):
+    data = facts(problem)
+    assert finite(data).keys() == data.keys()
+    assert data["demand"] == {"total": 520.0, "least": data["demand"]["least"], "largest": problem.sites.demand.max()}
+    assert data["windows"]["sites"] <= 25
+    rows = {row[0]: row[1] for row in facts_table(data).rows}
+    assert "25 customers" in rows["sites"]
+    assert "capacity 200" in rows["fleet"]
+
+
+def test_solvers_and_heuristics_say_what_they_lack(problem):
+    infos = wb.solvers(problem)
+    lacking = dataclasses.replace(infos[0], missing=("energy:travel",))
+    absent = dataclasses.replace(infos[0], installed=False)
+    told = [row[1] for row in solvers_table([infos[0], lacking, absent], asked=True).rows]
+    assert told[0].startswith("takes it")
+    assert told[1:] == ["lacks energy:travel", f"not installed: {infos[0].install}"]
+    table = heuristics_table(wb.heuristics(problem), asked=True)
+    assert all(len(row) == len(table.columns) for row in table.rows)

@@ -1,0 +1,133 @@
+"""Small routing problems in which one feature matters, and their optima, all levels, by enumeration."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from waybound.formulations.objective import Composable, Reward, TotalCost, Vehicles
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routes import Route, Routes
+from waybound.instances.instance import Energy, Sites, VehicleType
+from waybound.instances.travel import EXPLICIT, Travel
+
+CUSTOMERS = 5
+
+
+def optimum(problem: RoutingProblem) -> tuple[float, ...] | None:
+    """Values of the best answer, all levels, found by trying every answer; None if there is none."""
+    senses = [1.0 if s == "min" else -1.0 for s in problem.senses]
+    customers = problem.customers.tolist()
+    best_route: dict[tuple[frozenset[int], int], tuple[float, ...]] = {}
+    for size in range(1, len(customers) + 1):
+        for visits in itertools.permutations(customers, size):
+            for kind in range(len(problem.fleet)):
+                verdict = problem.evaluate(Routes.of([Route(visits, kind)]))
+                if any(v.check not in ("visits", "fleet") for v in verdict.violations):
+                    continue
+                value = tuple(s * v for s, v in zip(senses, verdict.values, strict=True))
+                key = (frozenset(visits), kind)
+                if key not in best_route or value < best_route[key]:
+                    best_route[key] = value
+    required = {c for c in customers if problem.sites.required[c]}
+    best: tuple[float, ...] | None = None
+
+    def extend(rest: frozenset[int], used: tuple[int, ...], value: tuple[float, ...]) -> None:
+        nonlocal best
+        if not rest & required and sum(used) >= problem.min_vehicles and (best is None or value < best):
+            best = value
+        if not rest:
+            return
+        first = min(rest)
+        if first not in required:
+            extend(rest - {first}, used, value)
+        others = sorted(rest - {first})
+        for size in range(len(others) + 1):
+            for group in itertools.combinations(others, size):
+                chosen = frozenset((first, *group))
+                for kind, vehicle in enumerate(problem.fleet):
+                    if (chosen, kind) in best_route and (vehicle.count is None or used[kind] < vehicle.count):
+                        step = best_route[chosen, kind]
+                        counts = tuple(u + (k == kind) for k, u in enumerate(used))
+                        extend(rest - chosen, counts, tuple(a + b for a, b in zip(value, step, strict=True)))
+
+    extend(frozenset(customers), (0,) * len(problem.fleet), (0.0,) * len(senses))
+    return None if best is None else tuple(s * v for s, v in zip(senses, best, strict=True))
+
+
+def small(feature: str, seed: int, convention: str) -> RoutingProblem:
+    """A problem of five customers in which ``feature`` matters."""
+    rng = np.random.default_rng([seed, *feature.encode()])
+    depots = 2 if feature in ("multiple-depots", "open-routes") else 1
+    n = CUSTOMERS + depots
+    xy = rng.integers(0, 60, (n, 2)).astype(float)
+    travel = Travel("euclidean", xy, convention=convention)
+    depot = np.arange(n) < depots
+    demand = np.where(depot, 0.0, rng.integers(1, 9, n))
+    ready, due, service = np.zeros(n), np.full(n, math.inf), np.zeros(n)
+    reward, required = np.zeros(n), ~depot
+    vehicle = VehicleType(capacity=15.0)
+    fleet: tuple[VehicleType, ...] = (vehicle,)
+    objective: Composable = TotalCost()
+    around = float(travel.distances.max()) * 2.2
+    if feature in ("time-windows", "depot-windows", "service-times", "max-duration", "elapsed", "elapsed-fixed-start", "windows"):
+        opening = rng.integers(0, 60, n).astype(float)
+        ready = np.where(depot, 0.0, opening)
+        due = np.where(depot, math.inf, opening + rng.integers(40, 90, n))
+    if feature in ("service-times", "max-duration", "elapsed", "elapsed-fixed-start", "windows"):
+        service = np.where(depot, 0.0, rng.integers(1, 12, n))
+    if feature == "depot-windows":
+        ready, due = np.where(depot, 20.0, ready), np.where(depot, 190.0, due)
+    if feature == "max-duration":
+        fleet = (replace(vehicle, max_duration=around + 25.0),)
+    if feature == "max-distance":
+        fleet = (replace(vehicle, max_distance=around * 0.9, capacity=math.inf),)
+    if feature in ("travel", "elapsed", "elapsed-fixed-start", "windows"):
+        # Tight enough to bind, wide enough for a route to the farthest site and back.
+        slack = 1.0 if feature == "travel" else 1.5
+        fleet = (replace(vehicle, energy=Energy(around * slack * 2.0, 2.0, feature)),)
+    if feature == "limited-fleet":
+        fleet = (replace(vehicle, count=2, capacity=float(np.ceil(demand.sum() * 0.6))),)
+    if feature == "heterogeneous-fleet":
+        fleet = (
+            VehicleType(2, 10.0, fixed_cost=5.0, unit_cost=1.0, name="small"),
+            VehicleType(1, 30.0, fixed_cost=25.0, unit_cost=1.5, name="large"),
+            VehicleType(None, 9.0, fixed_cost=60.0, unit_cost=0.5, name="hired"),
+        )
+    if feature == "fixed-cost":
+        fleet = (replace(vehicle, fixed_cost=33.0, unit_cost=2.0),)
+    if feature == "multiple-depots":
+        fleet = (VehicleType(2, 15.0, 0, 0, name="north"), VehicleType(2, 15.0, 1, 1, name="south"))
+    if feature == "open-routes":
+        fleet = (VehicleType(None, 15.0, 0, 1),)
+    if feature == "separate-durations":
+        hours = travel.distances * rng.uniform(0.5, 2.0, (n, n)).round(2)
+        travel = Travel(EXPLICIT, xy, travel.distances, np.round(hours, 2), convention="exact")
+        fleet = (replace(vehicle, max_duration=float(np.round(hours, 2).max()) * 2.2),)
+    if feature == "vehicles":
+        objective = Vehicles().then(TotalCost())
+    if feature in ("prizes", "reward", "reward-then-cost"):
+        reward = np.where(depot, 0.0, rng.integers(5, 60, n))
+        required = required & (rng.random(n) < 0.3)
+    if feature == "prizes":
+        objective = TotalCost() - 1.5 * Reward()
+    if feature == "reward":
+        objective, fleet = Reward(), (replace(vehicle, count=1, max_distance=around * 0.8),)
+        required[:] = False
+    if feature == "reward-then-cost":
+        objective, fleet = Reward().then(TotalCost()), (replace(vehicle, count=1, max_distance=around * 0.8),)
+        required[:] = False
+    sites = Sites.of(
+        range(n), depot=depot, demand=demand, ready=ready, due=due, service=service, reward=reward, required=required, coordinates=xy
+    )
+    return RoutingProblem(sites, travel, fleet, objective, name=f"{feature}-{seed}")
+
+
+FEATURES = (
+    "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "travel", "elapsed",
+    "elapsed-fixed-start", "windows", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",
+    "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost",
+)  # fmt: skip

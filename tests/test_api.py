@@ -1,0 +1,155 @@
+"""The face: what a notebook types."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+
+import pytest
+
+import waybound as wb
+
+HEAVY = ("highspy", "ortools", "pulp", "cvxpy", "pyvrp", "pandas", "scipy", "numba", "matplotlib")
+
+
+def in_fresh_process(code: str) -> str:
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return run.stdout.strip()
+
+
+def test_import_loads_no_solver_no_pandas_and_no_scipy():
+    loaded = in_fresh_process("import sys, waybound; print(*{m.split('.')[0] for m in sys.modules})").split()
+    assert not set(loaded) & set(HEAVY)
+
+
+def test_reading_and_judging_load_no_solver():
+    code = "import sys, waybound as wb; wb.check(wb.read('demo-tiny'), wb.Routes.of([[1]])); print(*{m.split('.')[0] for m in sys.modules})"
+    assert not set(in_fresh_process(code).split()) & {"highspy", "ortools", "pulp", "cvxpy", "pyvrp"}
+
+
+@pytest.mark.parametrize("name", wb.__all__)
+def test_every_public_name_exists_and_is_listed(name):
+    assert getattr(wb, name) is not None
+    assert name in dir(wb)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no_such_thing"):
+        wb.no_such_thing  # noqa: B018
+
+
+@pytest.mark.parametrize("before", ["", "import waybound.solvers.solve", "import waybound.heuristics.heuristic, waybound.solvers"])
+@pytest.mark.parametrize("after", ["", "import waybound.solvers.backend; import waybound.heuristics.methods"])
+def test_solvers_and_heuristics_are_callable_whatever_was_imported_first(before, after):
+    code = f"{before}\nimport waybound as wb\nwb.solvers\n{after}\nprint(len(wb.solvers()), len(wb.heuristics()), wb.solvers.__name__)"
+    solvers, heuristics, name = in_fresh_process(code).split()
+    assert int(solvers) >= 4
+    assert int(heuristics) >= 1
+    assert name == "waybound.solvers"
+
+
+def test_the_packages_can_still_be_imported_from():
+    code = "from waybound.solvers import backend; from waybound import heuristics; print(backend.__name__, heuristics.__name__)"
+    assert in_fresh_process(code) == "waybound.solvers.backend waybound.heuristics"
+
+
+def test_read_takes_a_bundled_name_and_settings_as_keywords():
+    problem = wb.read("demo-c25", convention="dimacs", customers=10, vehicles_exactly=3)
+    assert isinstance(problem, wb.RoutingProblem)
+    assert (len(problem.customers), problem.min_vehicles, problem.vehicle_limit, problem.convention) == (10, 3, 3, "trunc1")
+
+
+def test_a_file_goes_before_the_bundled_instance_of_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    from waybound.instances.bundled import bundled_path
+
+    (tmp_path / "demo-c25").write_text(bundled_path("demo-x40").read_text())
+    assert wb.read("demo-c25").name == wb.read("demo-x40").name
+
+
+def test_an_unknown_setting_is_refused_by_name():
+    with pytest.raises(wb.UsageError, match="colour"):
+        wb.read("demo-c25", colour="red")
+
+
+def test_generate_repeats_itself_from_the_seed():
+    one, same, other = (wb.generate("random", seed=s, customers=6) for s in (3, 3, 4))
+    assert one.digest() == same.digest() != other.digest()
+
+
+@pytest.fixture(scope="module")
+def solved():
+    problem = wb.read("demo-tiny")
+    return problem, wb.solve(problem, heuristic="savings", bound_time=0.5)
+
+
+def test_check_takes_solutions_answers_and_files(solved, tmp_path):
+    from waybound.formulations.answers import write_answer
+
+    problem, solution = solved
+    write_answer(solution, tmp_path / "a.sol")
+    verdicts = [wb.check(problem, given) for given in (solution, solution.answer, tmp_path / "a.sol", str(tmp_path / "a.sol"))]
+    assert all(v.feasible for v in verdicts)
+    assert {v.objective for v in verdicts} == {solution.objective}
+
+
+def test_check_verifies_a_certificate_given_as_object_mapping_or_file(solved, tmp_path):
+    problem, solution = solved
+    data = solution.certificate.to_json(with_evidence=True)
+    (tmp_path / "c.json").write_text(json.dumps(data))
+    bounds = {wb.check(problem, solution, c).bound for c in (solution.certificate, data, tmp_path / "c.json")}
+    assert bounds == {solution.certificate.bound}
+    assert solution.certificate.bound is not None
+
+
+def test_check_refuses_a_certificate_that_states_more_than_it_proves(solved):
+    problem, solution = solved
+    data = {**solution.certificate.to_json(with_evidence=True), "bound": solution.objective + 1000.0}
+    with pytest.raises(wb.CheckFailedError, match="proves"):
+        wb.check(problem, solution, data)
+
+
+def test_check_without_an_answer_says_so(solved):
+    with pytest.raises(wb.UsageError, match="no answer"):
+        wb.check(solved[0], None)
+
+
+def test_bound_is_a_certificate_without_an_answer(solved):
+    problem, solution = solved
+    made = wb.bound(problem, seconds=1.0)
+    assert made.feasible is None
+    assert made.bound is not None
+    assert made.bound <= solution.objective + 1e-6
+
+
+def test_bound_needs_time():
+    with pytest.raises(wb.UsageError, match="positive"):
+        wb.bound(wb.read("demo-tiny"), seconds=0.0)
+
+
+def test_explain_names_the_site_that_no_vehicle_can_serve():
+    made = wb.explain(wb.read("demo-tiny", capacity=9))
+    assert made.verdict == "infeasible"
+    assert all(r.kind == "site" for r in made.reasons)
+
+
+def test_solution_and_certificate_show_themselves_as_text_html_and_rich(solved):
+    from rich.console import Console
+
+    _, solution = solved
+    screen = io.StringIO()
+    console = Console(width=200, file=screen)
+    console.print(solution.certificate)
+    console.print(solution)
+    rich_text = screen.getvalue()
+    assert rich_text.count("feasible: all") == 2
+    for shown in (repr(solution.certificate), solution.certificate._repr_html_(), solution._repr_html_(), str(solution), rich_text):
+        assert "feasible: all" in shown
+        assert "recomputed from the data" in shown
+
+
+def test_a_problem_shows_itself_in_one_line():
+    expected = "<RoutingProblem demo-tiny: vrptw, 7 customers, at most 3 vehicles, min total-cost, convention exact>"
+    assert repr(wb.read("demo-tiny")) == expected

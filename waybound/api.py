@@ -1,0 +1,198 @@
+"""What composes the floors for a user: read, generate, check, bound, explain. ``waybound`` re-exports it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .instances.errors import InputError, UsageError
+
+if TYPE_CHECKING:
+    from .formulations.certificate import Certificate
+    from .formulations.problem import Problem
+    from .formulations.program import Program
+    from .instances.instance import Instance
+    from .solvers.explaining import Explanation
+
+Source = str | PathLike[str]
+
+
+def read_source(path: Source, format: str | None = None) -> Instance:  # noqa: A002
+    """The instance in a file, or the bundled one of that name where there is no such file."""
+    from .instances.bundled import bundled_names, bundled_path
+    from .instances.reading import read_instance
+
+    if isinstance(path, str) and not Path(path).exists() and path in bundled_names():
+        return read_instance(bundled_path(path), format)
+    return read_instance(path, format)
+
+
+def read(
+    path: Source,
+    *,
+    format: str | None = None,  # noqa: A002
+    problem: str | None = None,
+    convention: str | None = None,
+    **settings: Any,
+) -> Problem:
+    """The problem that a file holds.
+
+    Parameters
+    ----------
+    path : path-like or str
+        A file, or the name of a bundled instance such as ``"demo-c25"``.
+    format : str, optional
+        Recognised from the content by default.
+    problem : str, optional
+        Another problem that the file's data allow (``"tsp"``, ``"cvrp"``, ...).
+    convention : str, optional
+        How distances are rounded: ``file, exact, trunc1`` (``dimacs``), ``trunc2, round, ceil``.
+    **settings
+        Changes of the data, as with ``--set``: ``customers=25``, ``vehicles=3``, ``vehicles="unlimited"``,
+        ``vehicles_exactly=17``, ``capacity=100``.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    InputError
+        Naming file, line, what was expected and what was found.
+    UsageError
+        For a name or a setting that does not exist.
+
+    Examples
+    --------
+    >>> problem = read("demo-c25", convention="trunc1")
+    >>> problem.problem
+    'vrptw'
+    """
+    from .formulations.problem import problem_from_instance
+
+    return problem_from_instance(read_source(path, format), problem, **_settings(convention, settings))
+
+
+def generate(kind: str, *, seed: int = 1, problem: str | None = None, convention: str | None = None, **settings: Any) -> Problem:
+    """A problem from a seeded generator; the same seed gives the same problem.
+
+    Parameters
+    ----------
+    kind : str
+        Name of a generator: ``solomon, uchoa, random``.
+    seed : int
+    problem, convention : str, optional
+        As in ``read``.
+    **settings
+        The generator's own.
+
+    Raises
+    ------
+    UsageError
+        For a generator or a setting that does not exist.
+    """
+    from .formulations.problem import problem_from_instance
+    from .instances.generating import generate as make
+
+    instance = make(kind, seed, **_dashed(settings))
+    return problem_from_instance(instance, problem, **({} if convention is None else {"convention": convention}))
+
+
+def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any] | Certificate | None = None) -> Certificate:
+    """Verify an answer, whoever made it, and a certificate's bound; needs no solver.
+
+    Parameters
+    ----------
+    problem : Problem
+    answer : Solution, answer of the problem, or path
+        A path names a solution file: ``.sol``, ``.tour`` or ``.json``.
+    certificate : path, mapping or Certificate, optional
+        Its bound is derived again from its evidence.
+
+    Returns
+    -------
+    Certificate
+        ``feasible`` tells the verdict, ``violations`` what is broken.
+
+    Raises
+    ------
+    CheckFailedError
+        If the certificate states more than its evidence proves, or another objective than the answer's.
+    """
+    from .formulations.certificate import Certificate, certify, check_certificate
+    from .formulations.solution import Solution
+
+    if isinstance(answer, str | PathLike):
+        from .formulations.answers import read_answer
+
+        answer = read_answer(problem, answer).answer
+    elif isinstance(answer, Solution):
+        answer = answer.answer
+    if answer is None:
+        raise UsageError("there is no answer to check")
+    evaluation = problem.evaluate(answer)
+    if certificate is None:
+        return certify(problem, evaluation)
+    if isinstance(certificate, Certificate):
+        certificate = certificate.to_json(with_evidence=True)
+    elif isinstance(certificate, str | PathLike):
+        certificate = read_certificate(certificate)
+    return check_certificate(problem, certificate, evaluation)
+
+
+def read_certificate(path: Source) -> Mapping[str, Any]:
+    """The object in a certificate file."""
+    from .instances.document import parse_json
+    from .instances.text import read_text
+
+    text = read_text(path)
+    try:
+        data = parse_json(text)
+    except InputError as error:
+        raise error.at(file=path) from None
+    if not isinstance(data, Mapping):
+        raise InputError("is no certificate", file=path, expected="a JSON object")
+    return data
+
+
+def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
+    """The best verified bound that ``seconds`` allow, as a certificate without an answer.
+
+    Parameters
+    ----------
+    problem : Problem
+    seconds : float
+        Budget of all methods together.
+
+    Returns
+    -------
+    Certificate
+        ``bound`` is None where no method proves one.
+    """
+    from .formulations.certificate import certify
+    from .solvers.bounding import find_bounds
+
+    if not seconds > 0:
+        raise UsageError(f"the time for bounding must be positive, not {seconds!r}")
+    return certify(problem, None, find_bounds(problem, seconds))
+
+
+def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
+    """Why a problem has no answer, in its own words; see ``waybound.solvers.explaining.explain``."""
+    from .solvers.explaining import explain as by_filter
+
+    return by_filter(problem, time_limit=time_limit, form=form)
+
+
+def _settings(convention: str | None, settings: Mapping[str, Any]) -> dict[str, Any]:
+    return {**_dashed(settings), **({} if convention is None else {"convention": convention})}
+
+
+def _dashed(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Keyword arguments under the names of ``--set``."""
+    return {name.replace("_", "-"): value for name, value in settings.items()}
+
+
+__all__ = ["bound", "check", "explain", "generate", "read", "read_certificate", "read_source"]

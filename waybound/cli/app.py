@@ -1,0 +1,43 @@
+"""The application: all commands, registered."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from . import bundled, files, judging, listing, solving
+from .options import handled
+
+app = typer.Typer(
+    name="waybound",
+    help="Routing for vehicle fleets and robot teams: answers that carry their own evidence.",
+    epilog="Exit codes: 0 a verified answer, 1 internal error, 2 usage or bad input, 3 proven infeasible or unbounded, "
+    "4 no answer within the limit, 5 a check failed, 130 interrupted without an answer.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from .. import __version__
+
+        typer.echo(f"waybound {__version__}")
+        raise typer.Exit()
+
+
+@app.callback()
+def _root(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")] = False,
+) -> None:
+    pass
+
+
+for _command in (
+    solving.solve, judging.check, judging.bound, judging.explain, listing.info, files.export, files.convert, files.generate,
+    listing.solvers, listing.heuristics,
+):  # fmt: skip
+    app.command()(handled(_command))
+app.add_typer(bundled.app, name="instances")

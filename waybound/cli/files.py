@@ -1,0 +1,83 @@
+"""``waybound export, convert, generate``: commands that write a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..instances.errors import UsageError
+from .options import Convention, File, Format, ProblemName, Set, Verbose, output_path, parse_pairs, read_problem
+
+PROGRAM_SUFFIXES = (".mps", ".lp")
+
+
+def export(
+    file: File,
+    to: Annotated[Path, typer.Option("--to", metavar="FILE", help="model.mps or model.lp.", show_default=False)],
+    form: Annotated[
+        str | None, typer.Option("--form", metavar="NAME", help="How to write the problem down; its first form by default.")
+    ] = None,
+    relax: Annotated[bool, typer.Option("--relax", help="Drop integrality.")] = False,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    convention: Convention = None,
+    settings: Set = None,
+    verbose: Verbose = False,
+) -> None:
+    """Write an instance as a mathematical program that any solver reads."""
+    output_path("--to", to, PROGRAM_SUFFIXES, unlike=file)
+    program = read_problem(file, format, problem, convention, settings).compile(form, relax=relax)
+    program.write(to)
+    size = f"{program.num_variables} variables, {program.num_rows} rows, {len(program.data)} nonzeros"
+    typer.echo(f"{to}: {program.kind}, form {program.form} ({program.exactness.value}), {size}")
+
+
+def convert(
+    file: File,
+    to: Annotated[Path, typer.Option("--to", metavar="FILE", help="Written in the format that the suffix stands for.", show_default=False)],
+    to_format: Annotated[
+        str | None, typer.Option("--to-format", metavar="NAME", help="Format to write, where the suffix does not say it.")
+    ] = None,
+    format: Format = None,  # noqa: A002
+    verbose: Verbose = False,
+) -> None:
+    """Write an instance in another format; what that format cannot express is an error."""
+    from ..api import read_source
+    from ..instances.writing import write_instance
+
+    output_path("--to", to, unlike=file)
+    instance = read_source(file, format)
+    write_instance(instance, to, to_format)
+    typer.echo(f"{to}: {instance.name}, read as {instance.format}")
+
+
+def generate(
+    kind: Annotated[
+        str, typer.Argument(metavar="KIND", help="solomon, uchoa, random, ...; an unknown one lists them all.", show_default=False)
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="Written in the format that the suffix stands for.", show_default=False)
+    ],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="A setting of the recipe; an unknown one lists them all. Repeatable."),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="N")] = 1,
+    to_format: Annotated[
+        str | None, typer.Option("--to-format", metavar="NAME", help="Format to write, where the suffix does not say it.")
+    ] = None,
+    verbose: Verbose = False,
+) -> None:
+    """Make an instance by a published recipe; the same seed gives the same file."""
+    from ..instances.generating import generate as make
+    from ..instances.writing import write_instance
+
+    given = parse_pairs(settings, "--set")
+    if given.keys() & {"kind", "seed"}:
+        raise UsageError("--set has neither a kind nor a seed; the kind is the command's argument, the seed is --seed")
+    output_path("--out", out)
+    instance = make(kind, seed, **given)
+    write_instance(instance, out, to_format)
+    typer.echo(f"{out}: {instance.name}")

@@ -1,0 +1,200 @@
+"""``waybound check, bound, explain``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..instances.errors import UsageError
+from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, finite, output_path, read_problem
+
+if TYPE_CHECKING:
+    from ..formulations.answers import ReadAnswer
+    from ..formulations.evaluation import Evaluation
+    from ..formulations.problem import Problem
+
+STATED_TOLERANCE = 1e-6
+"""Relative difference up to which a stated objective counts as the recomputed one."""
+
+
+def check(
+    file: File,
+    solution: Annotated[Path, typer.Argument(metavar="SOLUTION", help="Solution file: .sol, .tour or .json.", show_default=False)],
+    certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Verify this certificate's bound too.")] = None,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    convention: Convention = None,
+    settings: Set = None,
+    json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """Verify anybody's solution, and a certificate's bound, against an instance; no solver is used.
+
+    Exit code 0 if the solution is feasible, 5 if not, or if the certificate does not hold.
+    """
+    from ..api import check as verify
+    from ..formulations.answers import read_answer
+
+    asked = read_problem(file, format, problem, convention, settings)
+    read = read_answer(asked, solution)
+    evaluation = asked.evaluate(read.answer)
+    made = verify(asked, read.answer, certificate)
+    notes = [*read.notes, *_compare(read, evaluation)]
+    if json:
+        from .output import print_json
+
+        print_json(
+            {
+                "instance": asked.name,
+                "instance_hash": made.instance_hash,
+                "problem": made.problem,
+                "sense": made.sense,
+                "convention": made.convention,
+                "solution": str(solution),
+                "stated_objective": read.stated,
+                "quantities": evaluation.quantities,
+                "notes": notes,
+                **made.to_json(),
+            }
+        )
+    else:
+        from ..formulations.rendering import Line, certificate_lines
+        from .output import print_lines
+
+        lines = certificate_lines(made)
+        if certificate is None:
+            lines = [line for line in lines if line.label != "bound"]
+        if read.stated is not None:
+            lines.append(Line("stated", str(read.stated)))
+        lines += [Line("note", note) for note in notes]
+        lines += [Line(name, f"{value:.10g}", "quiet") for name, value in evaluation.quantities.items()] if verbose else []
+        print_lines(f"{solution}: a solution of {asked.name} ({made.problem}, {made.sense}, convention {made.convention})", lines)
+    raise typer.Exit(0 if made.feasible else 5)
+
+
+def _compare(read: ReadAnswer, evaluation: Evaluation) -> list[str]:
+    """What to say where the file states another objective than its answer has."""
+    if read.stated is None:
+        return []
+    stated = read.stated if isinstance(read.stated, list) else [read.stated]
+    values = list(evaluation.values)
+    if len(stated) == 1 and len(values) > 1 and "distance" in evaluation.quantities:
+        values = [evaluation.quantities["distance"]]  # a .sol states a cost, whatever the levels of the objective
+    if len(stated) == len(values) and all(abs(a - b) <= STATED_TOLERANCE * max(1.0, abs(b)) for a, b in zip(stated, values, strict=True)):
+        return []
+    shown = values[0] if len(values) == 1 else values
+    return [f"the file states {read.stated!r}, recomputed from the data it is {shown!r}; is the convention of distance the file's?"]
+
+
+def bound(
+    file: File,
+    bound_time: Annotated[float, typer.Option("--bound-time", metavar="S", help="Seconds for all methods together.")] = 60.0,
+    certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Write the evidence (.json).")] = None,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    convention: Convention = None,
+    settings: Set = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """The best provable bound on the objective, with its source; verified from its evidence."""
+    finite("--bound-time", bound_time)
+    if bound_time <= 0:
+        raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
+    asked = read_problem(file, format, problem, convention, settings)
+    output_path("--certificate", certificate, (".json",), unlike=file)
+
+    from ..formulations.certificate import certify
+    from .output import print_json, print_lines, stdout_is_ours
+    from .progress import Progress
+
+    with Progress(quiet) as progress, stdout_is_ours():
+        evidence, seconds = _bounded(asked, bound_time, progress)
+    made = certify(asked, None, evidence)
+    if certificate is not None:
+        from ..formulations.answers import json_text
+        from ..instances.atomic import atomic_write
+
+        atomic_write(certificate, json_text(made.to_json(with_evidence=True)))
+    if json:
+        print_json(
+            {
+                "instance": asked.name,
+                "instance_hash": made.instance_hash,
+                "problem": made.problem,
+                "sense": made.sense,
+                "convention": made.convention,
+                "bound": made.bound,
+                "bound_kind": None if made.bound is None else "verified",
+                "bound_source": made.bound_source,
+                "found": [{"source": e.source, "value": e.value} for e in evidence],
+                "seconds": seconds,
+            }
+        )
+    else:
+        from ..formulations.rendering import Line, certificate_lines
+
+        lines = [line for line in certificate_lines(made) if line.label == "bound"]
+        lines += [Line("also", f"{e.value:.10g}: {e.source}", "quiet") for e in evidence if e not in made.evidence]
+        lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
+        print_lines(f"{asked.name}: {made.problem}, {made.sense}, convention {made.convention}", lines)
+    raise typer.Exit(4 if made.bound is None and not made.infeasible else 0)
+
+
+def _bounded(problem: Problem, seconds: float, progress: Any) -> tuple[list[Any], float]:
+    """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
+    from ..solvers.backend import Control, RawResult
+    from ..solvers.bounding import find_bounds
+    from ..solvers.search import search
+
+    searched = search(
+        lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress)), Control(), seconds,
+        overtime=1.0,
+    )  # fmt: skip
+    return searched.result.answer or [], searched.seconds
+
+
+def explain(
+    file: File,
+    form: Annotated[str | None, typer.Option("--form", metavar="NAME", help="Form whose rows shall be named.")] = None,
+    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S", help="Seconds for everything together.")] = 60.0,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    convention: Convention = None,
+    settings: Set = None,
+    json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """Why an instance has no solution: sites out of reach, a fleet too small, or rows that contradict each other.
+
+    Exit code 3 if there is no solution, 0 if there is one, 4 if neither was found out.
+    """
+    finite("--time-limit", time_limit)
+    asked = read_problem(file, format, problem, convention, settings)
+
+    from ..solvers.explaining import explain as find
+    from .output import print_json, print_lines, print_table, stdout_is_ours
+
+    with stdout_is_ours():
+        made = find(asked, time_limit=time_limit, form=form)
+    if json:
+        print_json({"instance": asked.name, "problem": asked.problem, **made.to_json()})
+    else:
+        from ..formulations.rendering import Line
+        from ..reports.tables import Column, Table
+
+        verdict = {"infeasible": "there is no solution", "feasible": "there is a solution", "undecided": "undecided"}[made.verdict]
+        source = f", according to {made.according_to}" if made.according_to else ""
+        tone = {"infeasible": "bad", "feasible": "good", "undecided": "plain"}[made.verdict]
+        lines = [Line("verdict", verdict + source, tone)]
+        if made.message:
+            lines.append(Line("", made.message))
+        print_lines(f"{asked.name}: {asked.problem}", lines)
+        if made.reasons:
+            columns = (Column(made.reasons[0].kind), Column("reason", wide=True))
+            title = f"Reasons (rows of form {made.form})" if made.form else "Reasons"
+            print_table(Table(title, columns, tuple((r.where, r.message) for r in made.reasons)))
+    raise typer.Exit({"infeasible": 3, "feasible": 0, "undecided": 4}[made.verdict])

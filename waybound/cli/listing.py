@@ -1,0 +1,83 @@
+"""``waybound info, solvers, heuristics``: what an instance holds, and who can take it."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Annotated
+
+import typer
+
+from .options import Convention, File, Format, Json, ProblemName, Set, Verbose, read_problem
+
+MaybeFile = Annotated[
+    str | None,
+    typer.Argument(metavar="[FILE]", help="Ask about this instance: who takes it, and what the others lack.", show_default=False),
+]
+
+
+def info(
+    file: File,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    convention: Convention = None,
+    settings: Set = None,
+    json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """What an instance holds, which solvers and heuristics take it, and what the others lack."""
+    from ..api import read_source
+    from ..reports.tables import facts, facts_table, heuristics_table, solvers_table
+    from ..solvers.listing import heuristic_table, solver_table
+    from .output import print_json, print_table
+
+    asked = read_problem(file, format, problem, convention, settings)
+    source = read_source(file, format)
+    data = {"format": source.format, "problems": list(source.problems), **facts(asked)}
+    able, approximate = solver_table(asked), heuristic_table(asked)
+    if json:
+        listed = {"solvers": [dataclasses.asdict(i) for i in able], "heuristics": [dataclasses.asdict(i) for i in approximate]}
+        print_json({**data, **listed})
+        return
+    print_table(facts_table(data))
+    print_table(solvers_table(able, asked=True))
+    print_table(heuristics_table(approximate, asked=True))
+
+
+def solvers(
+    file: MaybeFile = None,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    settings: Set = None,
+    json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """All solvers, installed or not, and with FILE which of them take it."""
+    from ..reports.tables import solvers_table
+    from ..solvers.listing import solver_table
+    from .output import print_json, print_table
+
+    infos = solver_table(None if file is None else read_problem(file, format, problem, None, settings))
+    if json:
+        print_json({"solvers": [dataclasses.asdict(i) for i in infos]})
+    else:
+        print_table(solvers_table(infos, asked=file is not None))
+
+
+def heuristics(
+    file: MaybeFile = None,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    settings: Set = None,
+    json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """All heuristics with what they guarantee, and with FILE which of them take it."""
+    from ..reports.tables import heuristics_table
+    from ..solvers.listing import heuristic_table
+    from .output import print_json, print_table
+
+    infos = heuristic_table(None if file is None else read_problem(file, format, problem, None, settings))
+    if json:
+        print_json({"heuristics": [dataclasses.asdict(i) for i in infos]})
+    else:
+        print_table(heuristics_table(infos, asked=file is not None))

@@ -1,0 +1,161 @@
+"""What commands share: options, the parsing of KEY=VALUE, and the way from an error to one line and an exit code."""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
+
+import typer
+
+from ..instances.errors import UsageError, WayboundError
+
+if TYPE_CHECKING:
+    from ..formulations.problem import Problem
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+File = Annotated[str, typer.Argument(metavar="FILE", help="Instance file, or the name of a bundled instance.", show_default=False)]
+Format = Annotated[str | None, typer.Option("--format", metavar="NAME", help="Format of FILE; recognised from the content by default.")]
+ProblemName = Annotated[
+    str | None, typer.Option("--problem", metavar="NAME", help="Problem to read FILE as; by default what its format stands for.")
+]
+Convention = Annotated[
+    str | None,
+    typer.Option("--convention", metavar="NAME", help="Rounding of distances: file, exact, trunc1 (dimacs), trunc2, round, ceil."),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change the problem's data: vehicles=3, vehicles=unlimited, vehicles-exactly=17, capacity=100, customers=25. Repeatable.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more; tracebacks of internal errors.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
+
+_WHOLE = re.compile(r"[+-]?[0-9]{1,300}\Z")
+_DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\Z")
+
+
+def parse_value(text: str) -> Any:
+    """A value of KEY=VALUE: whole number, finite decimal number, true or false, else the text itself."""
+    if _WHOLE.match(text):
+        return int(text)
+    if _DECIMAL.match(text) and math.isfinite(float(text)):
+        return float(text)
+    return {"true": True, "false": False}.get(text.lower(), text)
+
+
+def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
+    """The KEY=VALUE pairs of a repeatable option; a repeated key is refused."""
+    found: dict[str, Any] = {}
+    for pair in pairs or ():
+        key, equals, value = (part.strip() for part in pair.partition("="))
+        if not key or not equals or not value:
+            raise UsageError(f"{option} takes KEY=VALUE, not {pair!r}")
+        if key in found:
+            raise UsageError(f"{option} {key} is given twice")
+        found[key] = parse_value(value)
+    return found
+
+
+def read_problem(file: str, format: str | None, problem: str | None, convention: str | None, settings: Sequence[str] | None) -> Problem:  # noqa: A002
+    """The problem that the common options name."""
+    from ..api import read
+
+    given = parse_pairs(settings, "--set")
+    for key in ("format", "problem", "convention", "path"):
+        if key in given:
+            raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
+    return read(file, format=format, problem=problem, convention=convention, **given)
+
+
+def finite(name: str, value: float | None) -> None:
+    """Raise UsageError for an option that is infinite or not a number."""
+    if value is not None and not math.isfinite(value):
+        raise UsageError(f"{name} must be a finite number, not {value}")
+
+
+def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *, unlike: str | None = None) -> None:
+    """Raise UsageError, before anything is run, if a file could not be written to ``path`` later.
+
+    Parameters
+    ----------
+    option : str
+        For the message.
+    path : Path or None
+    suffixes : sequence of str
+        Those allowed; all if empty.
+    unlike : str, optional
+        The input, which must not be overwritten.
+    """
+    import os
+
+    if path is None:
+        return
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise UsageError(f"{option} {path}: the suffix must be one of {', '.join(suffixes)}")
+    if path.is_dir():
+        raise UsageError(f"{option} {path} is a directory, not a file")
+    if not path.parent.is_dir():
+        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK):
+        raise UsageError(f"{option} {path}: the folder {path.parent} cannot be written to")
+    if unlike is not None and path.exists() and Path(unlike).exists() and path.samefile(unlike):
+        raise UsageError(f"{option} {path} would overwrite the input")
+
+
+def distinct_paths(**options: Path | None) -> None:
+    """Raise UsageError if two outputs go to one file."""
+    seen: dict[Path, str] = {}
+    for name, path in options.items():
+        if path is not None:
+            real = path.resolve()
+            if real in seen:
+                raise UsageError(f"--{seen[real]} and --{name} name the same file {path}")
+            seen[real] = name
+
+
+def handled(command: Callable[P, R]) -> Callable[P, R]:
+    """``command``, with errors as one line on standard error and the exit code that belongs to them."""
+
+    @functools.wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return command(*args, **kwargs)
+        except WayboundError as error:
+            complain(str(error))
+            raise typer.Exit(error.exit_code) from None
+        except KeyboardInterrupt:
+            complain("interrupted")
+            raise typer.Exit(130) from None
+        except (BrokenPipeError, typer.Exit, typer.Abort):
+            raise
+        except Exception as error:
+            if kwargs.get("verbose"):
+                import traceback
+
+                traceback.print_exc(file=sys.stderr)
+            hint = "" if kwargs.get("verbose") else "; run again with -v for the traceback"
+            complain(f"internal error: {type(error).__name__}: {error}{hint}")
+            raise typer.Exit(1) from None
+
+    return run
+
+
+def complain(message: str) -> None:
+    """One line ``error: ...`` on standard error."""
+    typer.echo(f"error: {' '.join(message.split())}", err=True)
+
+
+def remark(message: str) -> None:
+    """One line ``note: ...`` on standard error."""
+    typer.echo(f"note: {' '.join(message.split())}", err=True)

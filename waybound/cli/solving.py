@@ -1,0 +1,190 @@
+"""``waybound solve``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..instances.errors import MissingPackageError, UsageError
+from .options import (
+    Convention,
+    File,
+    Format,
+    Json,
+    ProblemName,
+    Quiet,
+    Set,
+    Verbose,
+    distinct_paths,
+    finite,
+    output_path,
+    parse_pairs,
+    read_problem,
+    remark,
+)
+
+if TYPE_CHECKING:
+    from ..formulations.problem import Problem
+    from ..formulations.solution import Solution
+
+PLOT_SUFFIXES = (".png", ".svg", ".pdf")
+
+
+def solve(
+    file: File,
+    format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    solver: Annotated[
+        str | None,
+        typer.Option(
+            "--solver", metavar="NAME", help="highs, pulp, ortools, pyvrp, ...; a solver within one as pulp:HiGHS. See `waybound solvers`."
+        ),
+    ] = None,
+    heuristic: Annotated[
+        str | None, typer.Option("--heuristic", metavar="NAME", help="An approximation instead of a solver. See `waybound heuristics`.")
+    ] = None,
+    form: Annotated[
+        str | None, typer.Option("--form", metavar="NAME", help="How the problem is written down, for solvers that take programs.")
+    ] = None,
+    relax: Annotated[bool, typer.Option("--relax", help="Drop integrality: the optimum is a bound.")] = False,
+    settings: Set = None,
+    option: Annotated[
+        list[str] | None, typer.Option("--option", metavar="KEY=VALUE", help="An option of the solver or heuristic itself. Repeatable.")
+    ] = None,
+    convention: Convention = None,
+    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S", help="Seconds for the search alone.")] = 60.0,
+    bound_time: Annotated[
+        float | None,
+        typer.Option(
+            "--bound-time", metavar="S", help="Seconds for bounding after it; a tenth of the limit, at least 1, by default; 0 turns it off."
+        ),
+    ] = None,
+    iterations: Annotated[int | None, typer.Option("--iterations", metavar="N", help="Work limit; makes a run repeatable.")] = None,
+    gap: Annotated[float, typer.Option("--gap", metavar="G", help="Relative gap at which the search may stop.")] = 0.0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N")] = 1,
+    threads: Annotated[int, typer.Option("--threads", metavar="N")] = 1,
+    start: Annotated[Path | None, typer.Option("--start", metavar="SOLUTION", help="A solution file to start from.")] = None,
+    isolate: Annotated[bool, typer.Option("--isolate", help="Run the solver in a process of its own, with hard limits.")] = False,
+    memory_limit: Annotated[float | None, typer.Option("--memory-limit", metavar="MB", help="Memory of that process.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the answer: .json, .sol or .tour.")] = None,
+    certificate: Annotated[
+        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the routes: .png, .svg or .pdf.")] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Solve an instance; the answer is checked and bounded, whichever solver finds it."""
+    if solver is not None and heuristic is not None:
+        raise UsageError("give either --solver or --heuristic, not both")
+    for name, value in (("--time-limit", time_limit), ("--bound-time", bound_time), ("--gap", gap), ("--memory-limit", memory_limit)):
+        finite(name, value)
+    if bound_time is not None and bound_time < 0:
+        raise UsageError(f"--bound-time must not be negative, not {bound_time:g}")
+    if memory_limit is not None and memory_limit <= 0:
+        raise UsageError(f"--memory-limit must be positive, not {memory_limit:g}")
+    options = parse_pairs(option, "--option")
+    asked = read_problem(file, format, problem, convention, settings)
+    _check_outputs(asked, file, out, certificate, plot)
+
+    from ..formulations.answers import read_answer
+    from ..solvers.solve import solve as search
+    from .output import stdout_is_ours
+    from .progress import Progress
+
+    if not quiet:
+        for note in asked.notes if json else ():
+            remark(note)
+    begin = None
+    if start is not None:
+        read = read_answer(asked, start)
+        begin = read.answer
+        for note in read.notes:
+            remark(f"{start}: {note}")
+    with Progress(quiet) as progress, stdout_is_ours():
+        solution = search(
+            asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
+            gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
+            options=options,
+        )  # fmt: skip
+    _write_outputs(solution, out, certificate, plot)
+    if json:
+        from .output import print_json
+
+        print_json(solution.to_json())
+    else:
+        _show(solution, verbose)
+    raise typer.Exit(0 if relax and solution.answer is None and solution.bound is not None else exit_code(solution))
+
+
+def exit_code(solution: Solution) -> int:
+    """Exit code of a run that ended without an error."""
+    if solution.answer is not None:
+        return 0
+    if solution.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
+        return 3
+    if solution.limit == "interrupt":
+        return 130
+    return 1 if solution.status == "error" else 4
+
+
+def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: Path | None, plot: Path | None) -> None:
+    """Refuse now what could not be written after the search."""
+    distinct_paths(out=out, certificate=certificate, plot=plot)
+    output_path("--out", out, unlike=file)
+    output_path("--certificate", certificate, (".json",), unlike=file)
+    output_path("--plot", plot, PLOT_SUFFIXES, unlike=file)
+    if out is not None:
+        from ..formulations.answers import check_answer_path
+
+        check_answer_path(problem, out)
+    if plot is not None:
+        from importlib.util import find_spec
+
+        if find_spec("matplotlib") is None:
+            raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
+
+
+def _write_outputs(solution: Solution, out: Path | None, certificate: Path | None, plot: Path | None) -> None:
+    if certificate is not None:
+        from ..formulations.answers import json_text
+        from ..instances.atomic import atomic_write
+
+        atomic_write(certificate, json_text(solution.certificate.to_json(with_evidence=True)))
+    if solution.answer is None:
+        for path in (out, plot):
+            if path is not None:
+                remark(f"there is no answer, so {path} was not written")
+        return
+    if out is not None:
+        from ..formulations.answers import write_answer
+
+        write_answer(solution, out)
+    if plot is not None:
+        from ..reports.plots import save_plot
+
+        save_plot(solution, plot)
+
+
+def _show(solution: Solution, verbose: bool) -> None:
+    from ..formulations.problems.routing import RoutingProblem
+    from ..formulations.rendering import Line, solution_lines, solution_title
+    from ..reports.tables import routes_table, unserved_sites, unserved_table
+    from .output import print_lines, print_table
+
+    problem = solution.problem
+    if isinstance(problem, RoutingProblem):
+        if solution.answer is not None:
+            print_table(routes_table(problem, solution.answer))
+        left = unserved_sites(problem, solution.answer)
+        if left:
+            print_table(unserved_table(left))
+    lines = solution_lines(solution)
+    lines += [Line("note", note) for note in problem.notes]
+    if verbose:
+        lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
+        lines += [Line(k, str(v), "quiet") for k, v in solution.statistics.items()]
+    print_lines(solution_title(solution), lines)
