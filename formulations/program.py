@@ -232,7 +232,7 @@ class Program:
         return to_highs(self)
 
     def to_pulp(self) -> Any:
-        """A ``pulp.LpProblem``; its variables are in column order in ``problem.variables()`` by name ``x0, x1, ...``."""
+        """A ``pulp.LpProblem``; ``variables()`` lists them in column order, named ``x`` and the column, padded with zeros."""
         from .export.pulp import to_pulp
 
         return to_pulp(self)

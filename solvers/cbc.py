@@ -26,8 +26,11 @@ from .backend import Control, Options, RawResult
 
 Floats = NDArray[np.float64]
 
-TOLERANCE = 1e-6
-"""Residual up to which a point that CBC calls feasible is handed on, and difference up to which bound and value are equal."""
+FEASIBLE_TOLERANCE = 1e-5
+"""Residual up to which a point that CBC calls feasible, by 1e-6, is handed on; ``solve`` judges it in the problem's words."""
+
+EQUAL_TOLERANCE = 1e-6
+"""Relative difference up to which value and bound are the same."""
 
 GRACE = 3.0
 """Seconds CBC has to write its incumbent once it was asked to stop."""
@@ -153,7 +156,7 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
     bound = None if result.bound is None else sign * result.bound + program.offset
     status, limit = result.status, result.limit
     if status == "optimal" and limit == "gap":
-        if bound is None or value is None or abs(bound - value) > TOLERANCE * max(1.0, abs(value)):
+        if bound is None or value is None or abs(bound - value) > EQUAL_TOLERANCE * max(1.0, abs(value)):
             status = "feasible"
     elif status == "optimal":
         bound = value
@@ -269,7 +272,7 @@ def _read_result(solution: Path, log: Log, program: Program, options: Options, c
         status = "infeasible_or_unbounded"
     statistics["said"] = said
     point: Floats | None = None
-    if status in ("optimal", "unknown") and "no integer solution" not in said and program.residual(columns) <= TOLERANCE:
+    if status in ("optimal", "unknown") and "no integer solution" not in said and program.residual(columns) <= FEASIBLE_TOLERANCE:
         point = columns
     if status == "unknown":
         if limit == "none":
@@ -282,7 +285,7 @@ def _read_result(solution: Path, log: Log, program: Program, options: Options, c
     elif status == "optimal":
         limit = "none"
     if status == "optimal" and point is None:
-        status, message = "unknown", "CBC reports an optimum, but its point is not feasible within 1e-6"
+        status, message = "unknown", "CBC reports an optimum, but its point is not feasible within 1e-5"
     elif status == "unknown":
         message = f"CBC found no feasible point: {said}"
     elif status == "error":

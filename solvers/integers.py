@@ -135,7 +135,6 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     sites, travel, fleet = problem.sites, problem.travel, problem.fleet
     goal = scalarised(problem)
     n = len(sites)
-    column = lambda name: np.array([getattr(v, name) for v in fleet], dtype=np.float64)  # noqa: E731
 
     per_unit = scale_of(goal.unit)
     length = scale_of(travel.distances, goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
@@ -173,9 +172,9 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         demand=load.up(carried),
         charge=charge,
         prize=cost.nearest(goal.prize),
-        capacity=load.down(column("capacity")),
-        max_duration=np.minimum(clock.down(column("max_duration")), clock.down(budgets["elapsed"])),
-        max_distance=length.down(column("max_distance")),
+        capacity=load.down([v.capacity for v in fleet]),
+        max_duration=np.minimum(clock.down([v.max_duration for v in fleet]), clock.down(budgets["elapsed"])),
+        max_distance=length.down([v.max_distance for v in fleet]),
         unit=per_unit.nearest(goal.unit),
         fixed=cost.nearest(goal.fixed),
         travel_limit=clock.down(budgets["travel"]),

@@ -22,8 +22,10 @@ Here t_ok is departure_k and t_gk is return_k; departure is free within the depo
 depot), and [a_i, b_i] is the window tightened by ``prepare``. The time rows exclude cycles without the depot wherever durations are
 positive. One t_i for all vehicles would do where no type has windows of its own; it has fewer rows, and HiGHS was no faster with it.
 
-Where all vehicles are alike, exchanging two of them changes nothing. Fixing x_ijk = 0 for k > min(i,j), or ordering idle vehicles,
-would exclude copies; measured with HiGHS on Solomon's files with 15 and 25 customers neither pays, so neither is done.
+Vehicles of one type are alike, so they may be numbered by the first customer (in site order) that each visits, idle ones last: then
+the k-th visits none before the k-th, and x_ijk is fixed to 0 where i or j is a customer before the k-th of the type. With HiGHS and
+the first 15 or 25 customers of Solomon's files this was 2 to 12 times faster on C101, R101 and RC106, made no clear difference on
+C103 and RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
 
 Source: CMU-RI-TR-20-52, (3.7)-(3.14), as corrected in the digest, 2.1 and 2.3, with demands and service times added.
 """
@@ -153,7 +155,7 @@ def _columns(kind: _Type) -> list[Variables]:
     made = [
         Variables(
             "x", (np.repeat(kind.tail, count), np.repeat(kind.head, count), np.tile(kind.vehicles, arcs)), (names, names, kind.numbers),
-            lower=np.zeros(size), upper=np.ones(size), cost=np.repeat(kind.with_idle(kind.prep.cost), count), integer=True,
+            lower=np.zeros(size), upper=_numbered(kind).ravel(), cost=np.repeat(kind.with_idle(kind.prep.cost), count), integer=True,
         )
     ]  # fmt: skip
     for name, at in clock.items():
@@ -168,6 +170,13 @@ def _columns(kind: _Type) -> list[Variables]:
             )
         )  # fmt: skip
     return made
+
+
+def _numbered(kind: _Type) -> Floats:
+    """Upper bounds of x, shape (arcs, vehicles): 0 where a vehicle would visit a customer before its own number."""
+    most = kind.prep.nodes
+    lowest = np.minimum(np.where(kind.tail == 0, most, kind.tail), np.where(kind.head == kind.prep.end, most, kind.head))
+    return (lowest[:, None] > np.arange(len(kind.vehicles))).astype(np.float64)
 
 
 # -- rows ------------------------------------------------------------------------------------------------------------
@@ -321,7 +330,8 @@ def _encode(problem: RoutingProblem, types: list[_Type], program: Program, answe
     taken = [0] * len(types)
     for kind in types:
         x[kind.first + kind.idle * len(kind.vehicles) + np.arange(len(kind.vehicles))] = 1.0
-    for route in answer:
+    by_first_customer = sorted(answer, key=lambda route: min(route.visits, default=0))
+    for route in by_first_customer:
         if not 0 <= route.vehicle < len(types):
             raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist")
         kind = types[route.vehicle]

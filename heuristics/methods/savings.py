@@ -48,24 +48,10 @@ def _kernel() -> Callable[..., Any]:
         return length <= max_distance * (1 + 1e-9) and duration <= max_duration * (1 + 1e-9)
 
     @numba.njit(cache=True)
-    def merge(
-        pairs_i,
-        pairs_j,
-        losing,
-        routes,
-        limit,
-        depot,
-        time,
-        distance,
-        service,
-        ready,
-        due,
-        demand,
-        capacity,
-        max_duration,
-        max_distance,
-        both_ways,
-    ):  # type: ignore[no-untyped-def]
+    def merge(  # type: ignore[no-untyped-def]
+        pairs_i, pairs_j, losing, routes, limit, depot, time, distance, service, ready, due, demand, capacity, max_duration,
+        max_distance, both_ways,
+    ):  # fmt: skip
         n = len(demand)
         route_of = np.arange(n)
         # Routes are linked lists (next/previous); ends are found in O(1), walks cost the length of a route.
@@ -155,8 +141,9 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
     losing = int((gain.ravel()[order] > 0).sum())
     i, j = np.divmod(order, len(gain))
     _, first, following, size = _kernel()(
-        i, j, losing, len(problem.customers), len(gain) if limit is None else limit, depot, time, distance, np.asarray(sites.service), np.asarray(sites.ready), np.asarray(sites.due),
-        np.asarray(sites.demand), vehicle.capacity, vehicle.max_duration, vehicle.max_distance, both_ways,
+        i, j, losing, len(problem.customers), len(gain) if limit is None else limit, depot, time, distance,
+        np.asarray(sites.service), np.asarray(sites.ready), np.asarray(sites.due), np.asarray(sites.demand), vehicle.capacity,
+        vehicle.max_duration, vehicle.max_distance, both_ways,
     )  # fmt: skip
     routes = []
     for head in np.nonzero(size > 0)[0].tolist():

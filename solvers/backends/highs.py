@@ -16,8 +16,11 @@ from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
 from ..sanity import prepared, settled
 
-FEASIBLE_TOLERANCE = 1e-6
-"""Residual up to which a point that HiGHS calls feasible is handed on; ``solve`` checks it again in the problem's words."""
+FEASIBLE_TOLERANCE = 1e-5
+"""Residual up to which a point that HiGHS calls feasible, by 1e-6, is handed on; ``solve`` judges it in the problem's words."""
+
+EQUAL_TOLERANCE = 1e-6
+"""Relative difference up to which value and bound are the same."""
 
 LOOK_EVERY = 0.1
 """Seconds between two looks at the dual bound. HiGHS' own logging callback is silent where its output is."""
@@ -223,10 +226,10 @@ def _result(model: Any, program: Program, options: Options, control: Control, fo
             bound = float(info.mip_dual_bound)
     if status == "optimal":
         if answer is None:
-            status, message = "unknown", "HiGHS reports an optimum, but its point is not feasible within 1e-6"
+            status, message = "unknown", "HiGHS reports an optimum, but its point is not feasible within 1e-5"
         elif not program.is_integer:
             bound = objective
-        elif bound is None or abs(bound - objective) > FEASIBLE_TOLERANCE * max(1.0, abs(objective)):
+        elif bound is None or objective is None or abs(bound - objective) > EQUAL_TOLERANCE * max(1.0, abs(objective)):
             status, limit = "feasible", "gap"
     elif status == "unknown" and answer is not None:
         status = "feasible"

@@ -19,6 +19,9 @@ from ..scalar import claimed_objective, unscalable
 if TYPE_CHECKING:
     from ...formulations.problems.routing import RoutingProblem
 
+PUBLISH_EVERY = 0.05
+"""Seconds between two published incumbents, so that a flood of early ones costs nothing."""
+
 STATUS_MAP = {
     "ROUTING_NOT_SOLVED": ("unknown", "none"),
     "ROUTING_SUCCESS": ("feasible", "none"),
@@ -45,7 +48,7 @@ class ORTools(Engine):
 
     name = "ortools"
     package = "ortools"
-    modules = ("ortools.constraint_solver.pywrapcp",)
+    modules = ("ortools.constraint_solver.pywrapcp", "ortools.constraint_solver.routing_enums_pb2")
     summary = "OR-Tools routing library: insertion and guided local search"
     interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
     needs_process = True
@@ -201,6 +204,7 @@ class _Search:
         self.problem, self.data, self.options, self.control = problem, data, options, control
         self.ends = began + options.time_limit
         self.solutions = 0
+        self.publish_at = 0.0
         self.cost: int | None = None
         self.answer: Routes | None = None
 
@@ -241,7 +245,10 @@ class _Search:
 
         def at_solution() -> None:
             self.solutions += 1
-            self._take(routing.CostVar().Max(), model, lambda i: routing.NextVar(i).Value())
+            cost, now = routing.CostVar().Max(), time.perf_counter()
+            if now >= self.publish_at and (self.cost is None or cost < self.cost):
+                self._take(cost, model, lambda i: routing.NextVar(i).Value())
+                self.publish_at = now + PUBLISH_EVERY
             if self.control.stopped:
                 routing.solver().FinishCurrentSearch()
 

@@ -19,7 +19,7 @@ from ..cbc import find_cbc, run_cbc
 from ..sanity import prepared, settled
 from .highs import set_option
 
-FEASIBLE_TOLERANCE = 1e-6
+FEASIBLE_TOLERANCE = 1e-5
 """Residual up to which values that a solver leaves in PuLP's variables are taken for a point."""
 
 

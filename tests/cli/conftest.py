@@ -17,7 +17,7 @@ def run() -> Callable[..., Any]:
     """``run("solve", "demo-tiny", ...)``: what the command printed on either stream, and its exit code."""
 
     def call(*arguments: object) -> Any:
-        return CliRunner().invoke(app, [str(a) for a in arguments])
+        return CliRunner(env={"COLUMNS": "200"}).invoke(app, [str(a) for a in arguments])
 
     return call
 

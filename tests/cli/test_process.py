@@ -149,7 +149,7 @@ def test_bad_input_in_a_process_is_exit_2_with_one_line(tmp_path):
 
 
 def test_standard_output_in_ascii_does_not_break_the_tables():
-    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0"}
+    environment = {**os.environ, "COLUMNS": "120", "PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0"}
     done = subprocess.run([*COMMAND, "solve", "demo-tiny", "--iterations", "20", "-q"], capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stderr
     assert "vehicle 1" in done.stdout

@@ -77,14 +77,15 @@ def test_nothing_that_a_route_could_serve_is_ever_refused(seed: int, convention:
     for size in range(1, n):
         for order in itertools.permutations(range(1, n), size):
             time, waited, at = float(sites.ready[0]), 0.0, 0
-            slack = math.inf
+            slack, on_time = math.inf, True
             for site in (*order, 0):
                 arrival = time + (sites.service[at] if at else 0.0) + float(travel.duration(at, site))
                 begin = max(arrival, float(sites.ready[site])) if site else arrival
                 waited += begin - arrival
                 slack = min(slack, waited + float(sites.due[site]) - begin)
+                on_time = on_time and begin <= sites.due[site]
                 time, at = begin, site
-            if slack >= 0 and time - min(waited, slack) <= made.fleet[0].max_duration:
+            if on_time and time - min(waited, slack) <= made.fleet[0].max_duration:
                 servable.update(order)
     try:
         refuse_unreachable(made)

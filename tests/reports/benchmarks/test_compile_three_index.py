@@ -31,3 +31,9 @@ def test_a_different_model_is_noticed(tmp_path: Path) -> None:
 def test_same_seed_gives_the_same_problem() -> None:
     assert benchmark.generate(5, 2, "wide", 1).digest() == benchmark.generate(5, 2, "wide", 1).digest()
     assert benchmark.generate(5, 2, "wide", 1).digest() != benchmark.generate(5, 2, "wide", 2).digest()
+
+
+@pytest.mark.long
+def test_report_measures_all_three_and_compares_them() -> None:
+    text = benchmark.report(6, 2, "medium", seed=1, repeats=1)
+    assert "waybound: problem to HiGHS model" in text and "PuLP: lists to MPS file" in text and "targets" in text

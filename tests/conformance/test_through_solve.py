@@ -1,0 +1,73 @@
+"""Every solver through ``solve``: the same words in, a verified answer out, whatever the solver."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from small_routing import optimum, small
+
+import waybound as wb
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.travel import Travel
+
+FOUR = ("highs", "pulp", "ortools", "pyvrp")
+
+
+@pytest.fixture(params=FOUR)
+def solver(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.mark.parametrize("feature", ["capacity", "time-windows", "service-times", "limited-fleet"])
+@pytest.mark.parametrize("convention", ["round", "exact"])
+def test_all_four_solvers_find_the_optimum_of_small_problems(solver: str, feature: str, convention: str) -> None:
+    problem = small(feature, 1, convention)
+    work = {"iterations": 300} if solver in ("ortools", "pyvrp") else {}
+    solution = wb.solve(problem, solver, time_limit=20, bound_time=0, **work)
+    assert solution.certificate.feasible
+    assert solution.objective == pytest.approx(optimum(problem)[0], abs=1e-6)
+    assert solution.status in ("optimal", "feasible")
+
+
+def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, program) -> None:
+    if solver in ("ortools", "pyvrp"):
+        pytest.skip("an engine for routing problems")
+    solution = wb.solve(program([2, 3], [[1, 1]], 4.5, np.inf, integer=[1]), solver)
+    assert solution.status == "optimal"
+    assert solution.objective == pytest.approx(9.0)
+
+
+def test_isolation_changes_nothing_but_the_process(solver: str) -> None:
+    problem = small("capacity", 0, "round")
+    work = {"iterations": 100} if solver in ("ortools", "pyvrp") else {}
+    apart = wb.solve(problem, solver, time_limit=20, bound_time=0, isolate=True, **work)
+    here = wb.solve(problem, solver, time_limit=20, bound_time=0, **work)
+    assert (apart.status, apart.objective) == (here.status, here.objective)
+
+
+def test_demand_beyond_the_fleet_has_no_answer(solver: str) -> None:
+    problem = small("capacity", 1, "round")
+    problem = RoutingProblem(problem.sites, problem.travel, (VehicleType(1, 10.0),))
+    solution = wb.solve(problem, solver, time_limit=3, bound_time=0)
+    assert solution.answer is None
+    assert solution.status in ("infeasible", "unknown")
+
+
+@pytest.mark.parametrize("solver", ["ortools", "pyvrp"])
+def test_an_interrupt_of_the_user_returns_a_verified_answer(solver: str) -> None:
+    import _thread
+
+    rng = np.random.default_rng(0)
+    xy = rng.uniform(0, 100, (61, 2))
+    sites = Sites.of(range(61), demand=np.append(0.0, rng.uniform(1, 20, 60)), coordinates=xy)
+    problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(capacity=100.0),))
+    threading.Timer(2.5, _thread.interrupt_main).start()
+    began = time.perf_counter()
+    solution = wb.solve(problem, solver, time_limit=120, bound_time=0)
+    assert time.perf_counter() - began < 15.0
+    assert solution.limit == "interrupt"
+    assert solution.certificate.feasible

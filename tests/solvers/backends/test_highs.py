@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from waybound.formulations.program import Program, Rows, Variables
+from waybound.instances.errors import UsageError
+from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
+from waybound.solvers.backends.highs import STATUS_MAP, Highs, set_option
+
+
+def lp(size: int = 2) -> Program:
+    """Cover every row at least cost."""
+    rng = np.random.default_rng(0)
+    x = Variables("x", keys=(np.arange(size),), lower=np.zeros(size), upper=np.full(size, np.inf), cost=1.0 + rng.random(size))
+    rows = Rows(
+        "need", indptr=np.arange(size + 1, dtype=np.int32) * size, indices=np.tile(np.arange(size, dtype=np.int32), size),
+        data=rng.random(size * size), lower=np.ones(size), upper=np.full(size, np.inf),
+    )  # fmt: skip
+    return Program("cover", "min", (x,), (rows,))
+
+
+def test_every_status_of_highs_has_one_of_ours() -> None:
+    import highspy
+
+    assert set(STATUS_MAP) == set(highspy.HighsModelStatus.__members__)
+    assert all(status in STATUSES and limit in LIMITS for status, limit in STATUS_MAP.values())
+
+
+def test_the_advice_of_a_program_is_followed_unless_overridden() -> None:
+    program = replace(lp(30), advice={"highs": {"solver": "ipm", "run_crossover": "off"}})
+    advised = Highs().run(program, Options(), Control())
+    assert advised.statistics["ipm_iterations"] > 0
+    overridden = Highs().run(program, Options(extra={"solver": "simplex"}), Control())
+    assert overridden.statistics["ipm_iterations"] <= 0
+    assert overridden.statistics["simplex_iterations"] > 0
+    assert advised.objective == pytest.approx(overridden.objective)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("presolve", "off", "off"),
+        ("mip_max_leaves", "12", 12),
+        ("primal_feasibility_tolerance", "1e-8", 1e-8),
+        ("mip_detect_symmetry", "false", False),
+    ],
+)
+def test_options_given_as_text_get_their_type(name: str, text: str, value) -> None:
+    import highspy
+
+    model = highspy.Highs()
+    model.setOptionValue("output_flag", False)
+    assert set_option(model, name, text) == value
+    assert model.getOptionValue(name)[1] == value
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        ({"presolv": "off"}, "no option 'presolv'; close: presolve"), ({"mip_max_leaves": "many"}, "takes a int"),
+        ({"mip_detect_symmetry": "perhaps"}, "takes a bool"), ({"time_limit": 5}, "the time limit by its own option"),
+        ({"presolve": "sometimes"}, "'sometimes' is no value"),
+    ],
+)  # fmt: skip
+def test_wrong_options_are_refused_in_one_line(extra, message: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(message)):
+        Highs().run(lp(), Options(extra=extra), Control())
+
+
+def test_nothing_is_written_to_the_standard_output(capfd: pytest.CaptureFixture[str]) -> None:
+    Highs().run(lp(), Options(), Control())
+    assert capfd.readouterr().out == ""
+
+
+def test_the_duals_of_an_lp_prove_its_value() -> None:
+    program = lp(30)
+    result = Highs().run(program, Options(), Control())
+    assert result.row_duals is not None
+    assert (program.cost - program.matrix.T @ result.row_duals >= -1e-7).all()
+    assert result.row_duals @ program.row_lower == pytest.approx(result.objective)

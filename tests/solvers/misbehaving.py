@@ -1,0 +1,47 @@
+"""Problems that break the process that solves them; sent to children by the tests of isolation."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from waybound.formulations.problems.routing import RoutingProblem
+
+
+@dataclass(frozen=True, eq=False)
+class Misbehaving(RoutingProblem):
+    """Does ``deed`` when a solver looks at it in another process than ``home``."""
+
+    deed: str = ""
+    home: int = 0
+
+    def features(self) -> frozenset[str]:
+        if os.getpid() != self.home:
+            DEEDS[self.deed]()
+        return super().features()
+
+
+def _crash() -> None:
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def _hang() -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    while True:
+        time.sleep(1)
+
+
+def _exhaust() -> None:
+    hoard: list[Any] = []
+    while True:
+        hoard.append(bytearray(16 * 2**20))
+
+
+def _raise() -> None:
+    raise ZeroDivisionError("a fault in the engine")
+
+
+DEEDS = {"crash": _crash, "hang": _hang, "exhaust": _exhaust, "raise": _raise, "exit": lambda: os._exit(3)}

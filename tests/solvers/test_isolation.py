@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+import dataclasses
+import os
+import pickle
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_routing import FEATURES, small
+
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.solvers import isolation
+from waybound.solvers.backend import Control, Options, RawResult
+from waybound.solvers.isolation import run_isolated
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture
+def misbehaving(monkeypatch: pytest.MonkeyPatch):
+    """``misbehaving(deed)``: a problem that does something bad in the child."""
+    monkeypatch.syspath_prepend(str(HERE))
+    import misbehaving as module
+
+    def make(deed: str) -> RoutingProblem:
+        good = small("capacity", 0, "round")
+        fields = {f.name: getattr(good, f.name) for f in dataclasses.fields(good)}
+        return module.Misbehaving(**fields, deed=deed, home=os.getpid())
+
+    return make
+
+
+def children() -> list[str]:
+    """Python processes that this one has started and not buried."""
+    listed = subprocess.run(["ps", "-A", "-o", "ppid=,comm="], capture_output=True, text=True, check=True).stdout
+    return [line for line in listed.splitlines() if int(line.split()[0]) == os.getpid() and "python" in line]
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_every_routing_problem_survives_the_journey(feature: str) -> None:
+    problem = small(feature, 0, "trunc1")
+    assert pickle.loads(pickle.dumps(problem)).digest() == problem.digest()
+
+
+@pytest.mark.parametrize("engine", ["pyvrp", "ortools"])
+def test_the_answer_is_the_one_found_without_isolation(engine: str) -> None:
+    from waybound.solvers.backend import BACKENDS
+
+    problem, options = small("time-windows", 1, "exact"), Options(time_limit=20, iterations=40)
+    apart = run_isolated(engine, problem, options, Control())
+    here = BACKENDS[engine]().run(problem, options, Control())  # type: ignore[arg-type]
+    assert (apart.status, apart.limit, apart.answer, apart.objective) == (here.status, here.limit, here.answer, here.objective)
+
+
+def test_programs_travel_without_their_functions() -> None:
+    result = run_isolated("highs", _program(), Options(time_limit=10), Control())
+    assert result.status == "optimal"
+    assert result.objective == pytest.approx(9.0)
+    assert isinstance(result.answer, np.ndarray)
+
+
+def _program():
+    from waybound.formulations.program import Program, Rows, Variables
+
+    integer = Variables("z", lower=np.zeros(1), upper=np.full(1, np.inf), cost=np.array([3.0]), integer=True)
+    free = Variables("x", lower=np.zeros(1), upper=np.full(1, np.inf), cost=np.array([2.0]))
+    rows = Rows(
+        "row", indptr=np.array([0, 2], dtype=np.int32), indices=np.array([0, 1], dtype=np.int32), data=np.ones(2),
+        lower=np.array([4.5]), upper=np.array([np.inf]),
+    )  # fmt: skip
+    return Program("tiny", "min", (free, integer), (rows,), decode=lambda x: x, encode=lambda a: a)
+
+
+def test_incumbents_stream_to_the_parent() -> None:
+    events: list[dict] = []
+    control = Control(events.append)
+    result = run_isolated("pyvrp", small("capacity", 0, "exact"), Options(time_limit=1), control)
+    assert events
+    assert control.objective == pytest.approx(result.objective)
+    assert control.answer is not None
+
+
+def test_a_crash_costs_only_that_solve(misbehaving) -> None:
+    result = run_isolated("pyvrp", misbehaving("crash"), Options(time_limit=10), Control())
+    assert result.status == "error"
+    assert "SIGSEGV" in result.message
+
+
+def test_an_answer_published_before_a_crash_survives(misbehaving) -> None:
+    control = Control()
+    control.publish("the best so far", 1.0)
+    result = run_isolated("pyvrp", misbehaving("crash"), Options(time_limit=10), control)
+    assert (result.status, result.answer, result.objective) == ("feasible", "the best so far", 1.0)
+    assert "SIGSEGV" in result.message
+
+
+def test_a_child_that_just_leaves_is_reported_with_its_code(misbehaving) -> None:
+    result = run_isolated("pyvrp", misbehaving("exit"), Options(time_limit=10), Control())
+    assert result.status == "error"
+    assert "code 3" in result.message
+
+
+def test_a_fault_in_the_engine_is_told_in_one_line(misbehaving) -> None:
+    result = run_isolated("pyvrp", misbehaving("raise"), Options(time_limit=10), Control())
+    assert result == RawResult("error", message="the solver failed: ZeroDivisionError: a fault in the engine")
+
+
+def test_a_hanging_child_is_ended_at_its_time_limit(misbehaving, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(isolation, "OVERTIME", 0.3)
+    monkeypatch.setattr(isolation, "GRACE", 0.3)
+    began = time.perf_counter()
+    result = run_isolated("pyvrp", misbehaving("hang"), Options(time_limit=0.5), Control())
+    assert time.perf_counter() - began < 8.0
+    assert (result.status, result.limit, result.answer) == ("unknown", "time", None)
+    assert not children()
+
+
+def test_a_hanging_child_is_ended_on_an_interrupt(misbehaving) -> None:
+    control = Control()
+    threading.Timer(1.0, control.stop).start()
+    began = time.perf_counter()
+    result = run_isolated("pyvrp", misbehaving("hang"), Options(time_limit=600), control)
+    assert time.perf_counter() - began < 8.0
+    assert (result.status, result.limit) == ("unknown", "interrupt")
+    assert not children()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps limits on the address space")
+def test_the_memory_limit_is_kept(misbehaving) -> None:
+    result = run_isolated("pyvrp", misbehaving("exhaust"), Options(time_limit=30, memory_limit=200), Control())
+    assert (result.status, result.limit) == ("unknown", "memory")
+    assert "200 MB" in result.message
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps limits on the address space")
+@pytest.mark.parametrize("engine", ["pyvrp", "ortools"])
+def test_a_sufficient_memory_limit_does_no_harm(engine: str) -> None:
+    result = run_isolated(engine, small("capacity", 0, "round"), Options(time_limit=10, iterations=20, memory_limit=1000), Control())
+    assert result.status == "feasible"
+
+
+def test_errors_of_the_user_come_back_as_they_are() -> None:
+    with pytest.raises(UsageError, match=r"no option 'ils\.history'; close: ils\.history_length"):
+        run_isolated("pyvrp", small("capacity", 0, "round"), Options(extra={"ils.history": 3}), Control())
+    with pytest.raises(UnsupportedError, match="energy:windows"):
+        run_isolated("pyvrp", small("windows", 0, "round"), Options(), Control())
+
+
+def test_a_problem_that_cannot_travel_is_refused() -> None:
+    problem = small("capacity", 0, "round")
+    object.__setattr__(problem, "name", lambda: "unpicklable")
+    with pytest.raises(UsageError, match="process of its own"):
+        run_isolated("pyvrp", problem, Options(), Control())
+
+
+def test_a_script_without_a_main_guard_is_not_run_again(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        textwrap.dedent(f"""
+        import sys
+        sys.path.insert(0, {str(HERE.parent)!r})
+        print("started")
+        from small_routing import small
+        from waybound.solvers.backend import Control, Options
+        from waybound.solvers.isolation import run_isolated
+        print(run_isolated("pyvrp", small("capacity", 0, "round"), Options(iterations=10), Control()).status)
+        """)
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout.split() == ["started", "feasible"], done.stderr
+
+
+def test_the_child_does_not_outlive_its_parent(tmp_path: Path) -> None:
+    script = tmp_path / "parent.py"
+    script.write_text(
+        textwrap.dedent(f"""
+        import os, sys, threading, time
+        sys.path.insert(0, {str(HERE.parent)!r})
+        from small_routing import small
+        from waybound.solvers.backend import Control, Options
+        from waybound.solvers.isolation import run_isolated
+        def leave(event):
+            import subprocess
+            listed = subprocess.run(["ps", "-A", "-o", "pid=,ppid=,comm="], capture_output=True, text=True).stdout
+            mine = [line.split() for line in listed.splitlines() if line.split()[1] == str(os.getpid()) and "python" in line]
+            print(mine[0][0], flush=True)
+            os._exit(0)
+        run_isolated("pyvrp", small("capacity", 0, "round"), Options(time_limit=120), Control(leave))
+        """)
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=True)
+    child = int(done.stdout.split()[0])
+    for _ in range(50):
+        try:
+            os.kill(child, 0)
+        except ProcessLookupError:
+            return
+        if Path(f"/proc/{child}/stat").exists() and Path(f"/proc/{child}/stat").read_text().split()[2] == "Z":
+            return
+        time.sleep(0.1)
+    raise AssertionError("the child is still alive")
