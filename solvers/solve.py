@@ -318,10 +318,13 @@ def _best_answer(problem: Problem, run: _Run, result: RawResult, control: Contro
         answer = _decoded(run, control.answer)
         if answer is not None:
             candidates.append((answer, problem.evaluate(answer)))
-    if options.start is not None:
-        candidates.append((options.start, problem.evaluate(options.start)))
-    if candidates and not candidates[0][1].feasible:
+    if candidates and not any(judged.feasible for _, judged in candidates):
         run.notes.append(f"the answer of {run.name} breaks: {candidates[0][1].violations[0].message}")
+    if options.start is not None:
+        judged = problem.evaluate(options.start)
+        candidates.append((options.start, judged))
+        if not judged.feasible:
+            run.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
     feasible = [pair for pair in candidates if pair[1].feasible]
     if not feasible:
         return None, None
