@@ -1,5 +1,6 @@
 # waybound: `make demo` and `make test` create the environment where it is missing; everything else is in CONTRIBUTING.md.
 PYTHON ?= python3
+PYTEST_FLAGS ?=
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -22,10 +23,10 @@ demo: $(READY)
 	@echo "The map is in demo/demo-c25.png"
 
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 -q -rs
+	$(BIN)/python -m pytest -n 2 -q -rs $(PYTEST_FLAGS)
 
 test-all: $(READY)
-	$(BIN)/python -m pytest -n 2 -q -rs -m "long or not long"
+	$(BIN)/python -m pytest -n 2 -q -rs -m "long or not long" $(PYTEST_FLAGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -16,6 +16,9 @@ GRACE = 5.0
 OVERTIME = 10.0
 """Seconds past its time limit after which an engine is asked to stop from outside."""
 
+ENGINE_THREAD = "waybound-engine"
+"""Name of the thread that runs an engine."""
+
 _TICK = 0.1
 
 
@@ -44,22 +47,26 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
         Whatever the engine raised, unless it had published an answer before: an answer outlives a crash.
     """
     outcome: dict[str, Any] = {}
+    # Not Thread.join and is_alive: an interrupt within join makes Python 3.11 take a running thread for a finished one.
+    done = threading.Event()
 
     def work() -> None:
         try:
             outcome["result"] = run(control)
         except BaseException as fault:
             outcome["fault"] = fault
+        finally:
+            done.set()
 
-    worker = threading.Thread(target=work, name="waybound-engine", daemon=True)
+    worker = threading.Thread(target=work, name=ENGINE_THREAD, daemon=True)
     began = time.perf_counter()
     interrupted = False
     give_up = False
     asked: float | None = None
     worker.start()
-    while worker.is_alive() and not give_up:
+    while not done.is_set() and not give_up:
         try:
-            worker.join(_TICK)
+            done.wait(_TICK)
             now = time.perf_counter()
             if asked is None and now - began > time_limit + overtime:
                 asked = now

@@ -6,6 +6,11 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# A busy machine is no fault of the code under test.
+settings.register_profile("waybound", deadline=None)
+settings.load_profile("waybound")
 
 
 @pytest.fixture(scope="session")

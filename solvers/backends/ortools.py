@@ -259,7 +259,8 @@ class _Search:
         else:
             found = routing.SolveWithParameters(parameters)
         if found is not None:
-            self._take(found.ObjectiveValue(), model, lambda i: found.Value(routing.NextVar(i)))
+            # The clock decides which incumbents were published, so among equals the library's last word counts.
+            self._take(found.ObjectiveValue(), model, lambda i: found.Value(routing.NextVar(i)), ties=True)
         said = routing_enums_pb2.RoutingSearchStatus.Value.Name(routing.status())
         status, limit = STATUS_MAP.get(said, ("unknown", "none"))
         if self.answer is not None:
@@ -279,9 +280,9 @@ class _Search:
         claim = None if self.cost is None else self._claim(self.cost)
         return RawResult(status, limit, self.answer, claim, statistics=statistics, message=message)
 
-    def _take(self, cost: int, model: Model, successor: Callable[[int], int]) -> None:
-        """Publish an answer if it is the best one so far and leaves no required customer out."""
-        if self.cost is not None and cost >= self.cost:
+    def _take(self, cost: int, model: Model, successor: Callable[[int], int], ties: bool = False) -> None:
+        """Publish an answer if it is the best one so far (or, with ``ties``, no worse) and leaves no required customer out."""
+        if self.cost is not None and (cost > self.cost or (cost == self.cost and not ties)):
             return
         answer = model.routes(successor)
         visited = np.zeros(len(self.problem.sites), dtype=bool)

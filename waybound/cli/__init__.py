@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+import sys
+
 
 def main() -> None:
     """Entry point of the command ``waybound``."""
-    import sys
-
     try:
         from .app import app
 
         app(prog_name="waybound")
     except KeyboardInterrupt:  # before a command has begun
-        sys.exit(130)
+        _leave(130)
+    except SystemExit as end:
+        _leave(end.code)
+
+
+def _leave(code: str | int | None) -> None:
+    """Exit; at once if an engine that did not stop when asked still runs, for ending its thread in order would abort."""
+    import threading
+
+    search = sys.modules.get("waybound.solvers.search")
+    if search is not None and any(t.name == search.ENGINE_THREAD for t in threading.enumerate()):
+        import os
+
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code if isinstance(code, int) else int(code is not None))
+    sys.exit(code)
