@@ -20,6 +20,8 @@ Object = dict[str, Any]
 def parse_json(text: str) -> Any:
     """Parsed JSON. Refuses what the standard does not know (NaN, Infinity), double keys, and depth beyond reason.
 
+    A number beyond the range of float is infinite, whole or not, so that nothing overflows later.
+
     Raises
     ------
     InputError
@@ -28,6 +30,10 @@ def parse_json(text: str) -> Any:
 
     def constant(name: str) -> Any:
         raise InputError("JSON has no such number", line=_line_of(text, name), expected="a finite number, or null for infinity", found=name)
+
+    def whole(digits: str) -> float:
+        value = int(digits)
+        return value if len(digits) <= 300 else float(digits)
 
     def pairs(items: list[tuple[str, Any]]) -> Object:
         made = dict(items)
@@ -38,7 +44,7 @@ def parse_json(text: str) -> Any:
         return made
 
     try:
-        return json.loads(text, parse_constant=constant, object_pairs_hook=pairs)
+        return json.loads(text, parse_constant=constant, parse_int=whole, object_pairs_hook=pairs)
     except json.JSONDecodeError as error:
         found = text[error.pos : error.pos + 20].split("\n")[0]
         raise InputError(

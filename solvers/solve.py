@@ -270,6 +270,8 @@ def _conclude(
 
     began = time.perf_counter()
     guarantee: Guarantee | None = outcome.guarantee if outcome is not None and evaluation is not None else None
+    if outcome is not None and guarantee is None:
+        run.notes.append(f"{run.name} guarantees nothing for this instance")
     certificate = certify(problem, evaluation, evidence, guarantee)
     claims.check_verified(run.name, problem.sense, result, certificate.bound, run.exactness)
     check_seconds += time.perf_counter() - began

@@ -124,6 +124,12 @@ def test_bound_is_a_certificate_without_an_answer(solved):
     assert made.bound <= solution.objective + 1e-6
 
 
+@pytest.mark.parametrize("call", [lambda p: wb.bound(p), lambda p: wb.explain(p), lambda p: wb.check(p, wb.Routes.of([[1]]))])
+def test_a_path_in_place_of_a_problem_is_answered_with_what_to_type(call):
+    with pytest.raises(wb.UsageError, match=r"takes a problem, not a path: \w+\(read\('demo-tiny'\)\)"):
+        call("demo-tiny")
+
+
 def test_bound_needs_time():
     with pytest.raises(wb.UsageError, match="positive"):
         wb.bound(wb.read("demo-tiny"), seconds=0.0)

@@ -124,6 +124,7 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     from .formulations.certificate import Certificate, certify, check_certificate
     from .formulations.solution import Solution
 
+    _refuse_path("check", problem)
     if isinstance(answer, str | PathLike):
         from .formulations.answers import read_answer
 
@@ -174,6 +175,7 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
     from .formulations.certificate import certify
     from .solvers.bounding import find_bounds
 
+    _refuse_path("bound", problem)
     if not seconds > 0:
         raise UsageError(f"the time for bounding must be positive, not {seconds!r}")
     return certify(problem, None, find_bounds(problem, seconds))
@@ -183,7 +185,14 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
     """Why a problem has no answer, in its own words; see ``waybound.solvers.explaining.explain``."""
     from .solvers.explaining import explain as by_filter
 
+    _refuse_path("explain", problem)
     return by_filter(problem, time_limit=time_limit, form=form)
+
+
+def _refuse_path(function: str, problem: object) -> None:
+    """Raise UsageError for a path in place of a problem, which is what people try first."""
+    if isinstance(problem, str | PathLike):
+        raise UsageError(f"{function} takes a problem, not a path: {function}(read({str(problem)!r}))")
 
 
 def _settings(convention: str | None, settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -172,8 +172,8 @@ class RoutingProblem(Problem):
     def __repr__(self) -> str:
         limit = self.vehicle_limit
         fleet = "any number of vehicles" if limit is None else f"at most {limit} vehicle{'s' if limit != 1 else ''}"
-        aim = f"{' then '.join(self.senses)} {self.objective}"
-        return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}, convention {self.convention}>"
+        aim = f"{' then '.join(self.senses)} {self.objective}, convention {self.convention}"
+        return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}>"
 
     def digest(self) -> str:
         s, t = self.sites, self.travel

@@ -116,7 +116,7 @@ def _refuse_cut(text: str, name: str, at: list[int]) -> None:
     if sizes and len(at) - 1 not in sizes:
         raise InputError(
             f"ends early or is changed: the name {name} stands for another number of customers; rename it if this is meant",
-            line=at[-1] if at else len(raw), expected=" or ".join(map(str, sizes)), found=str(len(at) - 1),
+            line=at[-1] if at else len(raw), expected=" or ".join(map(str, sizes)), found=str(max(len(at) - 1, 0)),
         )  # fmt: skip
 
 

@@ -57,6 +57,8 @@ def test_a_certificate_is_verified(run, strict_json, solved):
 @pytest.mark.parametrize(
     ("change", "code", "says"),
     [
+        ({"bound": 10**400}, 2, "not a finite number"),
+        ({"objective": -(10**400)}, 5, "the answer's is"),
         ({"bound": 1e6}, 5, "its evidence proves"),
         ({"objective": 1.0}, 5, "the answer's is"),
         ({"convention": "trunc1"}, 2, "convention differs"),
@@ -104,6 +106,16 @@ def test_a_bound_is_told_with_its_source(run, strict_json, tmp_path):
     assert data["bound"] >= max(0.0, *(f["value"] for f in data["found"])) - 1e-6
     assert json.loads(proof.read_text())["bound"] == data["bound"]
     assert "verified:" in run("bound", "demo-tiny", "--bound-time", "1", "-q").stdout
+
+
+def test_bounding_what_has_no_solution_says_so_and_is_exit_3(run, strict_json):
+    result = run("bound", "demo-tiny", "--set", "capacity=9", "--bound-time", "1", "-q")
+    assert result.exit_code == 3
+    assert "there is no solution, verified: no vehicle can serve site" in result.stdout
+    assert "inf" not in result.stdout.split()
+    result = run("bound", "demo-tiny", "--set", "capacity=9", "--bound-time", "1", "-q", "--json")
+    data = strict_json(result.stdout)
+    assert (result.exit_code, data["infeasible"], data["bound"]) == (3, True, None)
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "nan", "inf"])

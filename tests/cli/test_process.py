@@ -86,6 +86,15 @@ def test_an_interrupt_before_anything_has_begun_is_exit_130_without_a_traceback(
     assert "Traceback" not in done.stderr
 
 
+def test_an_interrupt_after_the_last_word_does_not_change_the_exit_code():
+    code = (
+        "import atexit, os, signal, sys\natexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))\n"
+        "sys.argv = ['waybound', '--version']\nfrom waybound.cli import main\nmain()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_reader_that_hangs_up_causes_no_traceback():
     process = subprocess.Popen([*COMMAND, "instances", "show", "demo-rc50"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None

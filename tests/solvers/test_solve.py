@@ -151,3 +151,4 @@ def test_savings_gives_a_verified_answer(square: RoutingProblem) -> None:
     assert solution.objective == pytest.approx(24.0, abs=1e-9)
     assert solution.certificate.feasible
     assert solution.certificate.guarantee is None
+    assert "guarantees nothing" in solution.message

@@ -19,8 +19,10 @@ def main() -> None:
 
 def _leave(code: str | int | None) -> None:
     """Exit; at once if an engine that did not stop when asked still runs, for ending its thread in order would abort."""
+    import signal
     import threading
 
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is said: one more Ctrl-C must not change the exit code
     search = sys.modules.get("waybound.solvers.search")
     if search is not None and any(t.name == search.ENGINE_THREAD for t in threading.enumerate()):
         import os

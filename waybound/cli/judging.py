@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -100,7 +101,10 @@ def bound(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """The best provable bound on the objective, with its source; verified from its evidence."""
+    """The best provable bound on the objective, with its source; verified from its evidence.
+
+    Exit code 0 with a bound, 3 if it is proved that there is no solution to bound, 4 if nothing was proved.
+    """
     finite("--bound-time", bound_time)
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
@@ -130,6 +134,7 @@ def bound(
                 "bound": made.bound,
                 "bound_kind": None if made.bound is None else "verified",
                 "bound_source": made.bound_source,
+                "infeasible": made.infeasible,
                 "found": [{"source": e.source, "value": e.value} for e in evidence],
                 "seconds": seconds,
             }
@@ -137,11 +142,15 @@ def bound(
     else:
         from ..formulations.rendering import Line, certificate_lines
 
-        lines = [line for line in certificate_lines(made) if line.label == "bound"]
-        lines += [Line("also", f"{e.value:.10g}: {e.source}", "quiet") for e in evidence if e not in made.evidence]
+        if made.infeasible:
+            lines = [Line("bound", f"none: there is no solution, verified: {made.bound_source}", "bad")]
+        else:
+            lines = [line for line in certificate_lines(made) if line.label == "bound"]
+        others = [e for e in evidence if e not in made.evidence]
+        lines += [Line("also", f"{e.value:.10g}: {e.source}" if math.isfinite(e.value) else e.source, "quiet") for e in others]
         lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
         print_lines(f"{asked.name}: {made.problem}, {made.sense}, convention {made.convention}", lines)
-    raise typer.Exit(4 if made.bound is None and not made.infeasible else 0)
+    raise typer.Exit(3 if made.infeasible else 4 if made.bound is None else 0)
 
 
 def _bounded(problem: Problem, seconds: float, progress: Any) -> tuple[list[Any], float]:

@@ -67,7 +67,10 @@ def solve(
     threads: Annotated[int, typer.Option("--threads", metavar="N")] = 1,
     start: Annotated[Path | None, typer.Option("--start", metavar="SOLUTION", help="A solution file to start from.")] = None,
     isolate: Annotated[bool, typer.Option("--isolate", help="Run the solver in a process of its own, with hard limits.")] = False,
-    memory_limit: Annotated[float | None, typer.Option("--memory-limit", metavar="MB", help="Memory of that process.")] = None,
+    memory_limit: Annotated[
+        float | None,
+        typer.Option("--memory-limit", metavar="MB", help="Memory of that process, beyond what it takes idle; kept on Linux only."),
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the answer: .json, .sol or .tour.")] = None,
     certificate: Annotated[
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")

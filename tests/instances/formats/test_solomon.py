@@ -148,6 +148,11 @@ def test_a_published_name_stands_for_a_number_of_customers(
         assert error.found == str(customers)
 
 
+def test_a_table_without_a_row_holds_no_customers_not_minus_one(refusal: Callable[..., InputError]) -> None:
+    text = write(generate("solomon", 1, customers=25, name="C101"))  # type: ignore[arg-type]
+    assert refusal(text[: text.index("SERVICE TIME") + len("SERVICE TIME")] + "\n").found == "0"
+
+
 def test_only_the_two_headings_on_lines_of_their_own_are_recognised() -> None:
     assert recognises(GOOD)
     assert not recognises("a VEHICLE NUMBER CAPACITY in prose")
