@@ -204,17 +204,24 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     CheckFailedError
         If what it states is not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, objective).
     """
-    if not isinstance(data, Mapping) or data.get("kind") != "certificate" or data.get("schema") != SCHEMA:
+    if (
+        not isinstance(data, Mapping)
+        or data.get("kind") != "certificate"
+        or type(data.get("schema")) is not int
+        or data["schema"] != SCHEMA
+    ):
         raise InputError("not a waybound certificate", expected=f'"kind": "certificate" and "schema": {SCHEMA}')
-    for key, own in (("problem", problem.problem), ("convention", problem.convention), ("instance_hash", problem.digest())):
+    for key, own in (
+        ("problem", problem.problem), ("sense", problem.sense), ("convention", problem.convention), ("instance_hash", problem.digest()),
+    ):  # fmt: skip
         if data.get(key) != own:
-            raise InputError(f"the certificate is for another instance: its {key} differs", expected=own, found=str(data.get(key)))
+            raise InputError(f"the certificate is for another instance: its {key} differs", expected=own, found=str(data.get(key))[:80])
     entries = data.get("evidence", [])
     if not isinstance(entries, list):
         raise InputError("the certificate's evidence is not a list")
     try:
         evidence = [Evidence.from_json(e) for e in entries]
-    except (KeyError, TypeError, ValueError) as fault:
+    except (KeyError, TypeError, ValueError, OverflowError) as fault:
         raise InputError(f"the certificate's evidence is malformed: {type(fault).__name__} {fault}") from fault
     made = certify(problem, evaluation, evidence)
     if data.get("infeasible") and not made.infeasible:
@@ -236,6 +243,15 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
             abs(a - b) <= CHECK_TOLERANCE * max(1.0, abs(b)) for a, b in zip(stated_values, evaluation.values, strict=True)
         ):
             raise CheckFailedError(f"the certificate states the objective {value!r}, the answer's is {evaluation.objective!r}")
+    if evaluation is not None:
+        for key, proved in (("gap", made.gap), ("observed_ratio", made.observed_ratio)):
+            better = data.get(key)
+            if better is None:
+                continue
+            if isinstance(better, bool) or not isinstance(better, int | float):
+                raise InputError(f"the certificate's {key} is not a number", found=str(better)[:80])
+            if proved is None or not better >= proved - CHECK_TOLERANCE:
+                raise CheckFailedError(f"the certificate states the {key} {better!r}, what it proves is {proved!r}")
     return made
 
 

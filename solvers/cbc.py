@@ -23,6 +23,7 @@ from ..formulations.export import write_program
 from ..formulations.program import Program
 from ..instances.errors import MissingPackageError, UsageError
 from .backend import Control, Options, RawResult
+from .children import watched
 
 Floats = NDArray[np.float64]
 
@@ -215,7 +216,8 @@ def _one_run(
     finally:
         os.close(theirs)
     try:
-        asked = _follow(process, ours, log, options, control, hear)
+        with watched(process, Path(folder)):
+            asked = _follow(process, ours, log, options, control, hear)
     finally:
         if process.poll() is None:
             process.kill()

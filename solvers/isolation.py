@@ -26,6 +26,7 @@ from ..formulations.program import Program
 from ..instances import errors
 from ..instances.errors import UsageError, WayboundError
 from .backend import BACKENDS, Control, Options, RawResult
+from .children import watched
 
 OVERTIME = 5.0
 """Seconds past its time limit after which a child is asked to stop."""
@@ -70,7 +71,8 @@ def run_isolated(solver: str, target: Problem | Program, options: Options, contr
     with tempfile.TemporaryFile() as output:
         child = _Child(payload, options, control, output)
         try:
-            return child.watch()
+            with watched(child.process):
+                return child.watch()
         finally:
             child.end()
 
@@ -164,7 +166,7 @@ class _Child:
         said = self.output.read()[-2000:].decode(errors="replace").strip()
         last = said.splitlines()[-1] if said else ""
         limit = self.options.memory_limit
-        if limit is not None and any(word in said for word in ("bad_alloc", "MemoryError", "Cannot allocate", "out of memory")):
+        if limit is not None and _lacked_memory(said):
             return self._from_incumbents(f"the memory limit of {limit:g} MB was reached: {last}", "memory")
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
         return self._from_incumbents(f"the solver's process {how}" + (f": {last}" if last else ""))
@@ -248,9 +250,20 @@ def serve(descriptor: int) -> None:
     except MemoryError:
         relay.send("memory")
     except Exception as fault:
-        relay.send("failed", f"{type(fault).__name__}: {fault}")
+        text = f"{type(fault).__name__}: {fault}"
+        if options.memory_limit is not None and _lacked_memory(text):
+            relay.send("memory")
+        else:
+            relay.send("failed", text)
     sys.stdout.flush()
     os._exit(0)
+
+
+def _lacked_memory(said: str) -> bool:
+    """Whether a last word is that of a program that ran out of memory, be it a library that could not be loaded."""
+    return any(
+        word in said for word in ("bad_alloc", "MemoryError", "annot allocate", "out of memory", "failed to map segment", "SystemError")
+    )
 
 
 def _limit_memory(megabytes: float) -> bool:

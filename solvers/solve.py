@@ -30,6 +30,9 @@ from .search import Searched, search
 PREFERENCE = ("pyvrp", "ortools", "highs", "pulp")
 """Order in which ``solve`` looks for a solver when none is named: by measured quality on routing files."""
 
+MOST_THREADS = 1024
+"""More is a slip of the keyboard, and some solvers take all memory for it."""
+
 Progress = Callable[[dict[str, Any]], None]
 
 
@@ -109,12 +112,18 @@ def solve(
     CheckFailedError
         If a claim of the solver does not hold up.
     """
-    if time_limit is not None and not time_limit > 0:
-        raise UsageError(f"the time limit must be positive, not {time_limit!r}")
-    if gap < 0 or math.isnan(gap):
-        raise UsageError(f"the gap must not be negative, not {gap!r}")
-    if threads < 1 or (iterations is not None and iterations < 1):
-        raise UsageError("threads and iterations must be at least 1")
+    if not isinstance(problem, Problem | Program):
+        raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
+    _check_number("time_limit", time_limit, above=0)
+    _check_number("gap", gap)
+    for name, whole, least, most in (
+        ("iterations", iterations, 1, None), ("seed", seed, 0, None), ("threads", threads, 1, MOST_THREADS),
+    ):  # fmt: skip
+        _check_whole(name, whole, least, most)
+    if bound_time is not None:
+        _check_number("bound_time", bound_time)
+    if memory_limit is not None:
+        _check_number("memory_limit", memory_limit, above=0)
     if memory_limit is not None and not isolate:
         isolate = True
     if isinstance(start, Solution):
@@ -138,6 +147,19 @@ def solve(
     return _conclude(problem, run, searched, control, chosen, budget, progress)
 
 
+def _check_number(name: str, value: Any, above: float | None = None) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (value >= 0 if above is None else value > above):
+        raise UsageError(f"{name} must be {'not negative' if above is None else 'positive'}, not {value!r}")
+
+
+def _check_whole(name: str, value: Any, least: int, most: int | None) -> None:
+    if value is None and name == "iterations":
+        return
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least or (most is not None and value > most):
+        upper = "" if most is None else f" and at most {most}"
+        raise UsageError(f"{name} must be a whole number of at least {least}{upper}, not {value!r}")
+
+
 def _problem_of(program: Program) -> Problem:
     if program.problem is not None:
         return program.problem
@@ -158,8 +180,10 @@ def _default_solver(problem: Problem) -> str:
 
 
 def _backend(name: str) -> Backend:
-    base, _, variant = name.partition(":")
+    base, colon, variant = name.partition(":")
     kind = BACKENDS[base]
+    if colon and not variant:
+        raise UsageError(f"{name!r} names no solver within {base}; write {base} or {base}:NAME")
     if not kind.installed():
         raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.package}")
     return kind(variant) if variant else kind()

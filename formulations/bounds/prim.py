@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from ..compiled import kernel
 
 
-@njit("Tuple((f8, i8[::1]))(f8[:, ::1], f8[::1])", cache=True)
+@kernel("Tuple((f8, i8[::1]))(f8[:, ::1], f8[::1])")
 def spanning_tree_degrees(edges, price):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Weight and node degrees of the minimum spanning tree for ``edges[i, j] + price[i] + price[j]``.
 

@@ -129,7 +129,7 @@ class RoutingProblem(Problem):
             travel = travel.with_convention(convention_named(convention))
         fleet, least, notes = instance.fleet, instance.min_vehicles, instance.notes
         if "capacity" in given:
-            fleet = tuple(replace(v, capacity=_number("capacity", given["capacity"])) for v in fleet)
+            fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
             del given["capacity"]
         if {"vehicles", "vehicles-exactly"} <= given.keys():
             raise UsageError("set either vehicles or vehicles-exactly, not both")
@@ -224,6 +224,8 @@ class RoutingProblem(Problem):
         energy, fleet size, objective."""
         from ..routing_check import evaluate_routes
 
+        if not isinstance(answer, Routes):
+            raise UsageError(f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one")
         return evaluate_routes(self, answer)
 
     def vehicle_name(self, position: int, kind: int = 0) -> str:
@@ -288,13 +290,13 @@ def _whole(name: str, value: Any) -> int:
     return number
 
 
-def _number(name: str, value: Any) -> float:
+def _positive(name: str, value: Any) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
         raise UsageError(f"{name} must be a number, not {value!r}") from None
-    if not number >= 0:
-        raise UsageError(f"{name} must not be negative, not {value!r}")
+    if not number > 0:
+        raise UsageError(f"{name} must be positive, not {value!r}")
     return number
 
 

@@ -26,9 +26,9 @@ FEATURES = frozenset(
 @functools.cache
 def _kernel() -> Callable[..., Any]:
     """The merging loop, compiled on first use."""
-    import numba
+    from ...formulations.compiled import kernel
 
-    @numba.njit(cache=True)
+    @kernel()
     def feasible(route, size, depot, time, distance, service, ready, due, max_duration, max_distance):  # type: ignore[no-untyped-def]
         clock, length, waiting = ready[depot], 0.0, 0.0
         slack = due[depot] - ready[depot]
@@ -47,7 +47,7 @@ def _kernel() -> Callable[..., Any]:
         duration = clock - ready[depot] - min(waiting, slack)
         return length <= max_distance * (1 + 1e-9) and duration <= max_duration * (1 + 1e-9)
 
-    @numba.njit(cache=True)
+    @kernel()
     def merge(  # type: ignore[no-untyped-def]
         pairs_i, pairs_j, losing, routes, limit, depot, time, distance, service, ready, due, demand, capacity, max_duration,
         max_distance, both_ways,
@@ -94,7 +94,7 @@ def _kernel() -> Callable[..., Any]:
             routes -= 1
         return route_of, first, following, size
 
-    return merge  # type: ignore[no-any-return]
+    return merge
 
 
 def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) -> Outcome:

@@ -238,7 +238,8 @@ def _result(model: Any, program: Program, options: Options, control: Control, fo
         if program.quadratic is not None:
             message += "; it minimises convex and maximises concave quadratic objectives only"
     elif status == "unknown" and not message:
-        message = "HiGHS found no feasible point" + ("" if limit == "none" else f" within the {limit} limit")
+        end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
+        message = f"HiGHS found no feasible point{end}"
     if limit == "iterations" and program.is_integer:
         limit = "nodes"
     return RawResult(status, limit, answer, objective, bound, duals, statistics, message)

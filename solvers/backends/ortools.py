@@ -276,7 +276,7 @@ class _Search:
         statistics = {"solutions": self.solutions, "vehicles": len(model.types), "search": said, "scale": self.data.scales}
         if self.options.start is not None:
             statistics["start"] = "used" if start is not None else "refused"
-        message = "" if self.answer is not None else f"OR-Tools found no answer ({said})"
+        message = "" if self.answer is not None else f"OR-Tools found no answer that visits every required site (it ended with {said})"
         claim = None if self.cost is None else self._claim(self.cost)
         return RawResult(status, limit, self.answer, claim, statistics=statistics, message=message)
 

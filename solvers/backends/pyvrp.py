@@ -105,7 +105,7 @@ def problem_data(problem: RoutingProblem, data: IntegerRouting) -> tuple[Any, li
             reach = min(reach, int(data.travel_limit[k]) // per_time)
         types.append(
             pyvrp.VehicleType(
-                num_available=len(clients) if vehicle.count is None else vehicle.count,
+                num_available=len(clients) if vehicle.count is None else min(vehicle.count, len(clients)),
                 capacity=[min(int(data.capacity[k]) * factor, UNLIMITED)] if loaded else [],
                 start_depot=place[vehicle.start], end_depot=place[vehicle.end],
                 fixed_cost=int(data.fixed[k]), unit_distance_cost=int(data.unit[k]),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import signal
 
 import pytest
 
@@ -201,7 +202,16 @@ def test_a_solver_that_breaks_down_is_exit_1_with_a_hint(refused, engine):
     assert "run again with -v" in refused("solve", "demo-tiny", "--solver", "made", "-q", code=1)
 
 
-def test_what_native_code_prints_does_not_reach_standard_output(engine, capfd, monkeypatch):
+@pytest.fixture
+def own_signals():
+    """The command's main changes the handling of signals for the rest of its process, which here goes on."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_what_native_code_prints_does_not_reach_standard_output(engine, capfd, monkeypatch, own_signals):
     from waybound.cli import main
 
     def chatty(problem, options, control):

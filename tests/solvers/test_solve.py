@@ -129,7 +129,13 @@ def test_a_missing_feature_names_solvers_that_have_it(square: RoutingProblem, en
         solve(windows, engine)
 
 
-@pytest.mark.parametrize("wrong", [{"time_limit": 0}, {"gap": -1}, {"threads": 0}, {"iterations": 0}, {"time_limit": float("nan")}])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"time_limit": 0}, {"time_limit": float("nan")}, {"time_limit": None}, {"gap": -1}, {"threads": 0}, {"threads": 1.5},
+        {"threads": 10**6}, {"iterations": 0}, {"seed": -1}, {"seed": 1.5}, {"bound_time": -1}, {"memory_limit": 0},
+    ],
+)  # fmt: skip
 def test_options_out_of_range_are_refused(square: RoutingProblem, wrong: dict[str, Any]) -> None:
     with pytest.raises(UsageError):
         solve(square, "pyvrp", **wrong)
@@ -152,3 +158,19 @@ def test_savings_gives_a_verified_answer(square: RoutingProblem) -> None:
     assert solution.certificate.feasible
     assert solution.certificate.guarantee is None
     assert "guarantees nothing" in solution.message
+
+
+@pytest.mark.parametrize("thing", [None, "C101.txt", [[1, 2]]])
+def test_what_is_no_problem_is_refused(thing: Any) -> None:
+    with pytest.raises(UsageError, match="takes a problem or a program"):
+        solve(thing)
+
+
+def test_an_answer_of_another_type_is_refused(square: RoutingProblem) -> None:
+    with pytest.raises(UsageError, match=r"Routes\.of"):
+        square.evaluate([[1, 2]])  # type: ignore[arg-type]
+
+
+def test_a_variant_without_a_name_is_refused(square: RoutingProblem) -> None:
+    with pytest.raises(UsageError, match="names no solver within pulp"):
+        solve(square, "pulp:")

@@ -7,6 +7,9 @@ import sys
 
 def main() -> None:
     """Entry point of the command ``waybound``."""
+    import signal
+
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that solvers in processes of their own are ended
     try:
         from .app import app
 
@@ -27,6 +30,8 @@ def _leave(code: str | int | None) -> None:
     if search is not None and any(t.name == search.ENGINE_THREAD for t in threading.enumerate()):
         import os
 
+        if "waybound.solvers.children" in sys.modules:
+            sys.modules["waybound.solvers.children"].end_all()
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code if isinstance(code, int) else int(code is not None))

@@ -1,0 +1,26 @@
+"""Numba kernels, cached on disk where that is possible."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+def kernel(*signature: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """``numba.njit`` with its cache on disk; without one where no folder for it can be written (containers, system installs).
+
+    Parameters
+    ----------
+    signature : str, optional
+        Compiles for these types at once.
+    """
+    import numba
+
+    def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+        try:
+            made = numba.njit(*signature, cache=True)(function)
+        except RuntimeError:  # numba's word for "no locator available": nowhere to keep the cache
+            made = numba.njit(*signature)(function)
+        return made  # type: ignore[no-any-return]
+
+    return compiled
