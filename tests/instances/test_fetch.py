@@ -239,4 +239,3 @@ def test_every_set_has_a_home_of_its_own_and_says_that_it_is_unverified() -> Non
         assert entry.base_url.startswith(("http://", "https://"))
         assert entry.archives and all(s.startswith(".") for s in entry.suffixes)
         assert entry.status == "unverified home"
-        assert not any(host in entry.base_url for host in ("pypi.org", "pythonhosted.org", "npmjs", "debian.org", "conda"))
