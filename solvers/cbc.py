@@ -204,8 +204,7 @@ def _one_run(
         start = folder / "start.sol"
         _write_start(start, np.asarray(options.start, dtype=np.float64))
     log = Log()
-    # On a terminal CBC's output comes line by line; into a file or a pipe it would come at the end.
-    ours, theirs = os.openpty()
+    ours, theirs = _terminal()
     try:
         # A group of its own keeps the user's Ctrl-C away; a session leader's child stays where its end reaches it.
         alone = os.getsid(0) == os.getpid()
@@ -224,6 +223,14 @@ def _one_run(
         process.wait()
         os.close(ours)
     return _read_result(solution, log, program, options, process.returncode, asked)
+
+
+def _terminal() -> tuple[int, int]:
+    """Ends of a pseudo-terminal, on which CBC's output comes line by line; where there is none, of a pipe, where it comes late."""
+    try:
+        return os.openpty()
+    except OSError:  # a container without devpts
+        return os.pipe()
 
 
 def _follow(

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from small_routing import FEATURES, small
 
@@ -39,8 +40,7 @@ def misbehaving(monkeypatch: pytest.MonkeyPatch):
 
 def children() -> list[str]:
     """Python processes that this one has started and not buried."""
-    listed = subprocess.run(["ps", "-A", "-o", "ppid=,comm="], capture_output=True, text=True, check=True).stdout
-    return [line for line in listed.splitlines() if int(line.split()[0]) == os.getpid() and "python" in line]
+    return [process.name() for process in psutil.Process().children() if "python" in process.name()]
 
 
 @pytest.mark.parametrize("feature", FEATURES)
@@ -187,10 +187,8 @@ def test_the_child_does_not_outlive_its_parent(tmp_path: Path) -> None:
         from waybound.solvers.backend import Control, Options
         from waybound.solvers.isolation import run_isolated
         def leave(event):
-            import subprocess
-            listed = subprocess.run(["ps", "-A", "-o", "pid=,ppid=,comm="], capture_output=True, text=True).stdout
-            mine = [line.split() for line in listed.splitlines() if line.split()[1] == str(os.getpid()) and "python" in line]
-            print(mine[0][0], flush=True)
+            import psutil
+            print(psutil.Process().children()[0].pid, flush=True)
             os._exit(0)
         run_isolated("pyvrp", small("capacity", 0, "round"), Options(time_limit=120), Control(leave))
         """)
