@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..instances.registry import Registry
-from .exactness import Exactness
 
 
 @dataclass(frozen=True)
@@ -107,6 +106,3 @@ class Guarantee:
 
     def to_json(self) -> dict[str, Any]:
         return {"ratio": self.ratio, "statement": self.statement, "assumptions": list(self.assumptions), "source": self.source}
-
-
-__all__ = ["BOUNDS", "CHECKERS", "BoundMethod", "Evidence", "EvidenceChecker", "Exactness", "Guarantee"]

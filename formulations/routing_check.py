@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .evaluation import CHECK_TOLERANCE, Checklist, Evaluation
+from .evaluation import Checklist, Evaluation
 from .routes import Route, Routes
 
 if TYPE_CHECKING:
@@ -152,6 +152,3 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
     return Evaluation(values, judge.checks(CHECKS), tuple(judge.violations), quantities)
-
-
-__all__ = ["CHECKS", "CHECK_TOLERANCE", "Schedule", "evaluate_routes", "schedule"]

@@ -20,7 +20,7 @@ from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
-from ..instances.errors import InputError, MissingPackageError, NoAnswerError, UnsupportedError, UsageError
+from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError
 from . import claims
 from .backend import BACKENDS, Backend, Control, Engine, Options, ProgramBackend, RawResult
 from .bounding import find_bounds
@@ -403,6 +403,3 @@ def _versions(run: _Run) -> dict[str, str]:
     from .. import __version__
 
     return {"waybound": __version__, "python": platform.python_version(), **run.versions}
-
-
-__all__ = ["PREFERENCE", "NoAnswerError", "solve"]
