@@ -62,8 +62,8 @@ class Heuristic:
     ----------
     name : str
         Used with ``--heuristic``.
-    family : str
-        Family of the problems it takes.
+    families : tuple of str
+        Families of the problems it takes.
     features : frozenset of str
         Features of the problem that it can handle.
     run : callable
@@ -77,7 +77,7 @@ class Heuristic:
     """
 
     name: str
-    family: str
+    families: tuple[str, ...]
     features: frozenset[str]
     run: Callable[..., Outcome]
     summary: str
@@ -86,7 +86,7 @@ class Heuristic:
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """Features of ``problem`` that it lacks; empty if it can take it."""
-        if problem.family != self.family:
+        if problem.family not in self.families:
             return frozenset({f"{problem.family} problems"})
         return (problem.features() - self.features) | self.refuses(problem)
 

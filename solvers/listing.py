@@ -66,7 +66,7 @@ def heuristic_table(problem: Problem | None = None) -> list[HeuristicInfo]:
     """All heuristics with their stated guarantees; with a problem, also what each lacks for it."""
     return [
         HeuristicInfo(
-            h.name, h.family, h.summary, h.stated, tuple(h.parameters()),
+            h.name, ", ".join(h.families), h.summary, h.stated, tuple(h.parameters()),
             tuple(sorted(h.missing(problem))) if problem is not None else (),
         )
         for h in HEURISTICS.values()

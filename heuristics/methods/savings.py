@@ -169,7 +169,7 @@ HEURISTICS.add(
     "savings",
     Heuristic(
         name="savings",
-        family="routing",
+        families=("routing",),
         features=FEATURES,
         run=savings,
         summary="Clarke and Wright's parallel savings, with windows and route limits",
