@@ -5,9 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..instances.errors import InputError
+from ..instances.errors import InputError, UsageError
 from ..instances.sensing import SensingGraph
 from .selections import Selection
+
+
+def graph_for(instance: Any, problem: str) -> SensingGraph:
+    """The instance as a sensing graph of which ``problem`` may be asked; raises UsageError for any other."""
+    if not isinstance(instance, SensingGraph):
+        raise UsageError(f"{instance.name} holds no sensing graph, so it cannot be read as {problem}")
+    if problem not in instance.problems:
+        allowed = ", ".join(instance.problems)
+        raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {problem}; it allows {allowed}")
+    return instance
 
 
 def actions_to_json(graph: SensingGraph, answer: Selection) -> list[dict[str, str]]:
@@ -17,7 +27,7 @@ def actions_to_json(graph: SensingGraph, answer: Selection) -> list[dict[str, st
 
 def action_index(graph: SensingGraph) -> dict[str, int]:
     """Number of each action by its name."""
-    return {graph.action_name(a): a for a in range(graph.num_actions)}
+    return {name: a for a, name in enumerate(graph.action_labels)}
 
 
 def actions_from_json(graph: SensingGraph, data: Any) -> Selection:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 CHECK_TOLERANCE = 1e-6
 """Largest residual, absolute and in the file's units, that a check lets pass."""
@@ -105,3 +108,11 @@ class Checklist:
         return tuple(
             Check(n, self._residual.get(n, 0.0) <= CHECK_TOLERANCE, self._residual.get(n, 0.0), self._tested.get(n, 0)) for n in names
         )
+
+
+def judge(check: str, excess: NDArray[np.floating[Any]], message: Callable[[int], str]) -> tuple[Check, list[Violation]]:
+    """One check of many things at once: ``excess`` is at most 0 where it holds (NaN never holds), ``message`` tells the k-th fault."""
+    residual = np.where(np.isnan(excess), math.inf, np.maximum(excess, 0.0))
+    worst = float(residual.max(initial=0.0))
+    wrong = np.nonzero(residual > CHECK_TOLERANCE)[0].tolist()
+    return Check(check, worst <= CHECK_TOLERANCE, worst, len(residual)), [Violation(check, message(k), float(residual[k])) for k in wrong]

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..instances.errors import UsageError
+from .evaluation import Check, Violation, judge
 
 
 @dataclass(frozen=True)
@@ -38,3 +42,26 @@ class Selection:
 
     def __len__(self) -> int:
         return len(self.elements)
+
+
+def judge_elements(
+    selection: Selection, count: int, check: str, thing: str, name_of: Callable[[int], str]
+) -> tuple[NDArray[np.int64], tuple[Check, list[Violation]]]:
+    """The elements that exist, ascending and each once; and the check that all ``count`` of them exist and none is chosen twice."""
+    numbers = selection.elements
+    given = np.array([e if 0 <= e < count else -1 for e in numbers], dtype=np.int64)
+    once, first = np.unique(given, return_index=True)
+    twice = np.ones(len(given), dtype=bool)
+    twice[first] = False
+
+    def fault(k: int) -> str:
+        return f"{thing} number {numbers[k]} does not exist" if given[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
+
+    return once[once >= 0], judge(check, ((given < 0) | twice).astype(np.float64), fault)
+
+
+def entries_of(indptr: NDArray[np.integer], rows: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Places of the entries of some rows of a CSR matrix, row after row."""
+    starts, length = indptr[rows].astype(np.int64), (indptr[rows + 1] - indptr[rows]).astype(np.int64)
+    before = np.cumsum(length) - length
+    return np.repeat(starts - before, length) + np.arange(int(length.sum()))

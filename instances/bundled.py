@@ -1,4 +1,4 @@
-"""Bundled instances: made by waybound's own generators, each from a recorded command."""
+"""Bundled instances: made by waybound's own generators, each from a recorded command, or small cases of the literature."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from .instance import Instance
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a bundled file was made: ``generate(kind, seed, **settings)``, written as ``file``."""
+    """Where a bundled file comes from: ``generate(kind, seed, **settings)``, written as ``file``, or the ``source`` of a small case."""
 
     file: str
-    kind: str
-    seed: int
+    kind: str = ""
+    seed: int = 1
     settings: Mapping[str, Any] = field(default_factory=dict)
+    source: str = ""
 
     def command(self, name: str) -> str:
-        """The command that makes the file."""
+        """The command that makes the file; "" for a case of the literature."""
+        if self.source:
+            return ""
         given = "".join(f" --set {key}={value}" for key, value in {**self.settings, "name": name}.items())
         return f"waybound generate {self.kind}{given} --seed {self.seed} --out {self.file}"
 
@@ -35,6 +38,9 @@ RECIPES: dict[str, Recipe] = {
         "demo-x40.vrp", "uchoa", 40, {"customers": 40, "depot": "C", "positions": "RC", "demand": "1-100", "route-length": 6}
     ),
     "demo-tiny": Recipe("demo-tiny.json", "random", 7, {"customers": 7, "windows": True, "service": 10, "vehicles": 3}),
+    "figure-3-3": Recipe("figure-3-3.csv", source="Sung (2019), Figure 3.3: the graph of Table 3.1"),
+    "sata-s3": Recipe("sata-s3.json", source="a small weighted case: three robots with three actions each, four targets"),
+    "cover-30": Recipe("cover-30.json", source="30 sets (7 i + j^2 (1 + i mod 3)) mod 61, item e weighs 1 + e^2 mod 5, six may be chosen"),
 }
 
 
@@ -51,7 +57,9 @@ def bundled_path(name: str) -> Path:
 
 
 def regenerate(name: str) -> Instance:
-    """A bundled instance out of its recipe, without its file."""
+    """A bundled instance out of its recipe, without its file; UsageError for a case of the literature."""
     bundled_path(name)
     recipe = RECIPES[name]
+    if recipe.source:
+        raise UsageError(f"{name} was not generated: {recipe.source}")
     return generate(recipe.kind, recipe.seed, **recipe.settings, name=name)

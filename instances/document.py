@@ -133,6 +133,15 @@ def reals(data: Any, path: str, length: int, *, null: float | None = None) -> Fl
     return np.array([real(item, f"{path}[{k}]", null=null) for k, item in enumerate(items)], dtype=np.float64)
 
 
+def wholes(data: Any, path: str, length: int | None = None) -> NDArray[np.int64]:
+    """A list of whole numbers of at least 0, of the given length where one is given."""
+    items = array(data, path, length)
+    if not all(type(item) is int and 0 <= item < 10**18 for item in items):
+        for k, item in enumerate(items):
+            integer(item, f"{path}[{k}]", 0)
+    return np.array(items, dtype=np.int64)
+
+
 def flags(data: Any, path: str, length: int) -> NDArray[np.bool_]:
     """A list of true and false, as an array of the given length."""
     items = array(data, path, length)

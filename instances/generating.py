@@ -17,7 +17,7 @@ def generate(kind: str, seed: int, **settings: Any) -> Instance:
     Parameters
     ----------
     kind : str
-        A name of ``GENERATORS``: ``solomon``, ``uchoa``, ``random``.
+        A name of ``GENERATORS``: ``solomon``, ``uchoa``, ``sata``, ``coverage``, ...
     seed : int
         At least 0.
     **settings

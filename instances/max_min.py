@@ -8,8 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from . import arrays
 from .errors import InputError
 from .instance import digest
+from .text import label
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -29,25 +31,29 @@ class SparseMatrix:
         """From a scipy sparse matrix or anything that numpy takes for a matrix; zeros are left out."""
         import scipy.sparse as sp
 
-        a = sp.csr_matrix(matrix, dtype=np.float64)
+        try:
+            a = sp.csr_matrix(matrix, dtype=np.float64, copy=True)  # what follows works in place
+        except (TypeError, ValueError) as error:
+            raise InputError("a matrix of numbers is needed", found=str(error)[:80]) from None
         a.sum_duplicates()
         a.eliminate_zeros()
         a.sort_indices()
-        return cls(a.indptr.astype(np.int32), a.indices.astype(np.int32), a.data, int(a.shape[1]))
+        return cls(arrays.indices("indptr", a.indptr), arrays.indices("indices", a.indices), a.data, int(a.shape[1]))
 
     def __post_init__(self) -> None:
-        if not len(self.indptr) or self.indptr[0] != 0 or self.indptr[-1] != len(self.indices) or (np.diff(self.indptr) < 0).any():
-            raise InputError("the starts of the rows do not ascend from 0 to the number of entries")
-        if len(self.data) != len(self.indices):
-            raise InputError("there must be one value an entry", expected=str(len(self.indices)), found=str(len(self.data)))
-        if len(self.indices) and (self.indices.min() < 0 or self.indices.max() >= self.columns):
-            raise InputError("a column does not exist", expected=f"0 to {self.columns - 1}")
+        for key in ("indptr", "indices"):
+            object.__setattr__(self, key, arrays.indices(key, getattr(self, key)))
+        object.__setattr__(self, "data", arrays.reals("coefficients", self.data))
+        object.__setattr__(self, "columns", arrays.size("columns", self.columns))
+        arrays.check_csr(self.indptr, self.indices, self.columns, "row", "column", "entries")
+        if self.data.shape != self.indices.shape:
+            raise InputError("there must be one value an entry", expected=str(len(self.indices)), found=str(self.data.shape))
         if not (np.isfinite(self.data).all() and (self.data > 0).all()):
-            raise InputError("coefficients must be positive and finite; zeros are left out")
-        inside = np.ones(max(len(self.indices) - 1, 0), dtype=bool)
-        inside[self.indptr[1:-1][(self.indptr[1:-1] > 0) & (self.indptr[1:-1] < len(self.indices))] - 1] = False
-        if (np.diff(self.indices)[inside] <= 0).any():
-            raise InputError("the columns of a row must ascend, none twice")
+            k = int(np.argmax(~np.isfinite(self.data) | (self.data <= 0)))
+            raise InputError("coefficients must be positive and finite; zeros are left out", found=str(self.data[k]))
+
+    def __repr__(self) -> str:
+        return f"<SparseMatrix: {self.rows} rows, {self.columns} columns, {len(self.data)} entries>"
 
     @property
     def rows(self) -> int:
@@ -92,18 +98,23 @@ class MaxMinInstance:
         n = self.packing.columns
         if self.covering.columns != n:
             raise InputError("packing and covering rows must be over the same variables", expected=str(n), found=str(self.covering.columns))
+        arrays.refuse_unused("variables", n, len(self.packing.indices) + len(self.covering.indices), "entries")
         if self.sense not in ("max", "min"):
             raise InputError("the sense must be max (max-min) or min (min-max)", found=str(self.sense))
         if not self.packing.rows or not self.covering.rows:
             raise InputError("there must be at least one packing row and one covering row")
-        if self.variable_names is not None and (len(self.variable_names) != n or len(set(self.variable_names)) != n):
-            raise InputError("there must be one name a variable, no two alike", expected=str(n), found=str(len(set(self.variable_names))))
+        object.__setattr__(self, "name", label(self.name))
+        object.__setattr__(self, "variable_names", arrays.names("variable", self.variable_names, n))
         if self.sense == "max":
             free = np.setdiff1d(self.covering.indices, self.packing.indices)
             if len(free):
                 raise InputError(f"variable {free[0]} covers but is in no packing row: it is not bounded")
         elif (np.diff(self.covering.indptr) == 0).any():
             raise InputError(f"covering row {int(np.argmin(np.diff(self.covering.indptr)))} holds no variable: nothing can cover it")
+
+    def __repr__(self) -> str:
+        rows = f"{self.packing.rows} packing and {self.covering.rows} covering rows"
+        return f"<MaxMinInstance {self.name}: {self.sense}, {self.num_variables} variables, {rows}>"
 
     @property
     def num_variables(self) -> int:

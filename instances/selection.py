@@ -9,8 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import arrays
 from .errors import InputError
 from .instance import digest
+from .text import label
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -35,14 +37,18 @@ class Coverage:
     @classmethod
     def from_sets(cls, sets: Any, item_weights: ArrayLike) -> Coverage:
         """From one list of items an element; items are numbers from 0, and repeated ones count once."""
-        lists = [np.unique(np.asarray(list(s), dtype=np.int64)) for s in sets]
+        lists = [np.unique(arrays.whole_numbers(f"set {k}", list(s), "items by their numbers from 0")) for k, s in enumerate(sets)]
         starts = np.cumsum([0] + [len(s) for s in lists])
         items = np.concatenate(lists) if lists else np.zeros(0)
-        return cls(starts.astype(np.int32), items.astype(np.int32), np.array(item_weights, dtype=np.float64))
+        return cls(starts.astype(np.int32), items.astype(np.int32), np.array(arrays.reals("item_weights", item_weights)))
 
     def __post_init__(self) -> None:
-        _check_csr(self.indptr, self.indices, len(self.item_weights), "item")
-        _check_values("the weight of item {}", self.item_weights)
+        _make_csr(self)
+        object.__setattr__(self, "item_weights", arrays.reals("item_weights", self.item_weights))
+        if self.item_weights.ndim != 1:
+            raise InputError("item_weights must be a list with one weight an item", found=f"shape {self.item_weights.shape}")
+        arrays.refuse_negative("the weight of item {}", self.item_weights)
+        arrays.check_csr(self.indptr, self.indices, len(self.item_weights), "element", "item", "entries")
 
     @property
     def num_elements(self) -> int:
@@ -56,6 +62,9 @@ class Coverage:
     def edge_weights(self) -> Floats:
         """Weight of the item at each entry of ``indices``: coverage is facility location with these."""
         return self.item_weights[self.indices]
+
+    def __repr__(self) -> str:
+        return f"<Coverage: {self.num_elements} elements, {self.num_items} items>"
 
     def parts(self) -> tuple[Any, ...]:
         """What the digest covers."""
@@ -80,10 +89,14 @@ class FacilityLocation:
     num_items: int
 
     def __post_init__(self) -> None:
-        _check_csr(self.indptr, self.indices, self.num_items, "item")
-        if len(self.weights) != len(self.indices):
-            raise InputError("there must be one weight an entry", expected=str(len(self.indices)), found=str(len(self.weights)))
-        _check_values("the weight of entry {}", self.weights)
+        _make_csr(self)
+        object.__setattr__(self, "weights", arrays.reals("weights", self.weights))
+        object.__setattr__(self, "num_items", arrays.size("num_items", self.num_items))
+        arrays.refuse_unused("items", self.num_items, len(self.indices), "entries")
+        arrays.check_csr(self.indptr, self.indices, self.num_items, "element", "item", "entries")
+        if self.weights.shape != self.indices.shape:
+            raise InputError("there must be one weight an entry", expected=str(len(self.indices)), found=str(self.weights.shape))
+        arrays.refuse_negative("the weight of entry {}", self.weights)
 
     @property
     def num_elements(self) -> int:
@@ -92,6 +105,9 @@ class FacilityLocation:
     @property
     def edge_weights(self) -> Floats:
         return self.weights
+
+    def __repr__(self) -> str:
+        return f"<FacilityLocation: {self.num_elements} elements, {self.num_items} items, {len(self.indices)} weights>"
 
     def parts(self) -> tuple[Any, ...]:
         """What the digest covers."""
@@ -112,8 +128,10 @@ class DenseFacilityLocation:
     matrix: NDArray[np.floating[Any]]
 
     def __post_init__(self) -> None:
-        if self.matrix.ndim != 2 or self.matrix.dtype not in (np.float32, np.float64):
-            raise InputError("the weights must be a matrix of elements x items", found=f"{self.matrix.dtype} of shape {self.matrix.shape}")
+        if not isinstance(self.matrix, np.ndarray) or self.matrix.dtype not in (np.float32, np.float64):
+            object.__setattr__(self, "matrix", arrays.reals("the weights", self.matrix))
+        if self.matrix.ndim != 2:
+            raise InputError("the weights must be a matrix of elements x items", found=f"shape {self.matrix.shape}")
         # One reduction each way instead of a mask of the same size: the matrix may hold gigabytes.
         if self.matrix.size and not (self.matrix.min() >= 0 and math.isfinite(float(self.matrix.max()))):
             raise InputError("weights must be finite and not negative")
@@ -125,6 +143,9 @@ class DenseFacilityLocation:
     @property
     def num_items(self) -> int:
         return int(self.matrix.shape[1])
+
+    def __repr__(self) -> str:
+        return f"<DenseFacilityLocation: {self.num_elements} elements, {self.num_items} items>"
 
     def parts(self) -> tuple[Any, ...]:
         """What the digest covers."""
@@ -139,8 +160,9 @@ class Cardinality:
     limit: int
 
     def __post_init__(self) -> None:
-        if isinstance(self.limit, bool) or int(self.limit) != self.limit or self.limit < 1:
-            raise InputError("the number of elements to choose must be a whole number of at least 1", found=str(self.limit))
+        if isinstance(self.limit, bool) or not isinstance(self.limit, int | np.integer) or self.limit < 1:
+            raise InputError("the number of elements to choose must be a whole number of at least 1", found=repr(self.limit)[:40])
+        object.__setattr__(self, "limit", int(self.limit))
 
     def parts(self) -> tuple[Any, ...]:
         return (self.name, self.limit)
@@ -165,15 +187,23 @@ class PartitionMatroid:
     @classmethod
     def of(cls, groups: ArrayLike, limits: ArrayLike = 1) -> PartitionMatroid:
         """From any arrays; one limit for all groups, or one each."""
-        member = np.asarray(groups, dtype=np.int32)
-        most = np.asarray(limits, dtype=np.int32)
-        return cls(member, np.array(np.broadcast_to(most, int(member.max(initial=-1)) + 1)) if most.ndim == 0 else most)
+        member, most = arrays.indices("groups", groups), arrays.indices("limits", np.atleast_1d(np.asarray(limits)))
+        if np.ndim(limits):
+            return cls(member, most)
+        count = int(member.max(initial=-1)) + 1
+        arrays.refuse_unused("groups", count, len(member), "elements")
+        return cls(member, np.full(count, most[0], dtype=np.int32))
 
     def __post_init__(self) -> None:
-        if ((self.groups < 0) | (self.groups >= len(self.limits))).any():
-            raise InputError("an element is of a group that does not exist", expected=f"groups from 0 to {len(self.limits) - 1}")
+        for key in ("groups", "limits"):
+            object.__setattr__(self, key, arrays.indices(key, getattr(self, key)))
+        arrays.refuse_outside("the group of element {}", self.groups, len(self.limits), "group")
         if (self.limits < 0).any():
-            raise InputError("the limit of a group must not be negative", found=str(int(self.limits.min())))
+            k = int(np.argmax(self.limits < 0))
+            raise InputError(f"the limit of group {k} must not be negative", found=str(self.limits[k]))
+
+    def __repr__(self) -> str:
+        return f"<PartitionMatroid: {len(self.groups)} elements in {len(self.limits)} groups>"
 
     def parts(self) -> tuple[Any, ...]:
         return (self.name, self.groups, self.limits)
@@ -194,11 +224,15 @@ class Knapsack:
     budget: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "costs", np.asarray(self.costs, dtype=np.float64))
-        object.__setattr__(self, "budget", float(self.budget))
-        _check_values("the cost of element {}", self.costs)
-        if not (self.budget >= 0 and math.isfinite(self.budget)):
-            raise InputError("the budget must be finite and not negative", found=str(self.budget))
+        object.__setattr__(self, "costs", np.atleast_1d(arrays.reals("costs", self.costs)))
+        arrays.refuse_negative("the cost of element {}", self.costs)
+        budget = arrays.reals("budget", self.budget)
+        if budget.ndim or not 0 <= float(budget) < math.inf:
+            raise InputError("the budget must be a finite number, not negative", found=repr(self.budget)[:40])
+        object.__setattr__(self, "budget", float(budget))
+
+    def __repr__(self) -> str:
+        return f"<Knapsack: {len(self.costs)} elements, budget {self.budget:g}>"
 
     def parts(self) -> tuple[Any, ...]:
         return (self.name, self.costs, self.budget)
@@ -233,9 +267,14 @@ class SelectionInstance:
     notes: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", label(self.name))
         check_selection(self.function.num_elements, self.constraint, self.element_names)
 
+    def __repr__(self) -> str:
+        return f"<SelectionInstance {self.name}: {self.function!r}, {self.constraint!r}>"
+
     def digest(self) -> str:
+        """Hash of everything that values depend on."""
         return digest("selection", *self.function.parts(), *self.constraint.parts())
 
 
@@ -244,24 +283,9 @@ def check_selection(elements: int, constraint: Constraint, names: tuple[str, ...
     held = {"partition": "groups", "knapsack": "costs"}.get(constraint.name)
     if held is not None and len(getattr(constraint, held)) != elements:
         raise InputError(f"{held} must have one entry an element", expected=str(elements), found=str(len(getattr(constraint, held))))
-    if names is not None and (len(names) != elements or len(set(names)) != elements):
-        raise InputError("there must be one name an element, no two alike", expected=str(elements), found=str(len(set(names))))
+    arrays.names("element", names, elements)
 
 
-def _check_csr(indptr: Indices, indices: Indices, columns: int, what: str) -> None:
-    if not len(indptr) or indptr[0] != 0 or indptr[-1] != len(indices) or (np.diff(indptr) < 0).any():
-        raise InputError("the starts of the elements do not ascend from 0 to the number of entries")
-    outside = (indices < 0) | (indices >= columns)
-    if outside.any():
-        raise InputError(f"an {what} does not exist", expected=f"0 to {columns - 1}", found=str(indices[np.argmax(outside)]))
-    inside = np.ones(max(len(indices) - 1, 0), dtype=bool)
-    inside[indptr[1:-1][(indptr[1:-1] > 0) & (indptr[1:-1] < len(indices))] - 1] = False
-    if (np.diff(indices)[inside] <= 0).any():
-        raise InputError(f"the {what}s of an element must ascend, none twice")
-
-
-def _check_values(what: str, values: Floats) -> None:
-    wrong = ~(values >= 0) | np.isinf(values)
-    if wrong.any():
-        k = int(np.argmax(wrong))
-        raise InputError(f"{what.format(k)} must be finite and not negative", found=str(values[k]))
+def _make_csr(function: Coverage | FacilityLocation) -> None:
+    for key in ("indptr", "indices"):
+        object.__setattr__(function, key, arrays.indices(key, getattr(function, key)))

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import arrays
 from .errors import InputError, UsageError
 from .instance import digest
+from .text import label
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -33,7 +38,8 @@ class Incidence(NamedTuple):
 class SensingGraph:
     """Robots, their actions, targets, and the weight with which an action sees a target.
 
-    ``from_edges`` makes one from any arrays; the constructor takes arrays that are in order already.
+    ``from_edges``, ``from_frames``, ``from_networkx`` and ``from_positions`` make one; the constructor takes arrays that are
+    in order already.
 
     Parameters
     ----------
@@ -85,10 +91,10 @@ class SensingGraph:
         target: ArrayLike,
         weight: ArrayLike = 1.0,
         *,
-        robots: int | Sequence[str] | None = None,
-        targets: int | Sequence[str] | None = None,
+        robots: int | Iterable[str] | None = None,
+        targets: int | Iterable[str] | None = None,
         duplicates: str = "error",
-        action_names: Sequence[str] | None = None,
+        action_names: Iterable[str] | None = None,
         action_positions: ArrayLike | None = None,
         target_positions: ArrayLike | None = None,
         name: str = "sensing-graph",
@@ -101,10 +107,12 @@ class SensingGraph:
             The robot of each action, from 0.
         action, target, weight : arrays of shape (edges,)
             Weight 0 means that the action does not see the target; a scalar weight holds for all edges.
-        robots, targets : int or sequence of str, optional
+        robots, targets : int or iterable of str, optional
             How many there are, or their names; by default as many as are named.
         duplicates : str
             What a pair of action and target that stands twice means: ``error`` or ``sum``.
+        action_names, action_positions, target_positions, name
+            See ``SensingGraph``.
 
         Raises
         ------
@@ -118,77 +126,90 @@ class SensingGraph:
         UserWarning
             Of robots without an action that sees anything, and targets that nobody sees.
         """
-        if duplicates not in ("error", "sum"):
-            raise UsageError(f"duplicates must be error or sum, not {duplicates!r}")
-        owner = _whole("robot_of_action", robot_of_action)
-        a, t = _whole("action", action), _whole("target", target)
-        c = np.array(np.broadcast_to(np.asarray(weight, dtype=np.float64), a.shape))
-        if t.shape != a.shape:
-            raise InputError("action and target must have one entry an edge", expected=str(len(a)), found=str(len(t)))
-        counts, names = [], []
-        for what, given, used in (("robots", robots, owner), ("targets", targets, t)):
-            count, labels = _count(what, given, used)
-            counts.append(count)
-            names.append(labels)
-        _refuse_outside("the action of edge {}", a, len(owner), "an action")
-        _refuse_outside("the target of edge {}", t, counts[1], "a target")
-        _refuse_outside("the robot of action {}", owner, counts[0], "a robot")
-        wrong = ~(c >= 0) | np.isinf(c)
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            raise InputError(f"the weight of edge {k} must be finite and not negative", found=str(c[k]))
-        key = a * np.int64(max(counts[1], 1)) + t
-        if (np.diff(key) <= 0).any():
-            order = np.argsort(key, kind="stable")
-            key, c = key[order], c[order]
-            first = np.concatenate([[True], np.diff(key) != 0])
-            if not first.all():
-                if duplicates == "error":
-                    k = int(order[int(np.argmin(first))])
-                    raise InputError(f'edge {k} joins action {a[k]} and target {t[k]} again; duplicates="sum" would add them up')
-                c = np.add.reduceat(c, np.nonzero(first)[0])
-                key = key[first]
-            a, t = np.divmod(key, max(counts[1], 1))
-        if not c.all():
-            a, t, c = a[c > 0], t[c > 0], c[c > 0]
-        indptr = np.zeros(len(owner) + 1, dtype=np.int64)
-        np.cumsum(np.bincount(a, minlength=len(owner)), out=indptr[1:])
-        made = cls(
-            owner.astype(np.int32), indptr.astype(np.int32), t.astype(np.int32), c, counts[0], counts[1],
-            names[0], None if action_names is None else tuple(action_names), names[1],
-            _positions(action_positions), _positions(target_positions), name,
+        return _warned(
+            graph_of_edges(
+                robot_of_action, action, target, weight, robots=robots, targets=targets, duplicates=duplicates, action_names=action_names,
+                action_positions=action_positions, target_positions=target_positions, name=name,
+            )
         )  # fmt: skip
-        for note in made.notes:
-            warnings.warn(note, stacklevel=2)
-        return made
+
+    @classmethod
+    def from_frames(
+        cls, edges: pd.DataFrame, actions: pd.DataFrame | None = None, *, duplicates: str = "error", order: str = "names",
+        name: str = "sensing-graph",
+    ) -> SensingGraph:  # fmt: skip
+        """A graph from pandas frames, with the frames' own names; see ``sensing_sources.graph_from_frames``."""
+        from .sensing_sources import graph_from_frames
+
+        return _warned(graph_from_frames(edges, actions, duplicates=duplicates, order=order, name=name))
+
+    @classmethod
+    def from_networkx(cls, graph: Any, *, duplicates: str = "error", name: str | None = None) -> SensingGraph:
+        """A graph from a networkx graph of robots, actions and targets; see ``sensing_sources.graph_from_networkx``."""
+        from .sensing_sources import graph_from_networkx
+
+        return _warned(graph_from_networkx(graph, duplicates=duplicates, name=name))
+
+    @classmethod
+    def from_positions(
+        cls, action_positions: ArrayLike, robot_of_action: ArrayLike, target_positions: ArrayLike, sensing_range: float, *,
+        weight: str = "binary", closest: float = 0.01, robots: int | Iterable[str] | None = None, targets: Iterable[str] | None = None,
+        action_names: Iterable[str] | None = None, name: str = "sensing-graph",
+    ) -> SensingGraph:  # fmt: skip
+        """A graph of what lies within a sensing range; see ``sensing_sources.graph_from_positions``."""
+        from .sensing_sources import graph_from_positions
+
+        return _warned(
+            graph_from_positions(
+                action_positions, robot_of_action, target_positions, sensing_range, weight=weight, closest=closest, robots=robots,
+                targets=targets, action_names=action_names, name=name,
+            )
+        )  # fmt: skip
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row an edge: robot, action, target, weight; see ``sensing_sources.graph_to_frame``."""
+        from .sensing_sources import graph_to_frame
+
+        return graph_to_frame(self)
+
+    def to_networkx(self) -> Any:
+        """As a ``networkx.Graph`` of robots, actions and targets; see ``sensing_sources.graph_to_networkx``."""
+        from .sensing_sources import graph_to_networkx
+
+        return graph_to_networkx(self)
 
     def __post_init__(self) -> None:
-        owner, n = self.robot_of_action, len(self.robot_of_action)
-        if len(self.indptr) != n + 1 or self.indptr[0] != 0 or self.indptr[-1] != len(self.indices) or (np.diff(self.indptr) < 0).any():
-            raise InputError("the starts of the actions do not ascend from 0 to the number of edges")
-        if len(self.weights) != len(self.indices):
-            raise InputError("there must be one weight an edge", expected=str(len(self.indices)), found=str(len(self.weights)))
-        _refuse_outside("the robot of action {}", owner, self.num_robots, "a robot")
-        _refuse_outside("the target of edge {}", self.indices, self.num_targets, "a target")
+        for key in ("robot_of_action", "indptr", "indices"):
+            object.__setattr__(self, key, arrays.frozen(arrays.indices(key, getattr(self, key))))
+        object.__setattr__(self, "weights", arrays.frozen(arrays.reals("weights", self.weights)))
+        object.__setattr__(self, "name", label(self.name))
+        for key in ("num_robots", "num_targets"):
+            object.__setattr__(self, key, arrays.size(key, getattr(self, key)))
+        n = len(self.robot_of_action)
+        if not self.num_robots:
+            raise InputError("there is no robot")
+        arrays.refuse_unused("robots", self.num_robots, n, "actions")
+        arrays.refuse_unused("targets", self.num_targets, len(self.indices), "edges")
+        if len(self.indptr) != n + 1:
+            raise InputError("there must be one start an action, and the number of edges", expected=str(n + 1), found=str(len(self.indptr)))
+        arrays.check_csr(self.indptr, self.indices, self.num_targets, "action", "target", "edges")
+        arrays.refuse_outside("the robot of action {}", self.robot_of_action, self.num_robots, "robot")
+        if self.weights.shape != self.indices.shape:
+            raise InputError("there must be one weight an edge", expected=str(len(self.indices)), found=str(self.weights.shape))
         if not (np.isfinite(self.weights).all() and (self.weights > 0).all()):
             raise InputError("weights must be positive and finite; an action that does not see a target has no edge to it")
-        inside = np.ones(max(len(self.indices) - 1, 0), dtype=bool)
-        inside[self.indptr[1:-1][(self.indptr[1:-1] > 0) & (self.indptr[1:-1] < len(self.indices))] - 1] = False
-        if (np.diff(self.indices)[inside] <= 0).any():
-            raise InputError("the targets of an action must ascend, none twice")
-        for what, names, size in (
-            ("robot", self.robot_names, self.num_robots), ("action", self.action_names, n), ("target", self.target_names, self.num_targets),
-        ):  # fmt: skip
-            if names is not None and (len(names) != size or len(set(names)) != size):
-                raise InputError(f"there must be one name a {what}, no two alike", expected=str(size), found=str(len(set(names))))
-        for what, points, size in (("action", self.action_positions, n), ("target", self.target_positions, self.num_targets)):
-            if points is not None and (points.shape != (size, 2) or not np.isfinite(points).all()):
-                raise InputError(f"{what} positions must be two finite numbers each", expected=f"({size}, 2)", found=str(points.shape))
-        for values in (owner, self.indptr, self.indices, self.weights):
-            values.setflags(write=False)
-        found = (_few("robots without an action that sees anything", self.idle_robots, self.robot_name),
-                 _few("targets that no action sees", self.unseen_targets, self.target_name))  # fmt: skip
-        object.__setattr__(self, "notes", self.notes + tuple(n for n in found if n and n not in self.notes))
+        for what, count in (("robot", self.num_robots), ("action", n), ("target", self.num_targets)):
+            object.__setattr__(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
+        for what, count in (("action", n), ("target", self.num_targets)):
+            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count))
+        object.__setattr__(self, "notes", (*self.notes, *(note for note in self.findings if note not in self.notes)))
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What is worth a warning: idle robots and unseen targets, the first few by name."""
+        found = (_few("robot", "without an action that sees anything", self.idle_robots, self.robot_name),
+                 _few("target", "that no action sees", self.unseen_targets, self.target_name))  # fmt: skip
+        return tuple(note for note in found if note)
 
     # -- sizes -------------------------------------------------------------------------------------------------------
 
@@ -262,6 +283,17 @@ class SensingGraph:
         position = int(np.searchsorted(actions[starts[robot] : starts[robot + 1]], action))
         return f"{self.robot_name(robot)}.{position + 1}"
 
+    @cached_property
+    def action_labels(self) -> tuple[str, ...]:
+        """``action_name`` of every action."""
+        if self.action_names is not None:
+            return self.action_names
+        starts, actions = self.by_robot
+        position = np.empty(self.num_actions, dtype=np.int64)
+        position[actions] = np.arange(self.num_actions) - starts[self.robot_of_action[actions]]
+        robots = self.robot_names or tuple(map(str, range(1, self.num_robots + 1)))
+        return tuple(f"{robots[r]}.{k + 1}" for r, k in zip(self.robot_of_action.tolist(), position.tolist(), strict=True))
+
     def with_notes(self, *notes: str) -> SensingGraph:
         """The same graph with more to tell."""
         return replace(self, notes=self.notes + notes)
@@ -279,42 +311,84 @@ class SensingGraph:
         )
 
 
-def _whole(what: str, values: ArrayLike) -> NDArray[np.int64]:
-    array = np.asarray(values)
-    if array.ndim != 1:
-        raise InputError(f"{what} must be a list of whole numbers", found=f"shape {array.shape}")
-    if array.size == 0:
-        return np.zeros(0, dtype=np.int64)
-    if array.dtype.kind not in "iu" and not (array.dtype.kind == "f" and (array == np.floor(array)).all()):
-        raise InputError(f"{what} must be a list of whole numbers", found=str(array.dtype))
-    return array.astype(np.int64)
+def graph_of_edges(
+    robot_of_action: ArrayLike,
+    action: ArrayLike,
+    target: ArrayLike,
+    weight: ArrayLike = 1.0,
+    *,
+    robots: int | Iterable[str] | None = None,
+    targets: int | Iterable[str] | None = None,
+    duplicates: str = "error",
+    **further: Any,
+) -> SensingGraph:
+    """``SensingGraph.from_edges`` without its warnings, for readers and generators: the notes tell the same.
+
+    Further keywords go to ``SensingGraph`` as they are.
+    """
+    if duplicates not in ("error", "sum"):
+        raise UsageError(f"duplicates must be error or sum, not {duplicates!r}")
+    hint = "numbers from 0; from_frames takes names"
+    owner = arrays.whole_numbers("robot_of_action", robot_of_action, hint)
+    a, t = arrays.whole_numbers("action", action, hint), arrays.whole_numbers("target", target, hint)
+    if t.shape != a.shape:
+        raise InputError("action and target must have one entry an edge", expected=str(len(a)), found=str(len(t)))
+    given = arrays.reals("weight", weight)
+    if given.ndim and given.shape != a.shape:
+        raise InputError("weight must be a number, or have one entry an edge", expected=str(len(a)), found=str(given.shape))
+    c = np.array(np.broadcast_to(given, a.shape))
+    num_robots, robot_names = _count("robots", robots, owner, "actions")
+    num_targets, target_names = _count("targets", targets, t, "edges")
+    arrays.refuse_outside("the robot of action {}", owner, num_robots, "robot")
+    arrays.refuse_outside("the action of edge {}", a, len(owner), "action")
+    arrays.refuse_outside("the target of edge {}", t, num_targets, "target")
+    arrays.refuse_negative("the weight of edge {}", c)
+    key = a * np.int64(max(num_targets, 1)) + t
+    if (np.diff(key) <= 0).any():
+        order = np.argsort(key, kind="stable")
+        key, c = key[order], c[order]
+        first = np.concatenate([[True], np.diff(key) != 0])
+        if not first.all():
+            if duplicates == "error":
+                k = int(order[int(np.argmin(first))])
+                raise InputError(f'edge {k} joins action {a[k]} and target {t[k]} again; duplicates="sum" would add them up')
+            with np.errstate(over="ignore"):
+                c = np.add.reduceat(c, np.nonzero(first)[0])
+            key = key[first]
+            if np.isinf(c).any():
+                k = int(key[int(np.argmax(c))])
+                raise InputError(f"the weights of action {k // num_targets} and target {k % num_targets} add up to infinity")
+        a, t = np.divmod(key, max(num_targets, 1))
+    if not c.all():
+        a, t, c = a[c > 0], t[c > 0], c[c > 0]
+    indptr = np.zeros(len(owner) + 1, dtype=np.int64)
+    np.cumsum(np.bincount(a, minlength=len(owner)), out=indptr[1:])
+    return SensingGraph(
+        owner.astype(np.int32), indptr.astype(np.int32), t.astype(np.int32), c, num_robots, num_targets, robot_names=robot_names,
+        target_names=target_names, **further,
+    )  # fmt: skip
 
 
-def _count(what: str, given: int | Sequence[str] | None, used: NDArray[np.int64]) -> tuple[int, tuple[str, ...] | None]:
-    if given is None:
-        return int(used.max(initial=-1)) + 1, None
-    if isinstance(given, int | np.integer) and not isinstance(given, bool):
-        if given < 0:
-            raise InputError(f"the number of {what} must not be negative", found=str(given))
-        return int(given), None
-    if isinstance(given, str | bool) or not isinstance(given, Sequence | np.ndarray):
+def _warned(graph: SensingGraph) -> SensingGraph:
+    for note in graph.findings:
+        warnings.warn(note, stacklevel=3)
+    return graph
+
+
+def _count(what: str, given: Any, used: NDArray[np.int64], users: str) -> tuple[int, tuple[str, ...] | None]:
+    """How many there are, and their names; a number is refused before anything of its size is allocated."""
+    if given is None or (isinstance(given, int | np.integer) and not isinstance(given, bool)):
+        count = int(used.max(initial=-1)) + 1 if given is None else arrays.size(f"the number of {what}", given)
+        arrays.refuse_unused(what, count, len(used), users)
+        return count, None
+    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
         raise InputError(f"{what} must be a number or a list of names", found=repr(given)[:80])
-    return len(given), tuple(str(g) for g in given)
+    labels = tuple(str(g) for g in given)
+    return len(labels), labels
 
 
-def _refuse_outside(what: str, values: NDArray[Any], size: int, thing: str) -> None:
-    outside = (values < 0) | (values >= size)
-    if outside.any():
-        k = int(np.argmax(outside))
-        raise InputError(f"{what.format(k)} does not exist", expected=f"{thing} from 0 to {size - 1}", found=str(values[k]))
-
-
-def _positions(points: ArrayLike | None) -> Floats | None:
-    return None if points is None else np.array(points, dtype=np.float64)
-
-
-def _few(what: str, members: Indices, label: Any) -> str:
+def _few(thing: str, what: str, members: Indices, name_of: Any) -> str:
     if not len(members):
         return ""
-    shown = ", ".join(label(int(m)) for m in members[:5])
-    return f"{len(members)} {what}: {shown}{', ...' if len(members) > 5 else ''}"
+    shown = ", ".join(name_of(int(m)) for m in members[:5])
+    return f"{len(members)} {thing}{'s' * (len(members) > 1)} {what}: {shown}{', ...' if len(members) > 5 else ''}"

@@ -55,8 +55,9 @@ def generators_table() -> str:
 
 
 def bundled_table() -> str:
-    """Every bundled instance and the command that makes it."""
-    return _markdown(("name", "made by"), [(f"`{name}`", f"`{recipe.command(name)}`") for name, recipe in RECIPES.items()])
+    """Every bundled instance, and the command that makes it or where it comes from."""
+    rows = [(f"`{name}`", recipe.source or f"`{recipe.command(name)}`") for name, recipe in RECIPES.items()]
+    return _markdown(("name", "made by"), rows)
 
 
 def sets_table() -> str:

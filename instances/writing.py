@@ -29,20 +29,22 @@ def write_instance(instance: Instance, path: str | PathLike[str], format: str | 
     InputError
         If the file cannot be written.
     """
-    chosen = FORMATS[format] if format is not None else format_of_suffix(path)
+    chosen = FORMATS[format] if format is not None else format_of_suffix(path, instance.kind)
     if chosen.write is None:
         raise UsageError(f"{chosen.name} files are read only; write one of {', '.join(_writable())}")
     atomic_write(path, chosen.write(instance))
 
 
-def format_of_suffix(path: str | PathLike[str]) -> Format:
-    """The format that is written under the suffix of ``path``."""
+def format_of_suffix(path: str | PathLike[str], kind: str = "routing") -> Format:
+    """The format in which an instance of ``kind`` is written under the suffix of ``path``."""
     suffix = Path(path).suffix.lower()
-    for entry in FORMATS.values():
-        if entry.write is not None and suffix in entry.suffixes:
+    able = [entry for entry in FORMATS.values() if entry.write is not None and kind in entry.kinds]
+    for entry in able:
+        if suffix in entry.suffixes:
             return entry
-    known = ", ".join(s for entry in FORMATS.values() if entry.write is not None for s in entry.suffixes)
-    raise UsageError(f"{path}: the suffix stands for no format; use one of {known}, or name a format of {', '.join(_writable())}")
+    known = ", ".join(dict.fromkeys(s for entry in able for s in entry.suffixes))
+    names = ", ".join(entry.name for entry in able)
+    raise UsageError(f"{path}: the suffix stands for no format of a {kind} instance; use one of {known}, or name a format of {names}")
 
 
 def _writable() -> list[str]:

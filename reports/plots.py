@@ -1,10 +1,9 @@
-"""Maps of routes. Importing this module registers the plotters that ``solution.plot()`` uses."""
+"""Maps of routes. Importing this module registers all plotters that ``solution.plot()`` uses."""
 
 from __future__ import annotations
 
 import io
 import math
-import sys
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,19 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..formulations.problems.routing import RoutingProblem
-from ..formulations.rendering import number, percent
 from ..formulations.routes import Routes
 from ..formulations.solution import PLOTTERS
 from ..instances.atomic import atomic_write
 from ..instances.errors import UsageError
+from . import sensing_plots as sensing_plots  # registers its plotters
+from .drawing import COLOURS, bare, entitle, figures_of, new_axes
 
 if TYPE_CHECKING:
     from ..formulations.solution import Solution
 
 Floats = NDArray[np.float64]
-
-COLOURS = ("#332288", "#DDAA33", "#117733", "#CC3377", "#33AADD", "#882255", "#44AA99", "#EE7733", "#777777")
-"""Distinct for all common kinds of colour vision, after Tol (2021), "Colour schemes"; cycled with line styles."""
 
 LINE_STYLES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 
@@ -65,19 +62,12 @@ def plot_routes(
     scaling: I. Theory and method", Psychometrika 17); the title says so.
     """
     where, placed = site_positions(problem)
-    ax = _new_axes() if ax is None else ax
+    ax = new_axes() if ax is None else ax
     for rank, k in enumerate(_around_the_depot(problem, answer, where)):
         _draw_route(ax, problem, answer, where, rank, k)
     _draw_sites(ax, problem, answer, where)
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.06)
-    ax.set_xticks([])
-    ax.set_yticks([])
-    for side in ax.spines.values():
-        side.set_visible(False)
-    head, detail = _title(problem, answer, solution, placed) if title is None else (title, "")
-    ax.set_title(head + "\n" * (1 + detail.count("\n")), loc="left", fontsize=11, fontweight="bold", color="#222222")
-    ax.text(0.0, 1.015, detail, transform=ax.transAxes, fontsize=9, color="#555555", va="bottom")
+    bare(ax)
+    entitle(ax, *(_title(problem, answer, solution, placed) if title is None else (title, "")))
     if 1 < len(answer) <= LEGEND_ROUTES:
         handles, labels = ax.get_legend_handles_labels()
         order = np.argsort([int(h.get_gid() or 0) for h in handles], kind="stable")
@@ -139,20 +129,6 @@ def save_plot(solution: Solution, path: str | PathLike[str]) -> None:
     with rc_context({"svg.hashsalt": "waybound"}):
         figure.savefig(buffer, format=suffix, dpi=160, metadata=dates)
     atomic_write(path, buffer.getvalue())
-
-
-def _new_axes() -> Any:
-    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-    if shell is not None or "matplotlib.pyplot" in sys.modules:
-        import matplotlib.pyplot as plt
-
-        return plt.subplots(figsize=(8.0, 6.4), layout="constrained")[1]
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure.add_subplot()
 
 
 def _around_the_depot(problem: RoutingProblem, answer: Routes, where: Floats) -> list[int]:
@@ -218,27 +194,12 @@ def _label_sites(ax: Any, problem: RoutingProblem, where: Floats) -> None:
 
 def _title(problem: RoutingProblem, answer: Routes, solution: Solution | None, placed: bool) -> tuple[str, str]:
     head = f"{problem.name}: {len(answer)} {'route' if len(answer) == 1 else 'routes'}"
-    parts = [str(problem.objective)]
-    if solution is None:
-        parts.append(_rounded(problem.evaluate(answer).objective))
-    else:
+    if solution is not None:
         head += f" by {solution.solver}"
-        parts.append(_rounded(solution.objective))
-        if solution.bound is not None:
-            parts.append(f"bound {_rounded(solution.bound)} ({solution.bound_kind})")
-        if solution.gap is not None:
-            parts.append(f"gap {percent(solution.gap)}")
-    detail = f"{parts[0]} {', '.join(parts[1:])}, distances {problem.convention}"
+    detail = f"{problem.objective} {figures_of(problem, answer, solution)}, distances {problem.convention}"
     if placed:
         detail += "\nno coordinates in the file: sites placed by scaling of their distances"
     return head, detail
-
-
-def _rounded(value: Any) -> str:
-    """Three decimals: a caption is for reading."""
-    if isinstance(value, list | tuple):
-        return number([None if v is None else round(v, 3) for v in value])
-    return number(round(value, 3))
 
 
 PLOTTERS["routing"] = plot_routes

@@ -13,6 +13,7 @@ from ..formulations.problem import Problem
 from ..formulations.problems.routing import RoutingProblem
 from ..formulations.rendering import number
 from ..formulations.routes import Routes
+from .assignment_facts import assignment_facts, assignment_rows
 
 if TYPE_CHECKING:
     from ..solvers.listing import HeuristicInfo, SolverInfo
@@ -35,6 +36,25 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     total: tuple[str, ...] = field(default=())
+
+
+SHOWN_ROWS = 20
+"""Rows of an answer that are shown; a solution file holds them all."""
+
+
+def answer_table(problem: Problem, answer: Any) -> Table:
+    """The first rows of an answer that is no set of routes, as its frame has them."""
+    frame = problem.answer_to_frame(answer)
+    numeric = [frame[title].dtype.kind in "iuf" for title in frame.columns]
+    columns = tuple(Column(str(title), right=right) for title, right in zip(frame.columns, numeric, strict=True))
+    rows = [
+        tuple(_short(float(v)) if right else str(v) for v, right in zip(row, numeric, strict=True))
+        for row in frame.head(SHOWN_ROWS).itertuples(index=False)
+    ]
+    left = len(frame) - len(rows)
+    if left > 0:
+        rows.append((f"and {left} more", *[""] * (len(columns) - 1)))
+    return Table("Answer", columns, tuple(rows))
 
 
 def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
@@ -98,7 +118,7 @@ def facts(problem: Problem) -> dict[str, Any]:
     }
     if isinstance(problem, RoutingProblem):
         data.update(_routing_facts(problem))
-    return data
+    return {**data, **assignment_facts(problem)}
 
 
 def _routing_facts(p: RoutingProblem) -> dict[str, Any]:
@@ -159,6 +179,7 @@ def facts_table(data: dict[str, Any]) -> Table:
     ]
     if "sites" in data:
         rows += _routing_rows(data)
+    rows += assignment_rows(data)
     rows += [("features", ", ".join(data["features"])), ("forms", ", ".join(data["forms"]) or "none"), ("hash", data["instance_hash"])]
     rows += [("note", note) for note in data["notes"]]
     return Table(data["name"], (Column(""), Column("", wide=True)), tuple(rows))

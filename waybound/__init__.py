@@ -10,7 +10,7 @@ import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from ._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
@@ -20,10 +20,16 @@ if TYPE_CHECKING:
     from .formulations.exactness import Exactness
     from .formulations.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
     from .formulations.problem import Problem
+    from .formulations.problems.bottleneck_sata import BottleneckSATA
+    from .formulations.problems.max_min_lp import MaxMinLP
     from .formulations.problems.routing import RoutingProblem
+    from .formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+    from .formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.program import Program, Rows, Variables
     from .formulations.routes import Route, Routes
+    from .formulations.selections import Selection
     from .formulations.solution import Solution
+    from .heuristics.submodularity import check_submodular
     from .instances.errors import (
         CheckFailedError,
         InputError,
@@ -34,7 +40,18 @@ if TYPE_CHECKING:
         WayboundError,
     )
     from .instances.instance import Energy, RoutingInstance, Sites, VehicleType
+    from .instances.selection import (
+        Cardinality,
+        Coverage,
+        DenseFacilityLocation,
+        FacilityLocation,
+        Knapsack,
+        PartitionMatroid,
+        SelectionInstance,
+    )
+    from .instances.sensing import SensingGraph
     from .instances.travel import Travel
+    from .reports.missions.running import run
     from .solvers.explaining import Explanation
     from .solvers.listing import heuristic_table as heuristics
     from .solvers.listing import solver_table as solvers
@@ -48,10 +65,16 @@ _MODULES = {
     "formulations.exactness": ("Exactness",),
     "formulations.objective": ("LongestRoute", "Makespan", "Objective", "Reward", "TotalCost", "Vehicles"),
     "formulations.problem": ("Problem",),
+    "formulations.problems.bottleneck_sata": ("BottleneckSATA",),
+    "formulations.problems.max_min_lp": ("MaxMinLP",),
     "formulations.problems.routing": ("RoutingProblem",),
+    "formulations.problems.submodular_selection": ("SubmodularSelection", "UserFunction"),
+    "formulations.problems.winner_takes_all_sata": ("WinnerTakesAllSATA",),
     "formulations.program": ("Program", "Rows", "Variables"),
     "formulations.routes": ("Route", "Routes"),
+    "formulations.selections": ("Selection",),
     "formulations.solution": ("Solution",),
+    "heuristics.submodularity": ("check_submodular",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",
@@ -62,7 +85,18 @@ _MODULES = {
         "WayboundError",
     ),
     "instances.instance": ("Energy", "RoutingInstance", "Sites", "VehicleType"),
+    "instances.selection": (
+        "Cardinality",
+        "Coverage",
+        "DenseFacilityLocation",
+        "FacilityLocation",
+        "Knapsack",
+        "PartitionMatroid",
+        "SelectionInstance",
+    ),
+    "instances.sensing": ("SensingGraph",),
     "instances.travel": ("Travel",),
+    "reports.missions.running": ("run",),
     "solvers.explaining": ("Explanation",),
     "solvers.solve": ("solve",),
 }
@@ -72,21 +106,29 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 """Names that are a package and, called, a table of what it holds: ``wb.solvers(problem)``."""
 
 __all__ = [
+    "BottleneckSATA",
+    "Cardinality",
     "Certificate",
     "Check",
     "CheckFailedError",
+    "Coverage",
+    "DenseFacilityLocation",
     "Energy",
     "Evaluation",
     "Evidence",
     "Exactness",
     "Explanation",
+    "FacilityLocation",
     "Guarantee",
     "InputError",
+    "Knapsack",
     "LongestRoute",
     "Makespan",
+    "MaxMinLP",
     "MissingPackageError",
     "NoAnswerError",
     "Objective",
+    "PartitionMatroid",
     "Problem",
     "Program",
     "Reward",
@@ -95,24 +137,32 @@ __all__ = [
     "RoutingInstance",
     "RoutingProblem",
     "Rows",
+    "Selection",
+    "SelectionInstance",
+    "SensingGraph",
     "Sites",
     "Solution",
+    "SubmodularSelection",
     "TotalCost",
     "Travel",
     "UnsupportedError",
     "UsageError",
+    "UserFunction",
     "Variables",
     "VehicleType",
     "Vehicles",
     "Violation",
     "WayboundError",
+    "WinnerTakesAllSATA",
     "__version__",
     "bound",
     "check",
+    "check_submodular",
     "explain",
     "generate",
     "heuristics",
     "read",
+    "run",
     "solve",
     "solvers",
 ]

@@ -46,12 +46,12 @@ def read(
     format : str, optional
         Recognised from the content by default.
     problem : str, optional
-        Another problem that the file's data allow (``"tsp"``, ``"cvrp"``, ...).
+        Another problem that the file's data allow (``"tsp"``, ``"cvrp"``, ``"winner-takes-all"``, ...).
     convention : str, optional
         How distances are rounded: ``file, exact, trunc1`` (``dimacs``), ``trunc2, round, ceil``.
     **settings
         Changes of the data, as with ``--set``: ``customers=25``, ``vehicles=3``, ``vehicles="unlimited"``,
-        ``vehicles_exactly=17``, ``capacity=100``.
+        ``vehicles_exactly=17``, ``capacity=100``; ``fractional=True`` for a bottleneck problem.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def generate(kind: str, *, seed: int = 1, problem: str | None = None, convention
     Parameters
     ----------
     kind : str
-        Name of a generator: ``solomon, uchoa, random``.
+        Name of a generator: ``solomon, uchoa, random, sata, sensing-regular, sensing-ring, sensing-geometric, coverage``.
     seed : int
     problem, convention : str, optional
         As in ``read``.
@@ -107,7 +107,7 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     ----------
     problem : Problem
     answer : Solution, answer of the problem, or path
-        A path names a solution file: ``.sol``, ``.tour`` or ``.json``.
+        A path names a solution file: ``.json``, of routes also ``.sol`` or ``.tour``.
     certificate : path, mapping or Certificate, optional
         Its bound is derived again from its evidence.
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ...instances.errors import InputError
 from ...instances.instance import digest
-from ..evaluation import CHECK_TOLERANCE, Check, Evaluation, Violation
+from ..evaluation import Evaluation, judge
 from ..problem import Problem
 from ..program import Floats, Program
 
@@ -84,13 +84,13 @@ class ArrayProblem(Problem):
         with np.errstate(invalid="ignore"):
             fraction = np.where(p.integer, np.abs(x - np.round(x)), 0.0)
         judged = [
-            _judged("bounds", np.maximum(p.lower - x, x - p.upper), lambda k: _outside(p.variable_name(k), x[k], p.lower[k], p.upper[k])),
-            _judged(
+            judge("bounds", np.maximum(p.lower - x, x - p.upper), lambda k: _outside(p.variable_name(k), x[k], p.lower[k], p.upper[k])),
+            judge(
                 "rows",
                 np.maximum(p.row_lower - activity, activity - p.row_upper),
                 lambda k: _outside(p.row_name(k), activity[k], p.row_lower[k], p.row_upper[k]),
             ),
-            _judged("integrality", fraction, lambda k: f"{p.variable_name(k)} is {x[k]:.9g}, not a whole number"),
+            judge("integrality", fraction, lambda k: f"{p.variable_name(k)} is {x[k]:.9g}, not a whole number"),
         ]
         checks = tuple(check for check, _ in judged)
         return Evaluation((value,), checks, tuple(v for _, found in judged for v in found), {})
@@ -125,13 +125,6 @@ class ArrayProblem(Problem):
                 found=f"{x.shape}",
             )
         return x
-
-
-def _judged(check: str, excess: Floats, message: Callable[[int], str]) -> tuple[Check, list[Violation]]:
-    residual = np.where(np.isnan(excess), math.inf, np.maximum(excess, 0.0))
-    worst = float(residual.max(initial=0.0))
-    wrong = np.nonzero(residual > CHECK_TOLERANCE)[0].tolist()
-    return Check(check, worst <= CHECK_TOLERANCE, worst, len(residual)), [Violation(check, message(k), float(residual[k])) for k in wrong]
 
 
 def _outside(name: str, value: float, low: float, high: float) -> str:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
 from ...instances.sensing import SensingGraph
-from ..assignments import action_index, actions_from_json, actions_to_json
-from ..evaluation import CHECK_TOLERANCE, Check, Checklist, Evaluation, Violation
+from ..assignments import action_index, actions_from_json, actions_to_json, graph_for
+from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, Problem
-from ..selections import Selection
+from ..selections import Selection, judge_elements
 from .submodular_selection import refuse_settings
 
 if TYPE_CHECKING:
@@ -79,48 +79,38 @@ class BottleneckSATA(Problem):
 
     def _evaluate_shares(self, answer: Any) -> Evaluation:
         g = self.graph
-        x = np.asarray(answer, dtype=np.float64) if not isinstance(answer, Selection) else np.zeros(0)
+        try:
+            x = np.asarray(answer, dtype=np.float64) if not isinstance(answer, Selection) else np.zeros((0, 0))
+        except (TypeError, ValueError):
+            x = np.zeros((0, 0))
         if x.shape != (g.num_actions,):
             raise UsageError(f"an answer to {self.problem} is a vector of shares, one for each of the {g.num_actions} actions")
-        negative = np.where(np.isfinite(x), np.maximum(-x, 0.0), math.inf)
         with np.errstate(invalid="ignore"):
-            load = np.bincount(g.robot_of_action, x, minlength=g.num_robots) - 1.0
-        excess = np.where(np.isnan(load), math.inf, np.maximum(load, 0.0))
-        violations = [
-            Violation("shares", f"the share of action {g.action_name(k)} is {x[k]:.9g}, not 0 or more", float(negative[k]))
-            for k in np.nonzero(negative > CHECK_TOLERANCE)[0].tolist()
-        ]
-        violations += [
-            Violation("one-action", f"the shares of robot {g.robot_name(k)} sum to {1 + load[k]:.9g}, more than 1", float(excess[k]))
-            for k in np.nonzero(excess > CHECK_TOLERANCE)[0].tolist()
-        ]
-        checks = tuple(
-            Check(name, float(v.max(initial=0.0)) <= CHECK_TOLERANCE, float(v.max(initial=0.0)), len(v))
-            for name, v in (("shares", negative), ("one-action", excess))
-        )
+            load = np.bincount(g.robot_of_action, x, minlength=g.num_robots)
+        judged = (
+            judge(
+                "shares", np.where(np.isfinite(x), -x, math.inf),
+                lambda k: f"the share of action {g.action_name(k)} is {x[k]:.9g}, not 0 or more",
+            ),
+            judge("one-action", load - 1.0, lambda k: f"the shares of robot {g.robot_name(k)} sum to {load[k]:.9g}, more than 1"),
+        )  # fmt: skip
         value = float(self.coverage(x).min()) if np.isfinite(x).all() else math.nan
-        return Evaluation((value,), checks, tuple(violations), {})
+        return Evaluation((value,), tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found), {})
 
     def _evaluate_selection(self, answer: Any) -> Evaluation:
-        g, checks = self.graph, Checklist()
+        g = self.graph
         if not isinstance(answer, Selection):
             raise UsageError(f"an answer to {self.problem} is a Selection, not {type(answer).__name__}: Selection.of([0, 3]) makes one")
-        seen: set[int] = set()
-        for action in answer.elements:
-            exists = 0 <= action < g.num_actions
-            checks.test("actions", 0.0 if exists else 1.0, f"action number {action} does not exist")
-            if exists:
-                checks.test("actions", float(action in seen), f"action {g.action_name(action)} is chosen twice")
-                seen.add(action)
-        chosen = np.array(sorted(seen), dtype=np.int64)
-        counts = np.bincount(g.robot_of_action[chosen], minlength=g.num_robots)
-        for robot in np.nonzero(counts)[0].tolist():
-            checks.test("one-action", float(counts[robot] - 1), f"robot {g.robot_name(robot)} takes {counts[robot]} actions")
+        chosen, (actions, faults) = judge_elements(answer, g.num_actions, "actions", "action", g.action_name)
+        robots, counts = np.unique(g.robot_of_action[chosen], return_counts=True)
+        single, doubled = judge(
+            "one-action", counts - 1.0, lambda k: f"robot {g.robot_name(int(robots[k]))} takes {counts[k]} actions"
+        )  # fmt: skip
         shares = np.zeros(g.num_actions)
         shares[chosen] = 1.0
         covered = self.coverage(shares)
         quantities = {"covered_targets": float((covered > 0).sum())}
-        return Evaluation((float(covered.min()),), checks.checks(["actions", "one-action"]), tuple(checks.violations), quantities)
+        return Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
@@ -179,11 +169,10 @@ class BottleneckSATA(Problem):
 @PROBLEMS.register("bottleneck")
 @PROBLEMS.register("bottleneck-lp")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> BottleneckSATA:
-    if not isinstance(instance, SensingGraph):
-        raise UsageError(f"{instance.name} holds no sensing graph, so it cannot be read as {problem}")
+    graph = graph_for(instance, problem)
     refuse_settings(problem, settings, ("fractional",))
     given = settings.get("fractional", problem == "bottleneck-lp")
     truth = {"true": True, "false": False}.get(str(given).lower())
     if truth is None or (problem == "bottleneck-lp" and not truth):
         raise UsageError(f"fractional must be true or false, and bottleneck-lp is fractional; found {given!r}")
-    return BottleneckSATA(instance, fractional=truth)
+    return BottleneckSATA(graph, fractional=truth)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.max_min import MaxMinInstance, SparseMatrix
-from ..evaluation import CHECK_TOLERANCE, Check, Evaluation, Violation
+from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, Problem
 from .submodular_selection import refuse_settings
 
@@ -103,18 +103,17 @@ class MaxMinLP(Problem):
         packed, covered = _rows(self.packing, x), _rows(self.covering, x)
         maximise = self.sense == "max"
         row, excess = ("packing", packed - 1.0) if maximise else ("covering", 1.0 - covered)
-        judged = [("variables", -x, [self.variable_name(k) for k in np.nonzero(~(-x <= CHECK_TOLERANCE))[0].tolist()]), (row, excess, None)]
-        checks, violations = [], []
-        for name, over, labels in judged:
-            amount = np.where(np.isnan(over), math.inf, np.maximum(over, 0.0))
-            worst = float(amount.max(initial=0.0))
-            checks.append(Check(name, worst <= CHECK_TOLERANCE, worst, len(amount)))
-            for place, k in enumerate(np.nonzero(amount > CHECK_TOLERANCE)[0].tolist()):
-                what = f"variable {labels[place]} is negative" if labels is not None else f"{name} row {k + 1} is broken"
-                violations.append(Violation(name, f"{what}, by {amount[k]:.9g}", float(amount[k])))
+        judged = (
+            judge(
+                "variables",
+                np.where(np.isfinite(x), -x, math.inf),
+                lambda k: f"variable {self.variable_name(k)} is {x[k]:.9g}, not 0 or more",
+            ),
+            judge(row, excess, lambda k: f"{row} row {k + 1} is broken, by {excess[k]:.9g}"),
+        )
         with np.errstate(invalid="ignore"):
             value = float(covered.min()) if maximise else float(packed.max())
-        return Evaluation((value,), tuple(checks), tuple(violations), {})
+        return Evaluation((value,), tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found), {})
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         x = np.asarray(answer, dtype=np.float64)

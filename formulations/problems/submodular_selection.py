@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -25,9 +25,10 @@ from ...instances.selection import (
     check_selection,
 )
 from ...instances.sensing import SensingGraph
-from ..evaluation import Checklist, Evaluation
+from ..assignments import graph_for
+from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, Problem
-from ..selections import Selection
+from ..selections import Selection, entries_of, judge_elements
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,11 +66,18 @@ class UserFunction:
         InputError
             If the function returns anything but one finite number a set.
         """
-        found = np.asarray(self.evaluate(masks), dtype=np.float64)
-        if found.shape != (len(masks),) or not np.isfinite(found).all():
+        returned = self.evaluate(masks)
+        try:
+            found = np.asarray(returned, dtype=np.float64)
+        except (TypeError, ValueError):
+            kind = type(returned).__name__
+            raise InputError(f"the set function {self.label} must return numbers", expected=f"({len(masks)},)", found=kind) from None
+        if found.shape != (len(masks),):
             raise InputError(
-                f"the set function {self.label} must return one finite number a set", expected=f"({len(masks)},)", found=str(found.shape)
+                f"the set function {self.label} must return one number a set", expected=f"({len(masks)},)", found=str(found.shape)
             )
+        if not np.isfinite(found).all():
+            raise InputError(f"the set function {self.label} must return finite numbers", found=str(found[~np.isfinite(found)][0]))
         return found
 
     def parts(self) -> tuple[Any, ...]:
@@ -155,13 +163,34 @@ class SubmodularSelection(Problem):
     def _best(self, chosen: NDArray[np.int64]) -> Floats:
         f = self.function
         assert isinstance(f, Coverage | FacilityLocation)
-        best = np.zeros(f.num_items)
-        for element in chosen.tolist():
-            items = slice(f.indptr[element], f.indptr[element + 1])
-            at = f.indices[items]
-            given = f.item_weights[at] if isinstance(f, Coverage) else f.weights[items]
-            best[at] = np.maximum(best[at], given)
+        best, entries = np.zeros(f.num_items), entries_of(f.indptr, chosen)
+        at = f.indices[entries]
+        np.maximum.at(best, at, f.item_weights[at] if isinstance(f, Coverage) else f.weights[entries])
         return best
+
+    def gains(self, elements: Sequence[int]) -> Floats:
+        """What each element adds to the value of those before it, shape (elements,)."""
+        f, added = self.function, np.zeros(len(elements))
+        if isinstance(f, UserFunction):
+            mask, value = np.zeros((1, f.num_elements), dtype=bool), 0.0
+            for k, element in enumerate(elements):
+                mask[0, element] = True
+                after = float(f.values(mask)[0])
+                added[k], value = after - value, after
+            return added
+        best = np.zeros(f.num_items)
+        for k, element in enumerate(elements):
+            at: Any = slice(None)
+            if isinstance(f, DenseFacilityLocation):
+                given = f.matrix[element].astype(np.float64)
+            else:
+                entries = slice(f.indptr[element], f.indptr[element + 1])
+                at = f.indices[entries]
+                given = f.item_weights[at] if isinstance(f, Coverage) else f.weights[entries]
+            more = np.maximum(given, best[at])
+            added[k] = math.fsum(more - best[at])
+            best[at] = more
+        return added
 
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute the value, and test that the elements exist, none twice, and that the constraint holds."""
@@ -169,40 +198,27 @@ class SubmodularSelection(Problem):
             raise UsageError(
                 f"an answer to a selection problem is a Selection, not {type(answer).__name__}: Selection.of([0, 3]) makes one"
             )
-        checks = Checklist()
-        chosen = self._elements(answer, checks)
-        self._test_constraint(chosen, checks)
-        value = self.value(chosen)
-        names = ["elements", self._constraint_name()]
-        return Evaluation((value,), checks.checks(names), tuple(checks.violations), {"elements": float(len(chosen))})
-
-    def _elements(self, answer: Selection, checks: Checklist) -> NDArray[np.int64]:
-        seen: set[int] = set()
-        for element in answer.elements:
-            exists = 0 <= element < self.num_elements
-            checks.test("elements", 0.0 if exists else 1.0, f"element {element} does not exist")
-            if exists:
-                checks.test("elements", float(element in seen), f"element {self.element_name(element)} is chosen twice")
-                seen.add(element)
-        return np.array(sorted(seen), dtype=np.int64)
+        chosen, (elements, faults) = judge_elements(answer, self.num_elements, "elements", "element", self.element_name)
+        rule, broken = self._judge_constraint(chosen)
+        quantities = {"elements": float(len(chosen))}
+        return Evaluation((self.value(chosen),), (elements, rule), (*faults, *broken), quantities)
 
     def _constraint_name(self) -> str:
         return self.constraint.name
 
-    def _test_constraint(self, chosen: NDArray[np.int64], checks: Checklist) -> None:
+    def _judge_constraint(self, chosen: NDArray[np.int64]) -> tuple[Check, list[Violation]]:
         c, name = self.constraint, self._constraint_name()
         if isinstance(c, Cardinality):
-            checks.test(name, float(len(chosen) - c.limit), f"{len(chosen)} elements are chosen, at most {c.limit} are allowed")
-        elif isinstance(c, Knapsack):
+            message = f"{len(chosen)} elements are chosen, at most {c.limit} are allowed"
+            return judge(name, np.array([float(len(chosen) - c.limit)]), lambda _: message)
+        if isinstance(c, Knapsack):
             cost = math.fsum(c.costs[chosen])
-            checks.test(name, cost - c.budget, f"the chosen elements cost {cost:.9g}, the budget is {c.budget:.9g}")
-        else:
-            counts = np.bincount(c.groups[chosen], minlength=len(c.limits))
-            for group in np.unique(c.groups[chosen]).tolist():
-                over = int(counts[group]) - int(c.limits[group])
-                checks.test(
-                    name, float(over), f"{counts[group]} elements of {self._group_name(group)} are chosen, {c.limits[group]} allowed"
-                )
+            return judge(name, np.array([cost - c.budget]), lambda _: f"the chosen elements cost {cost:.9g}, the budget is {c.budget:.9g}")
+        used, counts = np.unique(c.groups[chosen], return_counts=True)
+        return judge(
+            name, counts.astype(np.float64) - c.limits[used],
+            lambda k: f"{counts[k]} elements of {self._group_name(int(used[k]))} are chosen, {c.limits[used[k]]} allowed",
+        )  # fmt: skip
 
     def _group_name(self, group: int) -> str:
         return f"group {group + 1}"
@@ -225,9 +241,8 @@ class SubmodularSelection(Problem):
         """One row an element in the order of choice: element, gain, value after it."""
         import pandas as pd
 
-        totals = [self.value(answer.elements[: k + 1]) for k in range(len(answer))]
-        gains = np.diff([0.0, *totals])
-        return pd.DataFrame({"element": [self.element_name(e) for e in answer.elements], "gain": gains, "value": totals})
+        gains = self.gains(answer.elements)
+        return pd.DataFrame({"element": [self.element_name(e) for e in answer.elements], "gain": gains, "value": np.cumsum(gains)})
 
     def __repr__(self) -> str:
         return f"<SubmodularSelection {self.name}: {self.num_elements} elements, {self.function.name}, {self.constraint.name} constraint>"
@@ -236,10 +251,7 @@ class SubmodularSelection(Problem):
 def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSelection:
     """Actions as elements. Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``:
     one action a robot, or ``cardinality`` with ``k``)."""
-    known = ("convention", "function", "constraint", "k")
-    for key in settings:
-        if key not in known:
-            raise UsageError(f"a selection from a sensing graph has no setting {key!r}; it takes {', '.join(known[1:])}")
+    refuse_settings("selection", settings, ("function", "constraint", "k"))
     function, constraint, k = settings.get("function", "facility-location"), settings.get("constraint"), settings.get("k")
     if function not in ("facility-location", "coverage"):
         raise UsageError(f"function must be facility-location or coverage, not {function!r}")
@@ -255,14 +267,13 @@ def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSel
             rule = Cardinality(int(str(k)))
         except (ValueError, InputError):
             raise UsageError(f"k must be a whole number of at least 1, not {k!r}") from None
-    names = tuple(graph.action_name(a) for a in range(graph.num_actions))
-    return SubmodularSelection(chosen, rule, element_names=names, name=graph.name, notes=graph.notes)
+    return SubmodularSelection(chosen, rule, element_names=graph.action_labels, name=graph.name, notes=graph.notes)
 
 
 @PROBLEMS.register("selection")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> SubmodularSelection:
     if isinstance(instance, SensingGraph):
-        return from_sensing(instance, settings)
+        return from_sensing(graph_for(instance, problem), settings)
     if not isinstance(instance, SelectionInstance):
         raise UsageError(f"{instance.name} holds neither a selection nor a sensing graph, so it cannot be read as {problem}")
     refuse_settings(problem, settings)
@@ -275,7 +286,9 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> SubmodularS
 def refuse_settings(problem: str, settings: Mapping[str, Any], known: tuple[str, ...] = ()) -> None:
     """Raise UsageError for a setting that ``problem`` does not have; ``convention`` may be ``exact`` everywhere."""
     for key, value in settings.items():
-        if key == "convention" and value in (None, "exact"):
+        if key == "convention":
+            if value not in (None, "exact"):
+                raise UsageError(f"{problem} problems have no distances to round: the convention can only be exact, not {value!r}")
             continue
         if key not in known:
             raise UsageError(f"{problem} has no setting {key!r}" + (f"; it takes {', '.join(known)}" if known else ""))

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ...instances.errors import InputError, UsageError
 from ...instances.selection import FacilityLocation, PartitionMatroid
 from ...instances.sensing import SensingGraph
-from ..assignments import actions_from_json, actions_to_json
-from ..evaluation import Checklist, Evaluation
+from ..assignments import actions_from_json, actions_to_json, graph_for
+from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS
-from ..selections import Selection
+from ..selections import Selection, entries_of
 from .submodular_selection import SubmodularSelection, refuse_settings
 
 if TYPE_CHECKING:
@@ -62,13 +62,14 @@ class WinnerTakesAllSATA(SubmodularSelection):
 
         Ties go to the action that comes first in ``elements``.
         """
-        g = self.graph
+        g, chosen = self.graph, np.array(elements, dtype=np.int64)
+        entries = entries_of(g.indptr, chosen)
+        rank = np.repeat(np.arange(len(chosen)), np.diff(g.indptr)[chosen])
+        at, weight = g.indices[entries], g.weights[entries]
+        order = np.lexsort((rank, -weight, at))
+        seen, first = np.unique(at[order], return_index=True)
         robot, best = np.full(g.num_targets, -1, dtype=np.int64), np.zeros(g.num_targets)
-        for action in elements:
-            edges = slice(g.indptr[action], g.indptr[action + 1])
-            at, weight = g.indices[edges], g.weights[edges]
-            better = weight > best[at]
-            robot[at[better]], best[at[better]] = g.robot_of_action[action], weight[better]
+        robot[seen], best[seen] = g.robot_of_action[chosen[rank[order[first]]]], weight[order[first]]
         return robot, best
 
     def evaluate(self, answer: Any) -> Evaluation:
@@ -79,27 +80,30 @@ class WinnerTakesAllSATA(SubmodularSelection):
                 return judged
             seen = int((self.winners(answer.elements)[0] >= 0).sum())
             return Evaluation(judged.values, judged.checks, judged.violations, {**judged.quantities, "targets": float(seen)})
-        g, checks = self.graph, Checklist()
+        g = self.graph
         given = np.asarray(answer.winners, dtype=np.int64)
         if given.shape != (g.num_targets,):
             raise UsageError(f"winners must have one entry a target ({g.num_targets}), not {len(given)}")
-        weight = np.zeros((g.num_targets,))
-        for element in answer.elements:
-            if 0 <= element < g.num_actions:
-                edges = slice(g.indptr[element], g.indptr[element + 1])
-                at = g.indices[edges]
-                mine = given[at] == g.robot_of_action[element]
-                weight[at[mine]] += g.weights[edges][mine]
-        for target in range(g.num_targets):
-            robot = int(given[target])
-            known = -1 <= robot < g.num_robots
-            checks.test(
-                "credit", 0.0 if known else 1.0, f"target {g.target_name(target)} credits robot number {robot}, which does not exist"
-            )
+        unknown = ((given < -1) | (given >= g.num_robots)).astype(np.float64)
+        credit, faults = judge(
+            "credit", unknown, lambda k: f"target {g.target_name(k)} credits robot number {given[k]}, which does not exist"
+        )  # fmt: skip
+        weight = self.credited(answer)
         return Evaluation(
-            (math.fsum(weight),), (*judged.checks, *checks.checks(["credit"])), (*judged.violations, *checks.violations),
+            (math.fsum(weight),), (*judged.checks, credit), (*judged.violations, *faults),
             {**judged.quantities, "targets": float((weight > 0).sum())},
         )  # fmt: skip
+
+    def credited(self, answer: Selection) -> NDArray[np.float64]:
+        """The weight that each target brings, by the answer's credit or by the best one."""
+        g = self.graph
+        if answer.winners is None:
+            return self.winners(answer.elements)[1]
+        chosen = np.array(sorted({e for e in answer.elements if 0 <= e < g.num_actions}), dtype=np.int64)
+        entries = entries_of(g.indptr, chosen)
+        at = g.indices[entries]
+        mine = np.asarray(answer.winners)[at] == np.repeat(g.robot_of_action[chosen], np.diff(g.indptr)[chosen])
+        return np.asarray(np.bincount(at[mine], g.weights[entries][mine], minlength=g.num_targets), dtype=np.float64)
 
     def answer_to_json(self, answer: Selection) -> dict[str, Any]:
         """Actions by robot, and for each seen target the robot that is credited with it."""
@@ -134,11 +138,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
         g = self.graph
         robots = self.winners(answer.elements)[0] if answer.winners is None else np.asarray(answer.winners)
         action_of = {int(g.robot_of_action[a]): a for a in answer.elements}
-        weights = np.zeros(g.num_targets)
-        for a in answer.elements:
-            edges = slice(g.indptr[a], g.indptr[a + 1])
-            mine = robots[g.indices[edges]] == g.robot_of_action[a]
-            weights[g.indices[edges][mine]] = g.weights[edges][mine]
+        weights = self.credited(answer)
         rows = []
         for t, r in enumerate(robots.tolist()):
             action = action_of.get(r)
@@ -151,7 +151,6 @@ class WinnerTakesAllSATA(SubmodularSelection):
 
 @PROBLEMS.register("winner-takes-all")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> WinnerTakesAllSATA:
-    if not isinstance(instance, SensingGraph):
-        raise UsageError(f"{instance.name} holds no sensing graph, so it cannot be read as {problem}")
+    graph = graph_for(instance, problem)
     refuse_settings(problem, settings)
-    return WinnerTakesAllSATA(instance)
+    return WinnerTakesAllSATA(graph)

@@ -40,6 +40,8 @@ class Format:
         For the documentation: of the problems' objectives, and what an answer is.
     solutions : tuple of str
         Suffixes of solution files.
+    kinds : tuple of str
+        Kinds of instances that it can hold.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Format:
     sense: str = "min"
     answer: str = "routes"
     solutions: tuple[str, ...] = (".json", ".sol", ".tour")
+    kinds: tuple[str, ...] = ("routing",)
 
 
 FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats")

@@ -6,8 +6,6 @@ site is the depot. Solution files count customers from 1 in the file's order, de
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -24,6 +22,7 @@ from ..text import label, number, numbers, plain, read_text, refuse, shown, whol
 from ..travel import EXPLICIT, METRICS, Travel, convention_named
 from . import FORMATS, Format
 from ._limits import refuse_inexpressible
+from ._table import Settings, delimiter_of, settings_of, table_of, titles_of, written
 
 COLUMNS = ("id", "x", "y", "demand", "ready", "due", "service", "reward", "required", "depot")
 DEFAULTS = {"demand": 0.0, "ready": 0.0, "due": math.inf, "service": 0.0, "reward": 0.0}
@@ -31,28 +30,22 @@ LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance"
           "unit-cost": "unit_cost"}  # fmt: skip
 KEYS = ("name", "problem", "metric", "convention", "vehicles", "min-vehicles", *LIMITS, "matrix", "durations")
 FLAGS = {"1": True, "true": True, "yes": True, "0": False, "false": False, "no": False}
-Keys = dict[str, tuple[int, str]]
 
 
 def recognises(text: str) -> bool:
     """Whether the first line that is no comment holds the titles ``x`` and ``y``, or ``id``, among others."""
-    for line in text.split("\n"):
-        if line.strip() and not line.lstrip().startswith("#"):
-            titles = {cell.strip().strip('"').lower() for cell in line.split(_delimiter(line))}
-            return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles)
-    return False
-
-
-def _delimiter(line: str) -> str:
-    return max(",;\t|", key=line.count)
+    titles = titles_of(text)
+    return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles)
 
 
 def read(text: str, path: Path) -> RoutingInstance:
     """The instance; see ``Format.read``."""
-    keys, start = _comments(text)
-    titles, rows, at = _rows(text, start)
-    n = len(rows)
-    column = {title: [row[k] for row in rows] for k, title in enumerate(titles)}
+    keys, start = settings_of(text, KEYS, COLUMNS)
+    table = table_of(text, start, COLUMNS, "sites")
+    at, n = table.at, len(table.rows)
+    if ("x" in table.titles) != ("y" in table.titles):
+        raise InputError("coordinates need two columns", line=start + 1, expected="x and y", found="one of them")
+    column = {title: [row[k] for row in table.rows] for k, title in enumerate(table.titles)}
 
     def reals(title: str, default: float | None) -> NDArray[np.float64]:
         cells = column.get(title, [""] * n)
@@ -78,64 +71,6 @@ def read(text: str, path: Path) -> RoutingInstance:
     return _instance(keys, sites, travel, path, at)
 
 
-def _comments(text: str) -> tuple[Keys, int]:
-    """Settings in the comment lines above the table, and the index of its first line."""
-    keys: Keys = {}
-    for k, line in enumerate(text.split("\n")):
-        if not line.strip():
-            continue
-        if not line.lstrip().startswith("#"):
-            return keys, k
-        key, colon, value = line.strip().lstrip("#").partition(":")
-        key = key.strip().lower().replace("_", "-")
-        if not colon:
-            continue  # a remark
-        if key not in KEYS:
-            raise InputError(f"setting {shown(key)} is unknown", line=k + 1, expected=", ".join(KEYS))
-        if key in keys:
-            raise InputError(f"setting {key} stands twice, first in line {keys[key][0]}", line=k + 1)
-        if not value.strip():
-            raise InputError(f"setting {key} has no value", line=k + 1)
-        keys[key] = k + 1, value.strip()
-    raise InputError("holds no table", expected=f"a line of titles out of {', '.join(COLUMNS)}", found="the end of the file")
-
-
-def _rows(text: str, start: int) -> tuple[list[str], list[list[str]], list[int]]:
-    lines = text.split("\n")[start:]
-    reader = csv.reader(io.StringIO("\n".join(lines)), delimiter=_delimiter(lines[0]), strict=True)
-    rows: list[list[str]] = []
-    at: list[int] = []
-    titles: list[str] = []
-    try:
-        for row in reader:
-            cells, line = [cell.strip() for cell in row], start + reader.line_num
-            if not any(cells):
-                continue
-            if not titles:
-                titles = _titles([cell.lower() for cell in cells], line)
-            elif len(cells) != len(titles):
-                raise InputError("row has a wrong length", line=line, expected=f"{len(titles)} values", found=f"{len(cells)} values")
-            else:
-                rows.append(cells)
-                at.append(line)
-    except csv.Error as error:
-        raise InputError(f"is no CSV: {error}", line=start + reader.line_num) from None
-    if not rows:
-        raise InputError("holds no sites", line=start + 1, expected="at least one row below the titles", found="the end of the file")
-    return titles, rows, at
-
-
-def _titles(titles: list[str], line: int) -> list[str]:
-    for k, title in enumerate(titles):
-        if title not in COLUMNS:
-            raise InputError(f"column {shown(title)} is unknown", line=line, expected=", ".join(COLUMNS))
-        if title in titles[:k]:
-            raise InputError(f"column {title} stands twice", line=line)
-    if ("x" in titles) != ("y" in titles):
-        raise InputError("coordinates need two columns", line=line, expected="x and y", found="one of them")
-    return titles
-
-
 def _ids(cells: list[str] | None, n: int, at: list[int]) -> list[str]:
     if cells is None:
         return [str(k) for k in range(n)]
@@ -157,7 +92,7 @@ def _flag(cell: str, line: int, title: str) -> bool:
     return FLAGS[cell.lower()]
 
 
-def _travel(keys: Keys, xy: NDArray[np.float64] | None, n: int, path: Path) -> Travel:
+def _travel(keys: Settings, xy: NDArray[np.float64] | None, n: int, path: Path) -> Travel:
     convention = ""
     if "convention" in keys:
         try:
@@ -189,7 +124,7 @@ def _matrix(path: Path, setting: tuple[int, str], n: int) -> NDArray[np.float64]
         raise InputError("matrix has a wrong number of rows", file=file, line=lines[min(n, len(lines) - 1)][0], expected=str(n),
                          found=str(len(lines)))  # fmt: skip
     made = np.empty((n, n))
-    delimiter = _delimiter(lines[0][1])
+    delimiter = delimiter_of(lines[0][1])
     for k, (at, row) in enumerate(lines):
         cells = row.split(delimiter) if delimiter in row else row.split()
         try:
@@ -203,7 +138,7 @@ def _matrix(path: Path, setting: tuple[int, str], n: int) -> NDArray[np.float64]
     return made
 
 
-def _instance(keys: Keys, sites: Sites, travel: Travel, path: Path, at: list[int]) -> RoutingInstance:
+def _instance(keys: Settings, sites: Sites, travel: Travel, path: Path, at: list[int]) -> RoutingInstance:
     limits: dict[str, float] = {}
     for key, attribute in LIMITS.items():
         if key in keys:
@@ -252,16 +187,13 @@ def write(instance: RoutingInstance) -> str:
     if instance.min_vehicles:
         settings.append(("min-vehicles", str(instance.min_vehicles)))
     real: Callable[[float], str] = lambda v: "" if math.isinf(v) else plain(v)  # noqa: E731
-    out = io.StringIO()
-    out.writelines(f"# {key}: {value}\n" for key, value in settings)
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
     assert sites.coordinates is not None
     reals = [*sites.coordinates.T, sites.demand, sites.ready, sites.due, sites.service, sites.reward]
-    for k, site in enumerate(sites.ids):
-        marks = ["true" if flags[k] else "false" for flags in (sites.required, sites.depot)]
-        writer.writerow([site, *(real(float(values[k])) for values in reals), *marks])
-    return out.getvalue()
+    rows = (
+        [site, *(real(float(values[k])) for values in reals), *("true" if flags[k] else "false" for flags in (sites.required, sites.depot))]
+        for k, site in enumerate(sites.ids)
+    )
+    return written(settings, COLUMNS, rows)
 
 
 FORMATS.add(

@@ -17,7 +17,23 @@ from waybound.instances.reading import read_instance
 SITE_ARRAYS = ("depot", "demand", "ready", "due", "service", "reward", "required")
 
 
-def _differences(a: RoutingInstance, b: RoutingInstance) -> list[str]:
+NAMES = ("robot_names", "action_names", "target_names", "element_names", "variable_names")
+
+
+def _differences(a: Any, b: Any) -> list[str]:
+    if a.kind != b.kind:
+        return ["kind"]
+    if isinstance(a, RoutingInstance):
+        return _routing_differences(a, b)
+    found = [key for key in ("name", "problem", "problems", "notes", *NAMES) if getattr(a, key, None) != getattr(b, key, None)]
+    for key in ("action_positions", "target_positions"):
+        here, there = getattr(a, key, None), getattr(b, key, None)
+        if (here is None) != (there is None) or (here is not None and here.tobytes() != there.tobytes()):
+            found.append(key)
+    return found + ["data"] * (a.digest() != b.digest())
+
+
+def _routing_differences(a: RoutingInstance, b: RoutingInstance) -> list[str]:
     found = [key for key in ("name", "problem", "problems", "fleet", "min_vehicles", "objective") if getattr(a, key) != getattr(b, key)]
     found += [key for key in SITE_ARRAYS if not np.array_equal(getattr(a.sites, key), getattr(b.sites, key))]
     if a.sites.ids != b.sites.ids:
@@ -38,7 +54,7 @@ def _differences(a: RoutingInstance, b: RoutingInstance) -> list[str]:
 
 
 @pytest.fixture(scope="session")
-def differences() -> Callable[[RoutingInstance, RoutingInstance], list[str]]:
+def differences() -> Callable[[Any, Any], list[str]]:
     """Names of everything in which two instances differ, to the bit."""
     return _differences
 

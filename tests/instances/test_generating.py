@@ -16,10 +16,12 @@ from waybound.instances.reach import refuse_unreachable
 
 
 def test_the_recipes_are_known() -> None:
-    assert set(GENERATORS) == {"random", "solomon", "uchoa"}
+    assert set(GENERATORS) == {
+        "coverage", "random", "sata", "sensing-geometric", "sensing-regular", "sensing-ring", "solomon", "uchoa",
+    }  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", ["random", "solomon", "uchoa"])
+@pytest.mark.parametrize("kind", sorted(GENERATORS))
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(kind: str) -> None:
     first, again, other = (write(generate(kind, seed, name="x")) for seed in (5, 5, 6))
     assert first == again
@@ -35,7 +37,7 @@ def test_text_dashes_and_underscores_are_taken() -> None:
 @pytest.mark.parametrize(
     ("kind", "seed", "given", "message"),
     [
-        ("sudoku", 1, {}, "unknown generator 'sudoku'; choose from random, solomon, uchoa"),
+        ("sudoku", 1, {}, "unknown generator 'sudoku'; choose from coverage, random, sata, sensing-geometric, "),
         ("random", -1, {}, "the seed must be a whole number of at least 0, not -1"),
         ("random", True, {}, "the seed"),
         ("random", "x", {}, "the seed"),

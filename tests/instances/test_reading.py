@@ -13,7 +13,7 @@ from waybound.instances.reading import read_instance, recognise
 
 
 def test_the_content_decides_and_not_the_name(tmp_path: Path) -> None:
-    for name, expected in (("demo-c25", "solomon"), ("demo-x40", "vrplib"), ("demo-tiny", "json")):
+    for name, expected in (("demo-c25", "solomon"), ("demo-x40", "vrplib"), ("demo-tiny", "json"), ("figure-3-3", "edges")):
         path = tmp_path / "some.csv"
         path.write_bytes(bundled_path(name).read_bytes())
         assert read_instance(path).format == expected
@@ -22,7 +22,7 @@ def test_the_content_decides_and_not_the_name(tmp_path: Path) -> None:
 def test_a_format_can_be_forced(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="heading is missing"):
         read_instance(bundled_path("demo-x40"), format="solomon")
-    with pytest.raises(UsageError, match="unknown format 'excel'; choose from csv, json, solomon, vrplib"):
+    with pytest.raises(UsageError, match="unknown format 'excel'; choose from csv, edges, json, solomon, vrplib"):
         read_instance(tmp_path / "does-not-matter", format="excel")
 
 
@@ -37,7 +37,7 @@ def test_no_known_format_lists_them_all(tmp_path: Path) -> None:
     path = tmp_path / "letter.txt"
     path.write_text("\nDear customer,\n")
     with pytest.raises(
-        InputError, match=r"letter.txt:1: is of no known format; expected csv, json, solomon, vrplib; found 'Dear customer,'"
+        InputError, match=r"letter.txt:1: is of no known format; expected csv, edges, json, solomon, vrplib; found 'Dear customer,'"
     ):
         read_instance(path)
 
@@ -53,9 +53,10 @@ def test_a_solution_file_is_named_as_one(text: str, tmp_path: Path) -> None:
 def test_every_format_recognises_what_it_writes_and_nothing_else_does() -> None:
     instance = read_instance(bundled_path("demo-tiny"))
     made = {name: FORMATS[name].write for name in FORMATS}
-    written = {name: write(instance) for name, write in made.items() if write is not None and name not in ("vrplib", "solomon")}
+    written = {name: write(instance) for name, write in made.items() if write is not None and name in ("csv", "json")}
     written["solomon"] = bundled_path("demo-c25").read_text()
     written["vrplib"] = bundled_path("demo-x40").read_text()
+    written["edges"] = bundled_path("figure-3-3").read_text()
     assert set(written) == set(FORMATS)
     for name, text in written.items():
         assert recognise(text).name == name

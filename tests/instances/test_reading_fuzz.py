@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -18,7 +19,18 @@ from waybound.instances.bundled import bundled_path
 from waybound.instances.errors import InputError, WayboundError
 from waybound.instances.formats import FORMATS, sites_csv, waybound_json
 from waybound.instances.generating import generate
+from waybound.instances.max_min import MaxMinInstance, SparseMatrix
 from waybound.instances.reading import read_instance
+from waybound.instances.selection import (
+    Cardinality,
+    Coverage,
+    DenseFacilityLocation,
+    FacilityLocation,
+    Knapsack,
+    PartitionMatroid,
+    SelectionInstance,
+)
+from waybound.instances.sensing import SensingGraph
 from waybound.instances.solution_files import read_solution_file
 
 TSP = (
@@ -51,6 +63,33 @@ DEPOT_SECTION
 -1
 EOF
 """
+EDGES = """\
+# name: e
+# problem: winner-takes-all
+# duplicates: sum
+robot,action,target,weight
+1,1.1,1,2.5
+1,1.1,2,1
+2,a,,
+3,,,
+2,b,1,0.5
+2,b,1,3
+,,9,
+"""
+DOCUMENTS: dict[str, Any] = {
+    "sensing": SensingGraph(
+        np.array([0, 1, 0], np.int32), np.array([0, 2, 3, 3], np.int32), np.array([0, 2, 1], np.int32), np.array([0.5, 2, 3]), 3, 4,
+        ("a", "b", "c"), target_names=tuple("wxyz"), action_positions=np.eye(3)[:, :2], notes=("seen",),
+    ),
+    "coverage": SelectionInstance(
+        Coverage.from_sets([[0, 2], [1], []], [1, 2.5, 3]), PartitionMatroid.of([0, 1, 0], [1, 2]), tuple("abc")
+    ),
+    "facility-location": SelectionInstance(
+        FacilityLocation(np.array([0, 1, 3], np.int32), np.array([1, 0, 2], np.int32), np.array([0.5, 1, 2]), 4), Knapsack([1, 2.5], 3.0)
+    ),
+    "dense": SelectionInstance(DenseFacilityLocation(np.array([[0.1, 2], [3, 0]], np.float32)), Cardinality(1)),
+    "max-min": MaxMinInstance(SparseMatrix.of([[1, 0, 2], [0, 1, 0]]), SparseMatrix.of([[1, 1, 1.5]]), variable_names=tuple("abc")),
+}  # fmt: skip
 BASES = {
     "solomon": bundled_path("demo-c25").read_text().split("\n", 20)[:19],
     "vrplib-cvrp": bundled_path("demo-x40").read_text().split("\n"),
@@ -58,12 +97,15 @@ BASES = {
     "vrplib-vrptw": VRPTW.split("\n"),
     "csv": sites_csv.write(generate("random", 1, windows=True)).split("\n"),  # type: ignore[arg-type]
     "json": waybound_json.write(generate("random", 2, windows=True, metric="explicit", customers=3)).split("\n"),
+    "edges": EDGES.split("\n"),
+    **{kind: waybound_json.write(made).split("\n") for kind, made in DOCUMENTS.items()},
 }
 TOKENS = [
     "nan", "NaN", "inf", "-inf", "Infinity", "1e999", "-1", "0", "-0", "1e308", "9" * 30, "9" * 5000, "2000000000", "0x1F",
     "1_000", "1,5", "--5", "½", "٣", "é", "\u2028", "\x0b", "\x00", "\ud7ff", '"', "{", "[[[[", "null", "true", "EOF", ":", "#",
     "# vehicles: 0", "TYPE: TOUR", "DIMENSION : 3", "DEPOT_SECTION", "EDGE_WEIGHT_SECTION", "FIXED_EDGES_SECTION", "VEHICLE",
     "CUSTOMER", "EXPLICIT", "ATT", "FULL_MATRIX", "LOWER_DIAG_ROW", "VRPTW", "", " ", "\t",
+    "# order: rows", "# duplicates: error", "robot,action,target", "robot", "sum", "coverage", "99999999999", "[[0]]",
 ]  # fmt: skip
 
 
@@ -157,15 +199,17 @@ def _paths(data: Any, above: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return [above, *(path for key, value in items for path in _paths(value, (*above, key)))]
 
 
-DOCUMENT = json.loads("\n".join(BASES["json"]))
+PARSED = {base: json.loads("\n".join(BASES[base])) for base in ("json", *DOCUMENTS)}
+PLACES = [(base, path) for base, document in PARSED.items() for path in _paths(document)[1:]]
 
 
 @FUZZ
-@given(st.sampled_from(_paths(DOCUMENT)[1:]), leaves | st.dictionaries(st.text(max_size=4), leaves, max_size=2))
+@given(st.sampled_from(PLACES), leaves | st.dictionaries(st.text(max_size=4), leaves, max_size=2))
 def test_any_value_anywhere_in_json_is_read_or_refused(
-    differences: Callable[..., list[str]], tmp_path: Path, path: tuple[Any, ...], value: Any
+    differences: Callable[..., list[str]], tmp_path: Path, place: tuple[str, tuple[Any, ...]], value: Any
 ) -> None:
-    data = json.loads(json.dumps(DOCUMENT))
+    base, path = place
+    data = json.loads(json.dumps(PARSED[base]))
     part = data
     for key in path[:-1]:
         part = part[key]
@@ -210,6 +254,34 @@ def test_a_claim_is_compared_and_never_allocated(text: str, tmp_path: Path) -> N
     try:
         with pytest.raises(InputError, match="wrong number of"):
             read_instance(path)
+        assert tracemalloc.get_traced_memory()[1] < 1_000_000
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("kind", "path", "value"),
+    [
+        ("sensing", "robots.count", 2_000_000_000), ("sensing", "targets.count", 10**17), ("sensing", "edges.target", [10**9, 1, 2]),
+        ("facility-location", "function.items", 2_000_000_000), ("max-min", "variables", 2_000_000_000),
+        ("max-min", "packing.rows", 2_000_000_000), ("coverage", "constraint.groups", [0, 10**9, 1]),
+    ],
+)  # fmt: skip
+def test_a_claim_in_json_is_compared_and_never_allocated(kind: str, path: str, value: Any, tmp_path: Path) -> None:
+    data = json.loads(json.dumps(PARSED[kind]))
+    *above, last = path.split(".")
+    part = data
+    for key in above:
+        part = part[key]
+    part[last] = value
+    if kind == "sensing":
+        for names in ("robots", "targets"):
+            data[names].pop("name", None)
+    (tmp_path / "huge.json").write_text(json.dumps(data))
+    tracemalloc.start()
+    try:
+        with pytest.raises(InputError):
+            read_instance(tmp_path / "huge.json")
         assert tracemalloc.get_traced_memory()[1] < 1_000_000
     finally:
         tracemalloc.stop()

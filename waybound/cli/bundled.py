@@ -26,7 +26,10 @@ def list_all(json: Json = False, verbose: Verbose = False) -> None:
 
         print_json(
             {
-                "bundled": [{"name": n, "path": str(bundled_path(n)), "recipe": r.command(n)} for n, r in RECIPES.items()],
+                "bundled": [
+                    {"name": n, "path": str(bundled_path(n)), "recipe": r.command(n) or None, "source": r.source or None}
+                    for n, r in RECIPES.items()
+                ],
                 "sets": [{"name": s.name, "summary": s.summary, "home": s.base_url, "status": s.status} for s in SETS.values()],
             }
         )
@@ -34,7 +37,9 @@ def list_all(json: Json = False, verbose: Verbose = False) -> None:
     from ..reports.tables import Column, Table
     from .output import print_table
 
-    print_table(Table("Bundled", (Column("name"), Column("made by", wide=True)), tuple((n, r.command(n)) for n, r in RECIPES.items())))
+    print_table(
+        Table("Bundled", (Column("name"), Column("made by", wide=True)), tuple((n, r.source or r.command(n)) for n, r in RECIPES.items()))
+    )
     columns = (Column("set"), Column("holds"), Column("home", wide=True))
     rows = tuple((s.name, s.summary, f"{s.status}: {s.base_url}" if verbose else s.status) for s in SETS.values())
     print_table(Table("To fetch", columns, rows))

@@ -55,7 +55,7 @@ def convert(
 
 def generate(
     kind: Annotated[
-        str, typer.Argument(metavar="KIND", help="solomon, uchoa, random, ...; an unknown one lists them all.", show_default=False)
+        str, typer.Argument(metavar="KIND", help="solomon, uchoa, sata, coverage, ...; an unknown one lists them all.", show_default=False)
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="FILE", help="Written in the format that the suffix stands for.", show_default=False)

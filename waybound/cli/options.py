@@ -34,7 +34,8 @@ Set = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change the problem's data: vehicles=3, vehicles=unlimited, vehicles-exactly=17, capacity=100, customers=25. Repeatable.",
+        help="Change the problem's data: vehicles=3, vehicles=unlimited, vehicles-exactly=17, capacity=100, customers=25, fractional=true. "
+        "Repeatable.",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]

@@ -71,11 +71,11 @@ def solve(
         float | None,
         typer.Option("--memory-limit", metavar="MB", help="Memory of that process, beyond what it takes idle; kept on Linux only."),
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the answer: .json, .sol or .tour.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the answer: .json; routes also .sol or .tour.")] = None,
     certificate: Annotated[
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")
     ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the routes: .png, .svg or .pdf.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the answer: .png, .svg or .pdf.")] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -175,7 +175,7 @@ def _write_outputs(solution: Solution, out: Path | None, certificate: Path | Non
 def _show(solution: Solution, verbose: bool) -> None:
     from ..formulations.problems.routing import RoutingProblem
     from ..formulations.rendering import Line, solution_lines, solution_title
-    from ..reports.tables import routes_table, unserved_sites, unserved_table
+    from ..reports.tables import answer_table, routes_table, unserved_sites, unserved_table
     from .output import print_lines, print_table
 
     problem = solution.problem
@@ -185,6 +185,8 @@ def _show(solution: Solution, verbose: bool) -> None:
         left = unserved_sites(problem, solution.answer)
         if left:
             print_table(unserved_table(left))
+    elif solution.answer is not None:
+        print_table(answer_table(problem, solution.answer))
     lines = solution_lines(solution)
     lines += [Line("note", note) for note in problem.notes]
     if verbose:

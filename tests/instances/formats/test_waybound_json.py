@@ -31,7 +31,7 @@ def test_the_version_stands_first() -> None:
         ({"waybound": True}, "waybound must be a whole number"),
         ({"waybound": "drop"}, "is JSON, but no waybound instance"),
         ({"kind": "drop"}, "the document lacks the key 'kind'"),
-        ({"kind": "sudoku"}, "kind is unknown; expected routing"),
+        ({"kind": "sudoku"}, "kind is unknown; expected max-min, routing, selection, sensing"),
         ({"waybound": "drop", "answer": None}, "is a solution file, not an instance"),
         ({"colour": "red"}, "the document has an unknown key 'colour'"),
     ],

@@ -1,0 +1,148 @@
+"""Arrays of numbers as they come from a user: made of one type, and refused in one line where they hold what they must not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+LARGEST_NUMBER = 2**31 - 2
+"""Largest number of anything that is counted: indices have 32 bits."""
+
+MOST_UNUSED = 1_000_000
+"""More things that nothing refers to than this are a slip, such as ids in place of numbers from 0, or a claim in a file."""
+
+
+def whole_numbers(what: str, values: ArrayLike, expected: str | None = None) -> NDArray[np.int64]:
+    """A list of whole numbers, of any type that holds them exactly, within 32 bits; ``expected`` is a hint for the message."""
+    try:
+        array = np.asarray(values)
+    except ValueError:  # lists of different lengths
+        raise InputError(f"{what} must be a list of whole numbers", expected=expected, found="lists of different lengths") from None
+    if array.ndim != 1:
+        raise InputError(f"{what} must be a list of whole numbers", expected=expected, found=f"shape {array.shape}")
+    if array.size == 0:
+        return np.zeros(0, dtype=np.int64)
+    if array.dtype.kind == "O" and all(isinstance(v, int) and not isinstance(v, bool) for v in array.tolist()):
+        raise InputError(f"{what} holds a number that is too large", expected=f"at most {LARGEST_NUMBER}")
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{what} must be a list of whole numbers", expected=expected, found=repr(array.tolist()[0])[:40])
+    if array.dtype.kind == "f" and not (np.isfinite(array).all() and (array == np.floor(array)).all()):
+        wrong = ~np.isfinite(array) | (array != np.floor(array))
+        raise InputError(f"{what} must be a list of whole numbers", expected=expected, found=str(array[int(np.argmax(wrong))]))
+    beyond = (array > LARGEST_NUMBER) | (array < -LARGEST_NUMBER)
+    if beyond.any():
+        raise InputError(
+            f"{what} holds a number that is too large", expected=f"at most {LARGEST_NUMBER}", found=str(array[int(np.argmax(beyond))])
+        )
+    return array.astype(np.int64)
+
+
+def indices(what: str, values: ArrayLike) -> Indices:
+    """A list of whole numbers as 32-bit integers; one that is so already is not copied."""
+    if isinstance(values, np.ndarray) and values.dtype == np.int32 and values.ndim == 1:
+        return np.ascontiguousarray(values)
+    return whole_numbers(what, values).astype(np.int32)
+
+
+def reals(what: str, values: ArrayLike) -> Floats:
+    """Numbers as float64; an array that is so already is not copied."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{what} must hold numbers", found=repr(values)[:40]) from None
+    return np.ascontiguousarray(array) if array.ndim else array
+
+
+def frozen(values: NDArray[Any]) -> Any:
+    """A view that cannot be written through; the caller's own array stays as it is."""
+    view = values.view()
+    view.setflags(write=False)
+    return view
+
+
+def size(what: str, value: Any) -> int:
+    """One number of things, from 0."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value <= LARGEST_NUMBER:
+        raise InputError(f"{what} must be a whole number from 0 to {LARGEST_NUMBER}", found=repr(value)[:40])
+    return int(value)
+
+
+def refuse_unused(what: str, count: int, used: int, users: str) -> None:
+    """Raise InputError if more than ``MOST_UNUSED`` of ``count`` things are without a user: nothing of that size is allocated."""
+    if count - used > MOST_UNUSED:
+        raise InputError(f"there are {count} {what}, but only {used} {users}", expected=f"at most {MOST_UNUSED} more {what} than {users}")
+
+
+def refuse_outside(what: str, values: NDArray[Any], count: int, thing: str) -> None:
+    """Raise InputError for the first of ``values`` that is not from 0 to ``count`` - 1; ``what`` has a place for its position."""
+    outside = (values < 0) | (values >= count)
+    if outside.any():
+        k = int(np.argmax(outside))
+        expected = f"0 to {count - 1}" if count else f"none, for there is no {thing}"
+        raise InputError(f"{what.format(k)} does not exist", expected=expected, found=str(values[k]))
+
+
+def refuse_negative(what: str, values: Floats) -> None:
+    """Raise InputError for the first of ``values`` that is negative, infinite or NaN; ``what`` has a place for its position."""
+    wrong = ~(values >= 0) | np.isinf(values)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise InputError(f"{what.format(k)} must be finite and not negative", found=str(values[k]))
+
+
+def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: str, entries: str) -> None:
+    """Raise InputError unless the arrays are rows of ascending numbers from 0 to ``count`` - 1, none twice in a row.
+
+    ``row``, ``column`` and ``entries`` say what they are, for the message: action, target, edges.
+    """
+    if not len(indptr) or indptr[0] != 0 or indptr[-1] != len(columns) or (np.diff(indptr) < 0).any():
+        raise InputError(f"the starts of the {row}s do not ascend from 0 to the number of {entries}")
+    refuse_outside(f"{column} of entry {{}}", columns, count, column)
+    inside = np.ones(max(len(columns) - 1, 0), dtype=bool)
+    starts = indptr[1:-1]
+    inside[starts[(starts > 0) & (starts < len(columns))] - 1] = False
+    if (np.diff(columns)[inside] <= 0).any():
+        raise InputError(f"the {column}s of each {row} must ascend, none twice")
+
+
+def names(what: str, given: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
+    """One printable name each, all different; None stays None."""
+    if given is None:
+        return None
+    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
+        raise InputError(f"the names of {what}s must be a list", found=repr(given)[:40])
+    made = tuple(str(g) for g in given)
+    if len(made) != count:
+        raise InputError(f"there must be one name for each {what}", expected=str(count), found=str(len(made)))
+    for name in made:
+        if not name or not name.isprintable() or name != name.strip():
+            raise InputError(f"the name of each {what} must be printable, not empty, without blanks at its ends", found=ascii(name)[:40])
+    if len(set(made)) != count:
+        seen: set[str] = set()
+        twice = next(n for n in made if n in seen or seen.add(n))  # type: ignore[func-returns-value]
+        raise InputError(f"two {what}s have the name {twice!r}", expected="different names")
+    return made
+
+
+def positions(what: str, points: ArrayLike | None, count: int) -> Floats | None:
+    """Points of the plane, one each, as an array of shape (count, 2); None stays None."""
+    if points is None:
+        return None
+    made = reals(f"{what} positions", points)
+    if made.shape != (count, 2):
+        raise InputError(f"{what} positions must be two numbers each", expected=f"({count}, 2)", found=str(made.shape))
+    wrong = ~np.isfinite(made).all(axis=1)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise InputError(f"the position of {what} {k} must be finite", found=str(made[k]))
+    copy = made.copy()
+    copy.setflags(write=False)
+    return copy

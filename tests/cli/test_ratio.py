@@ -1,0 +1,153 @@
+"""``waybound ratio``."""
+
+from __future__ import annotations
+
+import pytest
+
+import waybound as wb
+from waybound.formulations.evidence import Guarantee
+from waybound.formulations.selections import Selection
+from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
+from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
+from waybound.reports.ratios.judging import Configuration
+from waybound.reports.ratios.selection_families import random_families
+from waybound.reports.ratios.study import STUDIES, Study
+
+
+@pytest.fixture
+def bad_study():
+    """A study whose heuristic chooses nothing and states 1/2."""
+    nothing = Guarantee(2.0, "f(S) >= f(OPT) / 2", (), "nowhere")
+    features = frozenset({"function:coverage", "function:facility-location", "constraint:cardinality"})
+    HEURISTICS.add("idle", Heuristic("idle", ("selection",), features, lambda p, s: Outcome(Selection(), nothing), "for tests", "1/2"))
+    plan = GuaranteePlan((Configuration("idle", "idle", lambda problem: 2.0),), random_families("cardinality", 5)[:2])
+    STUDIES.add("idle", Study("idle", "for tests", 10, lambda setting: run_plan("idle", "for tests", plan, setting), plan=plan))
+    yield "idle"
+    del STUDIES._entries["idle"], HEURISTICS._entries["idle"]
+
+
+def test_without_a_study_all_are_listed(run, strict_json):
+    told = run("ratio")
+    assert told.exit_code == 0
+    names = {
+        "greedy-cardinality", "greedy-partition", "lazy-greedy", "sequential-greedy", "stochastic-greedy", "continuous-greedy",
+        "knapsack-greedy", "local", "brute-force", "winner-takes-all", "bottleneck", "layers", "table-3-1",
+    }  # fmt: skip
+    assert all(name in told.stdout for name in names)
+    assert {study["name"] for study in strict_json(run("ratio", "--json").stdout)["studies"]} == names
+
+
+def test_an_unknown_study_is_refused_with_the_names_of_the_others(refused):
+    told = refused("ratio", "greed")
+    assert "greedy-cardinality" in told and "winner-takes-all" in told
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--instances", 0), ("--instances", -3), ("--jobs", 0), ("--seed", -1)], ids=lambda a: f"{a[0]} {a[1]}"
+)
+def test_numbers_out_of_range_are_refused(refused, arguments):
+    assert arguments[0] in refused("ratio", "greedy-cardinality", *arguments)
+
+
+def test_a_folder_that_is_a_file_is_refused_before_anything_runs(refused, tmp_path):
+    (tmp_path / "here").write_text("")
+    assert "is a file" in refused("ratio", "local", "--instances", 10**9, "--out", tmp_path / "here")
+
+
+def test_a_study_prints_its_table(run):
+    told = run("ratio", "greedy-partition", "--instances", 12, "-q")
+    assert told.exit_code == 0
+    for words in ("planted-assignment", "stated", "2.0000", "faults", "ALG/OPT", "0.5000"):
+        assert words in told.stdout
+    assert told.stderr == ""
+
+
+def test_json_is_one_object(run, strict_json):
+    told = run("ratio", "lazy-greedy", "--instances", 12, "--seed", 5, "--json", "-q")
+    data = strict_json(told.stdout)
+    assert (data["schema"], data["seed"]) == (1, 5)
+    (study,) = data["studies"]
+    assert study["study"] == "lazy-greedy"
+    assert study["num_faults"] == 0 and study["faults"] == [] and not study["interrupted"]
+    assert all(row["min_ratio"] <= row["mean_ratio"] <= row["max_ratio"] <= row["stated_max"] * (1 + 1e-6) for row in study["rows"])
+
+
+def test_out_writes_tables_and_figures(run, tmp_path):
+    told = run("ratio", "greedy-cardinality", "--instances", 12, "--out", tmp_path / "new", "-q")
+    assert told.exit_code == 0
+    assert {path.suffix for path in (tmp_path / "new").iterdir()} == {".csv", ".md", ".png"}
+    assert "written: " in told.stdout
+
+
+def test_table_3_1_ends_well(run):
+    told = run("ratio", "table-3-1", "-q")
+    assert told.exit_code == 0
+    assert told.stdout.count("0.7591") == 4  # two entries of the table, printed and reproduced
+
+
+def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path):
+    from waybound.reports.ratios.studies import table_3_1
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(table_3_1.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))
+    told = run("ratio", "table-3-1", "-q")
+    assert told.exit_code == 5
+    assert "p3" in told.stderr
+
+
+def test_a_broken_guarantee_ends_with_5_and_its_instance_is_in_a_file(run, bad_study, tmp_path, strict_json):
+    told = run("ratio", bad_study, "--out", tmp_path, "--json", "-q")
+    assert told.exit_code == 5
+    assert all(line.startswith("error: idle: ") for line in told.stderr.splitlines())
+    (study,) = strict_json(told.stdout)["studies"]
+    assert study["num_faults"] >= 5
+    files = [fault["file"] for fault in study["faults"] if fault["kind"] == "ratio" and fault["file"]]
+    assert files
+    for file in files:
+        problem = wb.read(file)
+        assert problem.problem == "selection"
+        assert any("stated 2" in note for note in problem.notes)
+        assert wb.solve(problem, heuristic="greedy").objective > 0  # where the idle one has nothing
+
+
+def test_without_a_folder_the_instances_are_written_where_one_stands(run, bad_study, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run("ratio", bad_study, "-q").exit_code == 5
+    assert list(tmp_path.glob("violation-idle-*.json"))
+
+
+def test_an_interrupt_shows_what_was_done_and_says_so(run, monkeypatch):
+    from waybound.reports.ratios import guarantees
+
+    honest, calls = guarantees.measure, []
+
+    def measure(*given):
+        calls.append(given)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        return honest(*given)
+
+    monkeypatch.setattr(guarantees, "measure", measure)
+    told = run("ratio", "greedy-partition", "--instances", 600, "-q")
+    assert told.exit_code == 0
+    assert "interrupted: 3 of" in told.stderr
+    assert "coverage" in told.stdout
+
+
+def test_an_interrupt_before_anything_was_done_ends_with_130(run, monkeypatch):
+    from waybound.reports.ratios import guarantees
+
+    def measure(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(guarantees, "measure", measure)
+    told = run("ratio", "greedy-partition", "-q")
+    assert told.exit_code == 130
+
+
+@pytest.mark.long
+def test_all_runs_every_study_of_guarantees(run, strict_json):
+    told = run("ratio", "all", "--instances", 40, "--jobs", 2, "--json", "-q")
+    assert told.exit_code == 0, told.stderr
+    names = [study["study"] for study in strict_json(told.stdout)["studies"]]
+    assert names == [study.name for study in STUDIES.values() if study.guarantees]

@@ -1,0 +1,41 @@
+"""The contract of worlds: names, settings, seeds."""
+
+from __future__ import annotations
+
+import pytest
+
+from waybound.instances.errors import UsageError
+from waybound.instances.worlds import WORLDS, Setting, World, make_world, setting_values
+
+
+def test_every_world_is_made_with_its_defaults_and_does_the_three_things():
+    assert "tracking" in WORLDS
+    for name in WORLDS:
+        world = make_world(name, 1)
+        assert isinstance(world, World)
+        assert world.time == 0
+        world.observe()
+        before = set(world.metrics())
+        world.step({})
+        assert world.time == 1
+        assert set(world.metrics()) == before
+
+
+def test_an_unknown_world_lists_the_known_ones():
+    with pytest.raises(UsageError, match="tracking"):
+        make_world("nothing", 1)
+
+
+@pytest.mark.parametrize("seed", [-1, True, 1.5, "1"])
+def test_a_seed_is_a_whole_number_that_is_not_negative(seed):
+    with pytest.raises(UsageError, match="seed"):
+        make_world("tracking", seed)
+
+
+def test_settings_take_text_and_dashes_and_fill_in_defaults():
+    settings = {"turn-every": Setting(3, "steps", least=0), "kind": Setting("a", "kind", choices=("a", "b"))}
+    assert setting_values("x", settings, {"turn_every": "5"}) == {"turn-every": 5, "kind": "a"}
+    with pytest.raises(UsageError, match="x has no setting 'colour'; it takes turn-every, kind"):
+        setting_values("x", settings, {"colour": "red"})
+    with pytest.raises(UsageError, match="turn-every must lie between"):
+        setting_values("x", settings, {"turn-every": -1})

@@ -1,0 +1,3 @@
+"""The version, for floors that must not import the face."""
+
+__version__ = "0.1.0"
