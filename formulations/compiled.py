@@ -6,21 +6,23 @@ from collections.abc import Callable
 from typing import Any
 
 
-def kernel(*signature: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """``numba.njit`` with its cache on disk; without one where no folder for it can be written (containers, system installs).
 
     Parameters
     ----------
     signature : str, optional
         Compiles for these types at once.
+    **options
+        Further options of ``numba.njit``.
     """
     import numba
 
     def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         try:
-            made = numba.njit(*signature, cache=True)(function)
+            made = numba.njit(*signature, cache=True, **options)(function)
         except RuntimeError:  # numba's word for "no locator available": nowhere to keep the cache
-            made = numba.njit(*signature)(function)
+            made = numba.njit(*signature, **options)(function)
         return made  # type: ignore[no-any-return]
 
     return compiled

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,8 @@ LIFT_TOLERANCE = 1e-6
 """Share of a grain by which a bound may exceed a multiple and still be rounded up to that multiple only."""
 
 _GRAINS = (1.0, 0.1, 0.01, 0.001)
+_SAMPLE = 1000
+"""Coefficients looked at before all of them are sorted: most data without a grain show it there."""
 
 
 def grain(coefficients: ArrayLike, terms: int) -> float | None:
@@ -23,10 +26,14 @@ def grain(coefficients: ArrayLike, terms: int) -> float | None:
         How many of them an objective sums up at most. Each may be off by a float's error, and all of them together must stay
         below half of ``LIFT_TOLERANCE``.
     """
-    values: NDArray[np.float64] = np.unique(np.asarray(coefficients, dtype=np.float64))
+    given = np.asarray(coefficients, dtype=np.float64).ravel()
+    allowed = min(1e-9, 0.5 * LIFT_TOLERANCE / max(1, terms))
+    return _grain(np.unique(given), allowed) if len(given) <= _SAMPLE or _grain(given[:_SAMPLE], allowed) else None
+
+
+def _grain(values: NDArray[np.float64], allowed: float) -> float | None:
     if not np.isfinite(values).all():
         return None
-    allowed = min(1e-9, 0.5 * LIFT_TOLERANCE / max(1, terms))
     for size, scale in zip(_GRAINS, (1.0, 10.0, 100.0, 1000.0), strict=True):
         scaled = values * scale
         if (np.abs(scaled - np.round(scaled)) <= allowed).all():
@@ -52,3 +59,10 @@ def lift(bound: float, sense: str, size: float | None) -> float:
     if sense == "max":
         return min(bound, math.floor(bound * scale + LIFT_TOLERANCE) / scale)
     return max(bound, math.ceil(bound * scale - LIFT_TOLERANCE) / scale)
+
+
+def value_grain(function: Any) -> float | None:
+    """Of what every value of a coverage or facility-location function is a multiple; None for full matrices and users' functions."""
+    if function.name == "coverage":
+        return grain(function.item_weights, function.num_items)
+    return None if function.name == "user" or hasattr(function, "matrix") else grain(function.weights, function.num_items)

@@ -5,7 +5,8 @@ mean, and the mean no better than if every robot took the action that serves the
 
     min_j cover_j  <=  sum_j y_j cover_j / sum_j y_j  <=  sum_i max(0, max over actions m of i of sum_j c_mj y_j) / sum_j y_j
 
-Weights may stand on a few targets only: only the robots that see those are then looked at.
+Weights may stand on a few targets only: only the robots that see those are then looked at. With whole actions the bound is lowered to
+the next value that sums of the weights can take at all.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 
 from ...instances.errors import InputError
 from ..evidence import CHECKERS
+from .granularity import grain, lift
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -71,4 +73,6 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     total = math.fsum(best) / math.fsum(y)
     # Longest sum of products: one rounding a term and a product, and a few for the quotient.
     longest = int(np.diff(graph.indptr).max(initial=0))
-    return total * (1.0 + (longest + 8) * _EPS)
+    bound = total * (1.0 + (longest + 8) * _EPS)
+    # A sum of whole actions' weights is a multiple of what all weights are multiples of.
+    return bound if problem.fractional else lift(bound, "max", grain(graph.weights, graph.num_robots))

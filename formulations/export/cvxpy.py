@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..program import Program
+from ..program import Floats, Program, Rows
 from ._checks import refuse_cones, refuse_crossing, refuse_numbers
 
 
@@ -37,14 +38,11 @@ def to_cvxpy(program: Program) -> Any:
     refuse_cones(program, "CVXPY")
     refuse_numbers(program)
     refuse_crossing(program)
-    seen: dict[str, int] = {}
     variables: list[Any] = []
     starts: list[int] = []
     column = 0
-    for block in program.variables:
+    for block, name in zip(program.variables, _block_names(program), strict=True):
         if block.size:
-            seen[block.name] = seen.get(block.name, 0) + 1
-            name = block.name if seen[block.name] == 1 else f"{block.name}.{seen[block.name]}"
             binary = block.integer and bool((block.lower == 0).all() and (block.upper == 1).all())
             bounds = None if binary else [block.lower, block.upper]
             v = cp.Variable(block.size, name=name, boolean=binary, integer=block.integer and not binary, bounds=bounds)
@@ -55,14 +53,7 @@ def to_cvxpy(program: Program) -> Any:
     ends = [s + v.size for s, v in zip(starts, variables, strict=True)]
     for rows in program.rows:
         matrix = sp.csr_matrix((rows.data, rows.indices, rows.indptr), shape=(rows.size, program.num_variables))
-        equal = rows.lower == rows.upper
-        for chosen, side, sense in (
-            (equal, rows.lower, "=="),
-            (~equal & np.isfinite(rows.upper), rows.upper, "<="),
-            (~equal & np.isfinite(rows.lower), rows.lower, ">="),
-        ):
-            if not chosen.any():
-                continue
+        for chosen, side, sense in _sides(rows):
             part = matrix[chosen].tocsc()
             terms = [part[:, s:e] @ v for s, e, v in zip(starts, ends, variables, strict=True) if part[:, s:e].nnz]
             left = sum(terms) if terms else cp.Constant(np.zeros(int(chosen.sum())))
@@ -73,3 +64,49 @@ def to_cvxpy(program: Program) -> Any:
         objective += sign * 0.5 * cp.quad_form(cp.hstack(variables), sign * sp.csc_matrix(program.quadratic))
     goal: Any = cp.Maximize if program.sense == "max" else cp.Minimize
     return cp.Problem(goal(objective), constraints)
+
+
+def vector_of(program: Program, model: Any) -> Floats | None:
+    """What ``model``, made by ``to_cvxpy``, holds as values, in column order; None where it holds none."""
+    held = model.var_dict
+    parts = [held[name].value for block, name in zip(program.variables, _block_names(program), strict=True) if block.size]
+    return None if any(p is None for p in parts) else np.concatenate([np.zeros(0), *(np.atleast_1d(p) for p in parts)])
+
+
+def row_duals_of(program: Program, model: Any) -> Floats | None:
+    """Row duals, d objective / d right side, from the constraints of ``model``; None where it holds none.
+
+    CVXPY's multipliers of inequalities are nonnegative and belong to the minimised (negated) objective.
+    """
+    sign = -1.0 if program.sense == "min" else 1.0
+    duals, row, constraints = np.zeros(program.num_rows), 0, iter(model.constraints)
+    for rows in program.rows:
+        for chosen, _, sense in _sides(rows):
+            value = next(constraints).dual_value
+            if value is None:
+                return None
+            duals[row + np.nonzero(chosen)[0]] += (-sign if sense == ">=" else sign) * np.atleast_1d(value)
+        row += rows.size
+    return duals
+
+
+def _block_names(program: Program) -> list[str]:
+    """The name of each block's variable: a name that occurs again gets a number."""
+    seen: dict[str, int] = {}
+    names = []
+    for block in program.variables:
+        if block.size:
+            seen[block.name] = seen.get(block.name, 0) + 1
+        names.append(block.name if seen.get(block.name, 0) <= 1 else f"{block.name}.{seen[block.name]}")
+    return names
+
+
+def _sides(rows: Rows) -> list[tuple[NDArray[np.bool_], Floats, str]]:
+    """The constraints that a block of rows becomes: which rows, their side, and the relation."""
+    equal = rows.lower == rows.upper
+    parts = [
+        (equal, rows.lower, "=="),
+        (~equal & np.isfinite(rows.upper), rows.upper, "<="),
+        (~equal & np.isfinite(rows.lower), rows.lower, ">="),
+    ]
+    return [part for part in parts if part[0].any()]

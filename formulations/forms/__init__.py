@@ -31,6 +31,8 @@ class Form:
     exactness : Exactness
     refuses : callable, optional
         Further reasons why it cannot take a problem, as feature names.
+    kind : callable, optional
+        Kind of the program that it makes of a problem (``LP, MILP, QP, MIQP``).
     order : int
         Forms of lower order come first; the first that can take a problem is its default, so this ranks by measured speed.
     """
@@ -41,6 +43,7 @@ class Form:
     build: Callable[[Any], Program]
     exactness: Exactness = Exactness.EXACT
     refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
+    kind: Callable[[Any], str] = lambda problem: "MILP"
     order: int = 0
 
     def missing(self, problem: Problem) -> frozenset[str]:

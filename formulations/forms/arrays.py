@@ -42,4 +42,7 @@ def build(problem: ArrayProblem) -> Program:
     )
 
 
-FORMS.add("arrays", Form("arrays", "arrays", frozenset({"LP", "integer", "quadratic", "cones"}), build))
+FORMS.add(
+    "arrays",
+    Form("arrays", "arrays", frozenset({"LP", "integer", "quadratic", "cones"}), build, kind=lambda problem: problem.program.kind),
+)

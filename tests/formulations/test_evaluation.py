@@ -5,7 +5,11 @@ from __future__ import annotations
 import json
 import math
 
-from waybound.formulations.evaluation import CHECK_TOLERANCE, Check, Checklist, Evaluation, Violation
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from waybound.formulations.evaluation import CHECK_TOLERANCE, Check, Checklist, Evaluation, Violation, judge
 
 
 def test_residuals_up_to_the_tolerance_pass():
@@ -57,3 +61,13 @@ def test_an_objective_is_a_number_or_a_list_in_order_of_priority():
     assert Evaluation((3.0,), (), (), {}).objective == 3.0
     assert Evaluation((3.0, 4.0), (), (), {}).objective == [3.0, 4.0]
     assert not Evaluation((3.0,), (), (Violation("load", "m", 1.0),), {}).feasible
+
+
+@given(st.lists(st.floats(-2, 2) | st.sampled_from([CHECK_TOLERANCE, math.nan, math.inf, -math.inf]), max_size=8))
+def test_many_residuals_are_judged_as_one_after_the_other(excess):
+    checklist = Checklist()
+    for k, amount in enumerate(excess):
+        checklist.test("load", amount, f"thing {k}")
+    check, found = judge("load", np.array(excess, dtype=float), lambda k: f"thing {k}")
+    assert (check,) == checklist.checks(["load"])
+    assert found == checklist.violations
