@@ -1,0 +1,234 @@
+"""A robot of the local algorithm: it knows its own actions and what its neighbours sent, and nothing else.
+
+All robots run the same programme in step; ``messages`` carries what they say. Every sum runs over actions in ascending order of
+robots, as in the version over arrays, so that the two agree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .cleaning import Floats
+from .search import MARGIN
+from .wanted_levels import Levels, Request, Tested
+
+Outbox = dict[int, Any]
+Inbox = Mapping[int, Any]
+Heard = dict[tuple[int, int], Any]
+
+
+@dataclass(frozen=True)
+class Orders:
+    """What all robots are told beforehand; see ``local_shares``."""
+
+    h: int
+    levels: Levels
+    smoothing: str
+    normalise: bool
+
+
+class Robot:
+    """One robot.
+
+    Parameters
+    ----------
+    name : int
+        Tells it from others; the order of names is the order of sums.
+    actions : sequence of dict
+        For each action the weights of the targets that it sees.
+    orders : Orders
+    """
+
+    def __init__(self, name: int, actions: Sequence[Mapping[int, float]], orders: Orders) -> None:
+        self.name, self._orders = name, orders
+        self._sees = [dict(a) for a in actions]
+        self._cap = 2.0 / len(self._sees)
+        self._own = range(len(self._sees))
+        self.levels: list[float] = []
+
+    def programme(self) -> Generator[Outbox, Inbox, list[float]]:
+        """Its part of all rounds: yields messages by target first, then by neighbour; returns the shares of its actions."""
+        targets = sorted({k for sees in self._sees for k in sees})
+        inbox = yield {k: (self._cap, tuple((v, self._sees[v][k]) for v in self._own if k in self._sees[v])) for k in targets}
+        self._meet(targets, inbox)
+        ceilings = yield from self._minima(self._capacities(), self._capacities())
+        reach = yield from self._requests(ceilings[-1])
+        self.levels = yield from self._test(reach, ceilings[-1])
+        used = [level * (1.0 - MARGIN) for level in self.levels]
+        if self._orders.smoothing == "layers":
+            smooth = yield from self._minima(used)
+        else:
+            smooth = yield from self._ball(used)
+        return (yield from self._solve(smooth))
+
+    # -- getting to know the neighbours ------------------------------------------------------------------------------
+
+    def _meet(self, targets: list[int], inbox: Inbox) -> None:
+        """From what the viewers of each target said: (robot, action, weight, cap) in order; targets that only one action sees apart."""
+        self._viewers: dict[int, list[tuple[int, int, float, float]]] = {}
+        self._private = [0.0 for _ in self._own]
+        known: dict[int, set[int]] = {}
+        shown: dict[int, set[int]] = {}
+        for k in targets:
+            said = {**inbox[k], self.name: (self._cap, tuple((v, self._sees[v][k]) for v in self._own if k in self._sees[v]))}
+            viewers = [(j, v, weight, said[j][0]) for j in sorted(said) for v, weight in said[j][1]]
+            if len(viewers) == 1:
+                _, v, weight, _ = viewers[0]
+                self._private[v] = min(weight, self._private[v] or math.inf)
+                continue
+            self._viewers[k] = viewers
+            for j in inbox[k]:
+                known.setdefault(j, set()).update(v for v, _ in said[j][1])
+                shown.setdefault(j, set()).update(v for v, _ in said[self.name][1])
+        self._edges = [[(k, self._sees[v][k]) for k in sorted(self._sees[v]) if k in self._viewers] for v in self._own]
+        self._known = {j: sorted(known[j]) for j in sorted(known)}
+        self._shown = {j: sorted(shown[j]) for j in sorted(shown)}
+
+    def _tell(self, content: Callable[[int], Any]) -> Generator[Outbox, Inbox, Heard]:
+        """One round: ``content(v)`` of each own action goes to the neighbours that share a target of v, and theirs come back."""
+        inbox = yield {j: tuple(content(v) for v in actions) for j, actions in self._shown.items()}
+        heard = {(j, v): said for j, message in inbox.items() for v, said in zip(self._known[j], message, strict=True)}
+        return heard | {(self.name, v): content(v) for v in self._own}
+
+    def _of_others(self, values: Sequence[Any], v: int, choose: Callable[..., Any]) -> Any:
+        """``choose`` among the values of all own actions but v, of v itself where it is the only one."""
+        return choose(values[w] for w in self._own if w != v) if len(self._own) > 1 else values[v]
+
+    def _least_heard(self, heard: Heard, v: int) -> float:
+        """The least value, over the targets of v, that came from other actions; its own where nobody else sees a target."""
+        others = [heard[j, w] for k, _ in self._edges[v] for j, w, _, _ in self._viewers[k] if (j, w) != (self.name, v)]
+        return float(min([*others, heard[self.name, v]] if self._private[v] else others))
+
+    # -- minima over trees -------------------------------------------------------------------------------------------
+
+    def _capacities(self) -> list[float]:
+        """Per action the least value that one of its targets has with all viewers at their caps."""
+        full = {k: _total(weight * cap for _, _, weight, cap in viewers) for k, viewers in self._viewers.items()}
+        alone = [self._private[v] * self._cap if self._private[v] else math.inf for v in self._own]
+        return [min([full[k] for k, _ in self._edges[v]] + [alone[v]]) for v in self._own]
+
+    def _minima(self, start: list[float], floor: list[float] | None = None) -> Generator[Outbox, Inbox, list[list[float]]]:
+        """Per layer and action the least ``start`` over the roots above its blue copy, in h - 1 rounds."""
+        layers, values = [], list(start)
+        while True:
+            layers.append([self._of_others(values, v, min) for v in self._own])
+            if len(layers) == self._orders.h:
+                return layers
+            heard = yield from self._tell(layers[-1].__getitem__)
+            values = [self._least_heard(heard, v) for v in self._own]
+            if floor is not None:
+                values = [min(pair) for pair in zip(values, floor, strict=True)]
+
+    def _ball(self, start: list[float]) -> Generator[Outbox, Inbox, list[list[float]]]:
+        """The least ``start`` within h - 1 hops, the same on all layers."""
+        lowest = min(start)
+        for _ in range(self._orders.h - 1):
+            heard = yield dict.fromkeys(self._shown, (lowest,))
+            lowest = min([lowest, *(value for (value,) in heard.values())])
+        return [[lowest for _ in self._own]] * self._orders.h
+
+    # -- the search --------------------------------------------------------------------------------------------------
+
+    def _requests(self, ceilings: list[float]) -> Generator[Outbox, Inbox, list[Request]]:
+        """Entry d: which levels the roots within d hops want tested, in h - 1 rounds."""
+        reach = [self._orders.levels.wanted(ceilings)]
+        while len(reach) < self._orders.h:
+            inbox = yield dict.fromkeys(self._shown, reach[-1])
+            reach.append(self._orders.levels.join([reach[-1], *inbox.values()]))
+        return reach
+
+    def _test(self, reach: list[Request], ceilings: list[float]) -> Generator[Outbox, Inbox, list[float]]:
+        """The recursion at all levels that are wanted, one depth a round; returns the level of each own root."""
+        h, choice = self._orders.h, self._orders.levels
+        heard: dict[tuple[int, int], dict[float, Tested]] = {}
+        for depth in range(1, h + 1):
+            request = reach[h - depth]
+            found: list[dict[float, Tested]] = [{} for _ in self._own]
+            for family, (first, levels) in choice.families(request).items():
+                reds = {}
+                for who, cap in self._everyone():
+                    if depth == 1:
+                        reds[who] = np.full(len(levels), cap)
+                    else:  # others had to test more levels: all that robots one hop further on want
+                        skip = first - heard[who][family].first
+                        reds[who] = heard[who][family].reds[skip : skip + len(levels)]
+                leasts = {who: tested[family].least for who, tested in heard.items() if family in tested}
+                below = [self._least_heard(leasts, v) if depth > 1 else math.inf for v in self._own]
+                blues = self._blues(levels, reds)
+                for v in self._own:
+                    red = self._cap - self._of_others(blues, v, _largest)
+                    limit = choice.crossing(red, levels, self._cap)
+                    found[v][family] = Tested(min(self._of_others(below, v, min), limit), first, red)
+            if depth < h:
+                said = [choice.message(tested) for tested in found]
+                inbox = yield {j: (request, tuple(said[v] for v in actions)) for j, actions in self._shown.items()}
+                heard = {(self.name, v): found[v] for v in self._own}
+                for j, (asked, answers) in inbox.items():
+                    heard |= {(j, v): choice.read(asked, answer) for v, answer in zip(self._known[j], answers, strict=True)}
+        return [choice.settle(ceilings[v], found[v]) for v in self._own]
+
+    def _everyone(self) -> list[tuple[tuple[int, int], float]]:
+        """Own actions, and those that share a target with one, with their caps."""
+        caps = {(j, v): cap for viewers in self._viewers.values() for j, v, _, cap in viewers}
+        return list((caps | {(self.name, v): self._cap for v in self._own}).items())
+
+    def _blues(self, levels: Floats, reds: Mapping[tuple[int, int], Floats]) -> list[Floats]:
+        """B(v, d) of the own actions from R(., d - 1) of all viewers of their targets, at several levels."""
+        room = {}
+        for k, viewers in self._viewers.items():
+            room[k] = levels
+            for j, w, weight, _ in viewers:
+                room[k] = room[k] - weight * reds[j, w]
+        blues = []
+        for v in self._own:
+            red, blue = reds[self.name, v], np.zeros(len(levels))
+            if self._edges[v]:
+                most = np.max([room[k] * (1.0 / weight) for k, weight in self._edges[v]], axis=0)
+                blue = np.maximum(blue, most + red)
+            if self._private[v]:
+                blue = np.maximum(blue, levels * (2.0 / self._private[v]) - red)
+            blues.append(blue)
+        return blues
+
+    # -- the solution ------------------------------------------------------------------------------------------------
+
+    def _solve(self, smooth: list[list[float]]) -> Generator[Outbox, Inbox, list[float]]:
+        """The recursion with the smoothed levels, from the lowest layer up, in h - 1 rounds; then the average of all copies."""
+        h = self._orders.h
+        heard: Heard = dict(self._everyone())
+        total = [self._cap for _ in self._own]
+        for layer in range(h - 1, -1, -1):
+            levels = smooth[layer]
+            sums = {k: _total(weight * heard[j, w] for j, w, weight, _ in viewers) for k, viewers in self._viewers.items()}
+            blues = []
+            for v in self._own:
+                red = heard[self.name, v]
+                most = max([(levels[v] - sums[k]) * (1.0 / weight) for k, weight in self._edges[v]], default=-math.inf)
+                value = most + red
+                if self._private[v]:
+                    value = max(value, levels[v] * (2.0 / self._private[v]) - red)
+                blues.append(max(0.0, value))
+            reds = [self._cap - self._of_others(blues, v, max) for v in self._own]
+            total = [total[v] + (reds[v] + blues[v]) for v in self._own]
+            if layer > 0:
+                heard = yield from self._tell(reds.__getitem__)
+        shares = [value / (2.0 * (h + 1)) for value in total]
+        load = _total(shares)
+        return [x / load for x in shares] if self._orders.normalise or load > 1.0 else shares
+
+
+def _largest(values: Iterable[Floats]) -> Floats:
+    return np.asarray(np.max(list(values), axis=0), dtype=np.float64)
+
+
+def _total(values: Iterable[float]) -> float:
+    """The plain sum from left to right: ``sum`` compensates rounding on some versions of Python, and compiled loops do not."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total

@@ -1,0 +1,98 @@
+"""Greedy: the best element again and again; for a bottleneck, robot by robot the action that lifts the worst target most."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...formulations.problem import Problem
+from ...formulations.problems.bottleneck_sata import BottleneckSATA
+from ...formulations.problems.submodular_selection import SubmodularSelection
+from ...formulations.selections import Selection
+from ...instances.errors import UsageError
+from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..selection.ending import CUT_SHORT, concluded
+from ..selection.guarantees import assumptions, greedy_guarantee
+from ..selection.limits import ANY_FUNCTION, GROUPED, Limits
+from ..selection.picking import pick
+
+
+def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
+    """Take what gains most, until the constraint allows no more.
+
+    Parameters
+    ----------
+    problem : SubmodularSelection or BottleneckSATA
+    setting : Setting
+    eps : float, >= 0
+        Selection: stop where the largest gain is smaller.
+    evaluation : str
+        Selection: ``plain``, ``lazy``, ``incremental``, or ``auto``, whichever is fastest; the answer is the same. The statistics
+        say which ran.
+
+    Returns
+    -------
+    Outcome
+        With a guarantee for monotone submodular functions: 1 - (1 - 1/k)^k under a cardinality limit k, 1/2 under a partition
+        matroid; none where ``eps`` ended it early, and none for a bottleneck.
+
+    Raises
+    ------
+    UsageError
+        For options out of range.
+
+    Notes
+    -----
+    Ties go to the smallest index. Selection: Nemhauser, Wolsey and Fisher (1978); threshold ``eps``: CMU-RI-TR-20-52, algorithm 1,
+    digest 2.10. Bottleneck: robots in their order, each the action with the best worst target so far; it can be arbitrarily bad
+    (Sung 2019, appendix A.3, corrected in digest 3.1).
+    """
+    if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
+        raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
+    if isinstance(problem, BottleneckSATA):
+        if eps > 0 or evaluation != "auto":
+            raise UsageError("eps and evaluation are options for selection problems; a bottleneck has none")
+        return _bottleneck(problem)
+    assert isinstance(problem, SubmodularSelection)
+    limits = Limits.of(problem)
+    taken = pick(problem, limits, setting, evaluation=evaluation, eps=float(eps))
+    holds, message = assumptions(problem)
+    guarantee = greedy_guarantee(problem, holds)
+    if taken.ended != "full":
+        why = f"no element gains {eps:g} any more" if taken.ended == "eps" else CUT_SHORT
+        guarantee, message = None, "; ".join(m for m in (message, f"ended with {len(taken.elements)} elements: {why}") if m)
+    statistics = {
+        "evaluation": taken.evaluation, "evaluations": taken.evaluations, "plain_evaluations": limits.plain_evaluations(taken.elements),
+    }  # fmt: skip
+    return concluded(problem, taken.elements, holds, guarantee, statistics, message)
+
+
+def _bottleneck(problem: BottleneckSATA) -> Outcome:
+    from ..selection.bottleneck import best_worst_target
+
+    g = problem.graph
+    starts, actions = g.by_robot
+    picks = best_worst_target(starts, actions, g.indptr, g.indices, g.weights, g.num_targets)
+    chosen = picks[picks >= 0].tolist()
+    return Outcome(Selection(tuple(chosen)), statistics={"evaluations": g.num_actions})
+
+
+def _refuses(problem: Any) -> frozenset[str]:
+    if problem.family != "max-min" or problem.problem == "bottleneck":
+        return frozenset()
+    return frozenset({f"{problem.problem} problems"})
+
+
+HEURISTICS.add(
+    "greedy",
+    Heuristic(
+        name="greedy",
+        families=("selection", "max-min"),
+        features=ANY_FUNCTION | GROUPED | {"sensing", "whole-actions"},
+        run=greedy,
+        summary="the largest gain again and again; for a bottleneck, the best worst target robot by robot",
+        stated="1 - (1 - 1/k)^k > 1 - 1/e under a cardinality limit, 1/2 under a partition matroid, for monotone submodular "
+        "functions; none for a bottleneck",
+        refuses=_refuses,
+    ),
+)

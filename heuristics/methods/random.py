@@ -1,0 +1,72 @@
+"""Random: the baseline that every method should beat."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...formulations.problem import Problem
+from ...formulations.problems.bottleneck_sata import BottleneckSATA
+from ...formulations.problems.submodular_selection import SubmodularSelection
+from ...formulations.selections import Selection
+from ...instances.selection import Knapsack
+from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..selection.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, that_fit
+
+
+def random(problem: Problem, setting: Setting) -> Outcome:
+    """A random maximal answer.
+
+    Parameters
+    ----------
+    problem : SubmodularSelection or BottleneckSATA
+    setting : Setting
+        Its generator draws.
+
+    Returns
+    -------
+    Outcome
+        Robots: each takes one of its actions, all alike. Cardinality limit and partition matroid: all full sets are alike. Knapsack:
+        the elements come in a random order, and each is taken that still fits. No guarantee.
+
+    Notes
+    -----
+    Source: the baseline of Sung (2019), 3.5.1; digest 2.6.
+    """
+    if isinstance(problem, BottleneckSATA):
+        owner, room = problem.graph.robot_of_action, np.ones(problem.graph.num_robots, np.int64)
+        return Outcome(Selection(tuple(_of_groups(owner, room, setting.rng))))
+    assert isinstance(problem, SubmodularSelection)
+    c = problem.constraint
+    if not isinstance(c, Knapsack):
+        limits = Limits.of(problem)
+        return Outcome(Selection(tuple(_of_groups(limits.groups, limits.room, setting.rng))))
+    return Outcome(Selection(tuple(that_fit(setting.rng.permutation(problem.num_elements).tolist(), c))))
+
+
+def _of_groups(groups: Any, room: Any, rng: np.random.Generator) -> list[int]:
+    """The first ``room[g]`` members of each group in a random order."""
+    shuffled = rng.permutation(len(groups))
+    order = shuffled[np.argsort(groups[shuffled], kind="stable")]
+    member = groups[order]
+    rank = np.arange(len(order)) - np.searchsorted(member, member)
+    chosen: list[int] = order[rank < room[member]].tolist()
+    return chosen
+
+
+def _refuses(problem: Any) -> frozenset[str]:
+    return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
+
+
+HEURISTICS.add(
+    "random",
+    Heuristic(
+        name="random",
+        families=("selection", "max-min"),
+        features=ANY_FUNCTION | ANY_CONSTRAINT | {"sensing", "whole-actions"},
+        run=random,
+        summary="a random action for each robot, or a random maximal set",
+        refuses=_refuses,
+    ),
+)

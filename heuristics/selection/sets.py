@@ -1,0 +1,90 @@
+"""A set that grows, whatever the function: its value, and the gains of elements over it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.bounds.marginal_gains import user_gains
+from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+
+Floats = NDArray[np.float64]
+Elements = NDArray[np.int64]
+
+
+class GrowingSet(ABC):
+    """The set chosen so far.
+
+    Attributes
+    ----------
+    value : float
+        f of the set, summed up from the gains.
+    evaluations : int
+        Gains evaluated so far.
+    """
+
+    def __init__(self) -> None:
+        self.value = 0.0
+        self.evaluations = 0
+
+    @abstractmethod
+    def gains(self, elements: Elements) -> Floats:
+        """What each of ``elements`` would add."""
+
+    @abstractmethod
+    def take(self, element: int, gain: float) -> None:
+        """Add ``element``, whose gain is known."""
+
+    def best_of(self, elements: Elements) -> tuple[int, float]:
+        """The element of largest gain, the smallest index among equal ones, and the gain; ``elements`` ascend."""
+        found = self.gains(elements)
+        at = int(np.argmax(found))
+        return int(elements[at]), float(found[at])
+
+
+class ArraySet(GrowingSet):
+    """For functions given by arrays."""
+
+    def __init__(self, problem: SubmodularSelection) -> None:
+        super().__init__()
+        from ...formulations.bounds._gains import as_arrays
+
+        self.arrays = as_arrays(problem.function)  # type: ignore[arg-type]
+        self.best = np.zeros(problem.function.num_items)  # type: ignore[union-attr]
+
+    def gains(self, elements: Elements) -> Floats:
+        from ...formulations.bounds._gains import gains_of
+
+        self.evaluations += len(elements)
+        found: Floats = gains_of(elements, self.best, *self.arrays)
+        return found
+
+    def take(self, element: int, gain: float) -> None:
+        from ...formulations.bounds._gains import take
+
+        take(element, self.best, *self.arrays)
+        self.value += gain
+
+
+class UserSet(GrowingSet):
+    """For a user's function: many sets a call."""
+
+    def __init__(self, function: UserFunction) -> None:
+        super().__init__()
+        self.function = function
+        self.inside = np.zeros(function.num_elements, dtype=bool)
+
+    def gains(self, elements: Elements) -> Floats:
+        self.evaluations += len(elements)
+        return user_gains(self.function, self.inside, self.value, elements)
+
+    def take(self, element: int, gain: float) -> None:
+        self.inside[element] = True
+        self.value += gain
+
+
+def empty_set(problem: SubmodularSelection) -> GrowingSet:
+    """The empty set of a problem."""
+    return UserSet(problem.function) if isinstance(problem.function, UserFunction) else ArraySet(problem)
