@@ -1,0 +1,3 @@
+"""Missions: what agents decide in a world that unfolds over time, whichever solver decides it. Each mission is one module."""
+
+from ... import _guard as _guard

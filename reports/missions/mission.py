@@ -1,0 +1,137 @@
+"""The contract of missions: how an observation becomes a problem, and an answer becomes actions."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.problem import Problem
+from ...formulations.solution import Solution
+from ...instances.registry import Registry
+from ...instances.worlds import Setting, World
+
+Actions = Mapping[int, Any]
+"""What each agent does, by its number; agents that are not named do nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """What one team decided in one step.
+
+    Parameters
+    ----------
+    view : object
+        The team's observation.
+    problem : Problem or None
+        None where there was nothing to decide.
+    solution : Solution or None
+    """
+
+    view: Any
+    problem: Problem | None
+    solution: Solution | None
+
+    @property
+    def answer(self) -> Any:
+        """The verified answer, if there is one."""
+        return None if self.solution is None else self.solution.answer
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One picture of a world.
+
+    Parameters
+    ----------
+    area : tuple of float
+        Left, bottom, right, top.
+    agents : array of shape (agents, 2)
+    reach : float
+        Radius of the disc that each agent sees.
+    points : array of shape (points, 2)
+    marked : bool array of shape (points,)
+        Points that are attained: seen, visited, done.
+    labels : tuple of str
+        What agents, marked points and the other points are.
+    """
+
+    area: tuple[float, float, float, float]
+    agents: NDArray[np.float64]
+    reach: float
+    points: NDArray[np.float64]
+    marked: NDArray[np.bool_]
+    labels: tuple[str, str, str] = ("agents", "attained", "open")
+
+
+class Mission(ABC):
+    """What agents decide, step by step. ``run`` plays it; the solver or heuristic in between is the user's choice.
+
+    A mission object plays one run at a time: ``world`` begins it.
+
+    Class attributes
+    ----------------
+    name : str
+    summary : str
+        One line.
+    settings : mapping of Setting
+        What a user may choose, the world's settings included.
+    headline : str
+        The metric that pictures and summaries show first.
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    settings: ClassVar[Mapping[str, Setting]] = {}
+    headline: ClassVar[str]
+
+    @abstractmethod
+    def world(self, seed: int, **settings: Any) -> World:
+        """Begin a run: the world at its start. The same seed and settings give the same run.
+
+        Raises
+        ------
+        UsageError
+            For a setting that does not exist, or a value out of range.
+        """
+
+    def teams(self, observation: Any) -> Sequence[Any]:
+        """The observation in parts, one for each group of agents that decides by itself; by default, one team of all."""
+        return [observation]
+
+    @abstractmethod
+    def problem(self, observation: Any) -> Problem | None:
+        """What one team has to decide; None where there is nothing."""
+
+    @abstractmethod
+    def actions(self, observation: Any, problem: Problem | None, answer: Any) -> Actions:
+        """What the team's agents do. ``problem`` is None where there was none, ``answer`` where the solver found none."""
+
+    def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
+        """Rules that act without a problem, by name: from the whole observation to what the agents do."""
+        return {}
+
+    def total(self, values: Sequence[float]) -> float:
+        """The value of all teams together, from the values (or bounds) of their problems."""
+        return math.fsum(values)
+
+    def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
+        """Figures of a step beyond the world's metrics, from what was decided and the world after it; always the same names."""
+        return {}
+
+    def scene(self, world: World) -> Scene | None:
+        """A picture of the world; None if the mission cannot be drawn."""
+        return None
+
+    @property
+    def drawable(self) -> bool:
+        """Whether it has pictures."""
+        return type(self).scene is not Mission.scene
+
+
+MISSIONS: Registry[Callable[[], Mission]] = Registry("mission", "waybound.reports.missions")

@@ -1,0 +1,139 @@
+"""``waybound run``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..instances.errors import MissingPackageError, UsageError
+from .options import Json, Quiet, Verbose, distinct_paths, finite, output_path, parse_pairs, remark
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ..reports.missions.mission import Mission
+
+ANIMATION_SUFFIXES = (".gif", ".html")
+
+
+def run(
+    mission: Annotated[str, typer.Argument(metavar="MISSION", help="tracking, ...; an unknown one lists them all.", show_default=False)],
+    solver: Annotated[
+        str | None, typer.Option("--solver", metavar="NAME", help="What solves the problems. See `waybound solvers`.")
+    ] = None,
+    heuristic: Annotated[
+        str | None, typer.Option("--heuristic", metavar="NAME", help="An approximation instead of a solver. See `waybound heuristics`.")
+    ] = None,
+    policy: Annotated[
+        str | None,
+        typer.Option("--policy", metavar="NAME", help="A rule of the mission's own that solves no problem; an unknown one lists them."),
+    ] = None,
+    steps: Annotated[int, typer.Option("--steps", metavar="N", help="How long the mission lasts.")] = 100,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same world, whatever decides.")] = 1,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="A setting of the mission; an unknown one lists them all. Repeatable."),
+    ] = None,
+    option: Annotated[
+        list[str] | None, typer.Option("--option", metavar="KEY=VALUE", help="An option of the solver or heuristic itself. Repeatable.")
+    ] = None,
+    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S", help="Seconds for the search for each problem.")] = 60.0,
+    bound_time: Annotated[float, typer.Option("--bound-time", metavar="S", help="Seconds for bounding after it.")] = 0.0,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the log, one row a step: .csv.")] = None,
+    animation: Annotated[
+        Path | None, typer.Option("--animation", metavar="FILE", help="Show what happened: .gif, or .html with buttons.")
+    ] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Play a mission over time: agents observe, decide with any solver, heuristic or policy, and act, step by step."""
+    from ..instances.worlds import setting_values
+    from ..reports.missions.mission import MISSIONS
+
+    for name, value in (("--time-limit", time_limit), ("--bound-time", bound_time)):
+        finite(name, value)
+    given = parse_pairs(settings, "--set")
+    played = MISSIONS[mission]()
+    setting_values(mission, played.settings, given)
+    _check_outputs(played, out, animation)
+
+    from ..reports.missions.running import run as play
+    from .output import stdout_is_ours
+    from .progress import Progress
+
+    film = None
+    if animation is not None:
+        from ..reports.missions.animation import Film
+
+        film = Film(played)
+    with Progress(quiet) as progress, stdout_is_ours():
+        log = play(
+            played, solver=solver, heuristic=heuristic, policy=policy, steps=steps, seed=seed, time_limit=time_limit, bound_time=bound_time,
+            options=parse_pairs(option, "--option"), watch=film, progress=progress, **given,
+        )  # fmt: skip
+    if not len(log):
+        raise KeyboardInterrupt
+    if out is not None:
+        from ..instances.atomic import atomic_write
+
+        atomic_write(out, log.to_csv(index=False))
+    if animation is not None and film is not None:
+        film.save(animation)
+    if log.attrs["limit"] == "interrupt":
+        remark(f"interrupted after {len(log)} of {steps} steps")
+    if json:
+        from .output import print_json
+
+        print_json(_as_json(log))
+    else:
+        _show(log, played)
+
+
+def _check_outputs(mission: Mission, out: Path | None, animation: Path | None) -> None:
+    """Refuse now what could not be written after the run."""
+    distinct_paths(out=out, animation=animation)
+    output_path("--out", out, (".csv",))
+    output_path("--animation", animation, ANIMATION_SUFFIXES)
+    if animation is not None:
+        from importlib.util import find_spec
+
+        if not mission.drawable:
+            raise UsageError(f"--animation: mission {mission.name} has no pictures")
+        if find_spec("matplotlib") is None:
+            raise MissingPackageError("--animation needs the package matplotlib: pip install matplotlib")
+
+
+def _as_json(log: pd.DataFrame) -> dict[str, Any]:
+    from .. import __version__
+
+    means = {name: float(log[name].mean()) for name in _figures(log)}
+    facts = {str(key): value for key, value in log.attrs.items()}
+    return {"schema": 1, **facts, "steps": len(log), "waybound": __version__, "means": means, "rows": log.to_dict("records")}
+
+
+def _figures(log: pd.DataFrame) -> list[str]:
+    """Columns of numbers, without those that hold none."""
+    numbers = log.select_dtypes("number").drop(columns="step")
+    return [str(name) for name in numbers.columns if numbers[name].notna().any()]
+
+
+def _show(log: pd.DataFrame, mission: Mission) -> None:
+    from ..formulations.rendering import number
+    from ..reports.tables import Column, Table
+    from .output import print_table
+
+    names = sorted(_figures(log), key=lambda name: name != mission.headline)
+    rows = []
+    for name in names:
+        values = log[name].dropna()
+        spread = (values.mean(), values.std(ddof=0), values.min(), values.max())
+        rows.append((name, *(number(float(f"{v:.4g}") if abs(v) > 1e-9 else 0.0) for v in spread)))
+    decider = next((f"{kind} {name}" for kind, name in log.attrs.items() if kind in ("solver", "heuristic", "policy") and name), "default")
+    title = f"{mission.name}, {decider}: {len(log)} steps, seed {log.attrs['seed']}"
+    columns = (Column("each step"), *(Column(head, right=True) for head in ("mean", "deviation", "least", "largest")))
+    print_table(Table(title, columns, tuple(rows)))
+    status = ", ".join(f"{name} {count}" for name, count in log["status"].value_counts().items())
+    print_table(Table("", (Column(""), Column("", wide=True)), (("status of steps", status),)))
