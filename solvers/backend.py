@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..instances.errors import UsageError
@@ -72,6 +73,8 @@ class RawResult:
         Nodes, iterations, restarts, ... for the report.
     message : str
         What the user should read, such as why nothing was found.
+    evidence : tuple of Evidence
+        What proves bounds, for the checker to verify (engines). An engine that gives any is not bounded again by other methods.
     """
 
     status: str
@@ -82,6 +85,7 @@ class RawResult:
     row_duals: NDArray[np.float64] | None = None
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
+    evidence: tuple[Evidence, ...] = ()
 
 
 class Control:
@@ -100,6 +104,7 @@ class Control:
         self.answer: Any = None
         self.objective: float | None = None
         self.bound: float | None = None
+        self.evidence: tuple[Evidence, ...] = ()
 
     @property
     def stopped(self) -> bool:
@@ -122,13 +127,17 @@ class Control:
         for end in enders:
             end()
 
-    def publish(self, answer: Any = None, objective: float | None = None, bound: float | None = None) -> None:
-        """Report a better answer (same type as ``RawResult.answer``), its objective by the engine's count, or a bound."""
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        """Report a better answer (same type as ``RawResult.answer``), its objective by the engine's count, or a bound and its evidence."""
         with self._lock:
             if answer is not None:
                 self.answer, self.objective = answer, objective
             if bound is not None:
                 self.bound = bound
+            if evidence:
+                self.evidence = evidence
             event = {"seconds": time.perf_counter() - self.started, "objective": self.objective, "bound": self.bound}
         if self._progress is not None:
             self._progress(event)
@@ -160,7 +169,7 @@ class Backend(ABC):
     summary: ClassVar[str]
     interrupts: ClassVar[str] = ""
     takes: ClassVar[str]
-    needs_process: ClassVar[bool] = False
+    needs_process: bool = False
     variants: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, variant: str = "") -> None:
@@ -188,7 +197,12 @@ class ProgramBackend(Backend):
     """Solves programs of the kinds it declares (``LP, MILP, QP, MIQP``)."""
 
     takes = "program"
-    kinds: ClassVar[frozenset[str]]
+    kinds: frozenset[str]
+
+    @classmethod
+    def takers(cls, kind: str) -> tuple[str, ...]:
+        """Names of the solvers within this one, itself first, that take programs of ``kind``."""
+        return (cls.name,) if kind in cls.kinds else ()
 
     @abstractmethod
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
@@ -211,6 +225,13 @@ class Engine(Backend):
     @abstractmethod
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """Search. ``RawResult.answer`` is the problem's answer; ``options.start`` is one too."""
+
+
+def takers(kind: str, but: str = "") -> list[str]:
+    """Installed solvers that take programs of ``kind``, other than ``but``."""
+    backends = [BACKENDS[name] for name in BACKENDS]
+    found = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(kind)]
+    return [name for name in found if name != but]
 
 
 BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry("solver", "waybound.solvers.backends")

@@ -21,6 +21,7 @@ from multiprocessing.connection import Connection, Pipe
 from pathlib import Path
 from typing import IO, Any
 
+from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..instances import errors
@@ -127,8 +128,7 @@ class _Child:
         if message.kind == "searching":
             self.searching = time.perf_counter()
         elif message.kind == "incumbent":
-            answer, objective, bound = message.value
-            self.control.publish(answer, objective, bound)
+            self.control.publish(*message.value)
         elif message.kind == "done":
             result = message.value
             assert isinstance(result, RawResult)
@@ -178,7 +178,7 @@ class _Child:
         elif self.late:
             limit = "time"
         status = "feasible" if control.answer is not None else "error" if limit == "none" else "unknown"
-        return RawResult(status, limit, control.answer, control.objective, control.bound, message=message)
+        return RawResult(status, limit, control.answer, control.objective, control.bound, message=message, evidence=control.evidence)
 
     def _kill(self) -> None:
         with suppress(ProcessLookupError, PermissionError):
@@ -213,9 +213,11 @@ class _Relay(Control):
         with self._sending:
             self._connection.send_bytes(pickle.dumps(_Message(kind, value)))
 
-    def publish(self, answer: Any = None, objective: float | None = None, bound: float | None = None) -> None:
-        super().publish(answer, objective, bound)
-        self.send("incumbent", (answer, objective, bound))
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        super().publish(answer, objective, bound, evidence)
+        self.send("incumbent", (answer, objective, bound, evidence))
 
     def listen(self) -> None:
         """Wait for the parent's wish to stop, or for its end."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
 from ..heuristics.heuristic import HEURISTICS
 from .backend import BACKENDS, Engine, ProgramBackend
@@ -43,7 +44,10 @@ def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple
         return backend().missing(problem), ()
     assert issubclass(backend, ProgramBackend)
     forms = problem.forms()
-    return (frozenset() if forms else frozenset({"a form for this problem"})), tuple(forms)
+    usable = tuple(f for f in forms if backend.takers(FORMS[f].kind(problem)))
+    if usable or not forms:
+        return (frozenset() if usable else frozenset({"a form for this problem"})), usable
+    return frozenset(f"{FORMS[f].kind(problem)} programs" for f in forms), ()
 
 
 def solver_table(problem: Problem | None = None) -> list[SolverInfo]:

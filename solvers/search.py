@@ -99,4 +99,5 @@ def _from_incumbents(control: Control, interrupted: bool, fault: BaseException |
         objective=control.objective,
         bound=control.bound,
         message=message,
+        evidence=control.evidence,
     )

@@ -15,14 +15,14 @@ from ..formulations.certificate import Certificate, better_bound, certify
 from ..formulations.evaluation import CHECK_TOLERANCE, Evaluation
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.exactness import Exactness
-from ..formulations.forms import relaxed
+from ..formulations.forms import FORMS, relaxed
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError
 from . import claims
-from .backend import BACKENDS, Backend, Control, Engine, Options, ProgramBackend, RawResult
+from .backend import BACKENDS, Backend, Control, Engine, Options, ProgramBackend, RawResult, takers
 from .bounding import find_bounds
 from .listing import missing_features
 from .search import Searched, search
@@ -214,15 +214,14 @@ def _solver_run(
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
     if given is None:
-        program = problem.compile(form, relax=relax)
+        program = problem.compile(form or _first_form(problem, backend), relax=relax)
     elif form is not None:
         raise UsageError(f"the program is already compiled, as {given.form}")
     else:
         program = relaxed(given) if relax else given
     compiled = time.perf_counter() - began
     if program.kind not in backend.kinds:
-        able = [n for n in BACKENDS if BACKENDS[n].installed() and program.kind in getattr(BACKENDS[n], "kinds", ())]
-        raise UnsupportedError(solver, {f"{program.kind} programs"}, able)
+        raise UnsupportedError(solver, {f"{program.kind} programs"}, takers(program.kind, solver))
     start = None
     if options.start is not None and program.encode is not None:
         try:
@@ -233,6 +232,11 @@ def _solver_run(
     runner = backend
     go = _isolated(solver, program, hinted) if isolate else (lambda control: runner.run(program, hinted, control))
     return _Run(solver, program.form, program.exactness, go, program.decode, program, versions, compiled, [], notes)
+
+
+def _first_form(problem: Problem, backend: ProgramBackend) -> str | None:
+    """The best form whose programs the solver takes; None where there is none, for the error to say so."""
+    return next((f for f in problem.forms() if FORMS[f].kind(problem) in backend.kinds), None)
 
 
 def _isolated(solver: str, target: Problem | Program, options: Options) -> Callable[[Control], RawResult]:
@@ -282,7 +286,8 @@ def _conclude(
     evidence: list[Evidence] = list(outcome.evidence) if outcome is not None else []
     if run.program is not None and result.row_duals is not None and run.program.dual_evidence is not None:
         evidence.append(run.program.dual_evidence(result.row_duals))
-    if not searched.interrupted:
+    evidence.extend(result.evidence)
+    if not searched.interrupted and not result.evidence:
         found = search(
             lambda c: RawResult("unknown", answer=find_bounds(problem, budget, target=best, control=c, progress=progress)),
             Control(),
@@ -400,6 +405,6 @@ def _status(
 
 
 def _versions(run: _Run) -> dict[str, str]:
-    from .. import __version__
+    from .._version import __version__
 
     return {"waybound": __version__, "python": platform.python_version(), **run.versions}

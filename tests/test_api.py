@@ -11,7 +11,7 @@ import pytest
 
 import waybound as wb
 
-HEAVY = ("highspy", "ortools", "pulp", "cvxpy", "pyvrp", "pandas", "scipy", "numba", "matplotlib")
+HEAVY = ("highspy", "ortools", "pulp", "cvxpy", "pyvrp", "pandas", "scipy", "numba", "matplotlib", "networkx")
 
 
 def in_fresh_process(code: str) -> str:

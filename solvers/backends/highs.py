@@ -63,6 +63,10 @@ OWN_OPTIONS = {
 """HiGHS options that have a name common to all solvers."""
 
 
+LP_OPTIONS = ("solver", "run_crossover")
+"""Advice that is for linear programs alone: some versions of HiGHS drop integrality where a solver for them is named."""
+
+
 @BACKENDS.register("highs")
 class Highs(ProgramBackend):
     """HiGHS (Huangfu & Hall 2018): dual simplex, interior point, branch and cut, active-set QP.
@@ -115,7 +119,10 @@ def _configure(model: Any, program: Program, options: Options) -> None:
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
         chosen.update(dict.fromkeys(limits, int(options.iterations)))
-    for name, value in {**program.advice.get("highs", {}), **chosen}.items():
+    advice = program.advice.get("highs", {})
+    if program.is_integer:
+        advice = {name: value for name, value in advice.items() if name not in LP_OPTIONS}
+    for name, value in {**advice, **chosen}.items():
         model.setOptionValue(name, value)
     for name, value in options.extra.items():
         if name in OWN_OPTIONS:

@@ -9,13 +9,32 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import UsageError
-from waybound.solvers.backend import Control, Options
+from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated
+
+CVXPY = ("cvxpy", "cvxpy:SCS", "cvxpy:HIGHS")
+
+DEAF = ("pulp:HiGHS", "mathopt:highs", *CVXPY)
+"""They hear no wish to stop, and show no progress: a process of their own ends them."""
+
+NO_BOUND = ("pulp:HiGHS",)
+"""PuLP drops the bound."""
+
+NO_WORK_LIMIT = {"pulp:HiGHS": ("LP", "MILP"), "mathopt:gscip": ("LP",), "scip": ("LP",)}
+"""Kinds of programs for which they have no limit on work."""
+
+NO_START = ("pulp:HiGHS", *CVXPY)
 
 TOLERANCE = 1e-6
 SHORT = 0.6
 LATE = 6.0
 """Seconds past a limit after which a backend has overstayed, with room for a busy machine."""
+
+
+def made(name: str):
+    """The backend of this name."""
+    base, _, variant = name.partition(":")
+    return BACKENDS[base](variant) if variant else BACKENDS[base]()
 
 
 def holds(program, result) -> None:
@@ -47,8 +66,8 @@ def test_a_time_limit_with_an_incumbent_is_feasible_not_optimal(knapsack, solve_
 
 
 def test_native_backends_tell_a_bound_at_the_time_limit(knapsack, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP drops the bound")
+    if backend_name in NO_BOUND:
+        pytest.skip(f"{backend_name} tells none")
     result = solve_with(knapsack, time_limit=SHORT)
     assert result.bound is not None
     assert result.bound > result.objective + 1.0
@@ -77,7 +96,7 @@ def test_a_tiny_time_limit_of_an_lp_claims_nothing_false(program, solve_with):
 
 
 def test_a_node_limit_is_named(knapsack, backend_name, solve_with):
-    if ":" in backend_name:
+    if "MILP" in NO_WORK_LIMIT.get(backend_name, ()):
         with pytest.raises(UsageError, match="iterations"):
             solve_with(knapsack, iterations=1)
         return
@@ -87,19 +106,21 @@ def test_a_node_limit_is_named(knapsack, backend_name, solve_with):
 
 
 def test_an_iteration_limit_of_an_lp_is_named(program, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP's interfaces have no such limit")
     rng = np.random.default_rng(4)
     a = rng.random((60, 80))
     lp = program(rng.random(80).tolist(), a, a.sum(axis=1) * 0.3, np.inf, 0, 1)
+    if "LP" in NO_WORK_LIMIT.get(backend_name, ()):
+        with pytest.raises(UsageError, match="iterations"):
+            solve_with(lp, iterations=3)
+        return
     result = solve_with(lp, iterations=3)
     assert result.limit == "iterations"
     assert result.status in ("unknown", "feasible")
 
 
 def test_work_limits_repeat_to_the_bit(knapsack, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP's interfaces have no work limit")
+    if "MILP" in NO_WORK_LIMIT.get(backend_name, ()):
+        pytest.skip(f"{backend_name} has no work limit")
     first, second = (solve_with(knapsack, iterations=1, seed=7) for _ in range(2))
     assert first.objective == second.objective
     assert (first.answer == second.answer).all()
@@ -114,8 +135,8 @@ def test_a_gap_that_suffices_is_not_called_optimal(knapsack, solve_with):
 
 
 def test_an_interrupt_in_mid_run_keeps_the_best_answer(knapsack, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP's interfaces cannot be stopped; see the isolated test")
+    if backend_name in DEAF:
+        pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     began = time.perf_counter()
     result = solve_with(knapsack, stopped_after(SHORT), time_limit=120)
     assert time.perf_counter() - began < SHORT + LATE
@@ -124,16 +145,16 @@ def test_an_interrupt_in_mid_run_keeps_the_best_answer(knapsack, backend_name, s
 
 
 def test_an_interrupt_without_an_incumbent_leaves_no_answer(market_split, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP's interfaces cannot be stopped; see the isolated test")
+    if backend_name in DEAF:
+        pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     result = solve_with(market_split, stopped_after(SHORT), time_limit=120)
     assert (result.status, result.limit) == ("unknown", "interrupt")
     assert result.answer is None
 
 
 def test_an_interrupt_before_the_run_ends_it_at_once(knapsack, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP's interfaces cannot be stopped; see the isolated test")
+    if backend_name in DEAF:
+        pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     control = Control()
     control.stop()
     began = time.perf_counter()
@@ -143,6 +164,8 @@ def test_an_interrupt_before_the_run_ends_it_at_once(knapsack, backend_name, sol
 
 
 def test_any_backend_can_be_ended_in_a_process_of_its_own(market_split, backend_name):
+    if market_split.kind not in made(backend_name).kinds:
+        pytest.skip(f"{backend_name} takes no {market_split.kind}")
     began = time.perf_counter()
     result = run_isolated(backend_name, market_split, Options(time_limit=120), stopped_after(1.5))
     assert time.perf_counter() - began < 1.5 + LATE
@@ -150,8 +173,8 @@ def test_any_backend_can_be_ended_in_a_process_of_its_own(market_split, backend_
 
 
 def test_progress_is_published_and_ends_at_the_result(knapsack, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP's interfaces show no progress")
+    if backend_name in DEAF:
+        pytest.skip(f"{backend_name} shows no progress")
     events = []
     control = Control(events.append)
     result = solve_with(knapsack, control, time_limit=1.5)
@@ -163,7 +186,9 @@ def test_progress_is_published_and_ends_at_the_result(knapsack, backend_name, so
         assert control.objective == pytest.approx(knapsack.value(control.answer), abs=1e-6)
 
 
-def test_a_second_model_with_other_threads_in_one_process(program, knapsack, solve_with, check_optimum):
+def test_a_second_model_with_other_threads_in_one_process(program, backend_name, solve_with):
+    if made(backend_name).needs_process:
+        pytest.skip(f"{backend_name} has a process of its own each time")
     # HiGHS 1.12 refuses another number of threads until its scheduler is reset.
     rng = np.random.default_rng(0)
     a = rng.integers(10, 1000, (6, 30)).astype(float)
@@ -177,8 +202,8 @@ def test_a_second_model_with_other_threads_in_one_process(program, knapsack, sol
 
 
 def test_a_feasible_start_is_used(knapsack, backend_name, solve_with):
-    if ":" in backend_name:
-        pytest.skip("PuLP's interfaces take no start")
+    if backend_name in NO_START:
+        pytest.skip(f"{backend_name} takes no start")
     good = solve_with(knapsack, time_limit=2)
     again = solve_with(knapsack, start=good.answer, iterations=1, time_limit=60)
     holds(knapsack, again)

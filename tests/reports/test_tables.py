@@ -9,7 +9,7 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.answers import finite
-from waybound.reports.tables import facts, facts_table, heuristics_table, routes_table, solvers_table, unserved_sites
+from waybound.reports.tables import answer_table, facts, facts_table, heuristics_table, routes_table, solvers_table, unserved_sites
 
 
 @pytest.fixture(scope="module")
@@ -65,3 +65,17 @@ def test_solvers_and_heuristics_say_what_they_lack(problem):
     assert told[1:] == ["lacks energy:travel", f"not installed: {infos[0].install}"]
     table = heuristics_table(wb.heuristics(problem), asked=True)
     assert all(len(row) == len(table.columns) for row in table.rows)
+
+
+def test_an_answer_that_is_no_set_of_routes_is_told_row_by_row():
+    table = answer_table(wb.read("figure-3-3"), wb.Selection.of([0, 2, 5]))
+    assert [c.name for c in table.columns] == ["robot", "action", "share", "targets"]
+    assert [c.right for c in table.columns] == [False, False, True, True]
+    assert table.rows[1] == ("r2", "p3", "1", "2")
+
+
+def test_a_long_answer_is_cut_and_says_so():
+    problem = wb.MaxMinLP(np.ones((1, 50)), np.ones((1, 50)))
+    table = answer_table(problem, np.full(50, 0.01))
+    assert len(table.rows) == 21
+    assert table.rows[-1] == ("and 30 more", "")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import bundled, files, judging, listing, solving
+from . import bundled, files, judging, listing, ratio, running, solving
 from .options import handled
 
 app = typer.Typer(
@@ -37,7 +37,7 @@ def _root(
 
 for _command in (
     solving.solve, judging.check, judging.bound, judging.explain, listing.info, files.export, files.convert, files.generate,
-    listing.solvers, listing.heuristics,
+    listing.solvers, listing.heuristics, ratio.ratio, running.run,
 ):  # fmt: skip
     app.command()(handled(_command))
 app.add_typer(bundled.app, name="instances")

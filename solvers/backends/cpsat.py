@@ -1,0 +1,246 @@
+"""OR-Tools CP-SAT: programs over integers, products of variables included, counted exactly in 64 bits."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import threading
+import time
+from typing import Any
+
+import numpy as np
+
+from ...formulations.program import Program
+from ...instances.errors import UnsupportedError, UsageError
+from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
+from ..integer_program import UNLIMITED, IntegerProgram, Uncountable, integer_program
+from ..sanity import prepared, settled
+
+FEASIBLE_TOLERANCE = 1e-6
+EQUAL_TOLERANCE = 1e-6
+"""Relative difference up to which value and bound are the same."""
+
+STATUS_MAP = {
+    "UNKNOWN": "unknown", "MODEL_INVALID": "error", "FEASIBLE": "feasible", "INFEASIBLE": "infeasible", "OPTIMAL": "optimal",
+}  # fmt: skip
+
+OWN_PARAMETERS = {
+    "max_time_in_seconds": "the time limit",
+    "relative_gap_limit": "the gap",
+    "num_workers": "the threads",
+    "num_search_workers": "the threads",
+    "random_seed": "the seed",
+    "max_number_of_conflicts": "the iterations",
+    "log_search_progress": "the verbosity",
+    "log_to_stdout": "the verbosity",
+}
+"""CP-SAT's parameters that have a name common to all solvers."""
+
+UNSOUND = ("instantiate_all_variables", "fill_tightened_domains_in_response", "stop_after_presolve", "enumerate_all_solutions")
+"""Parameters with which the answer or the bound is not what it is taken for."""
+
+ASK_AGAIN = 0.05
+"""Seconds between two requests to stop: one that comes before the search begins is lost."""
+
+
+@BACKENDS.register("cpsat")
+class CpSat(ProgramBackend):
+    """OR-Tools CP-SAT (Perron & Didier): lazy clause generation with linear relaxations.
+
+    It takes mixed-integer programs whose continuous variables can be counted in steps, and products of variables; every variable
+    needs bounds, given or implied. ``solvers/integer_program.py`` says how data become integers. ``iterations`` counts conflicts. One
+    thread repeats to the bit. Extra options are CP-SAT's parameters by name.
+    """
+
+    name = "cpsat"
+    package = "ortools"
+    modules = ("ortools",)
+    summary = "OR-Tools CP-SAT: integer programs, products of variables included, counted in 64 bits"
+    kinds = frozenset({"MILP", "MIQP"})
+
+    def run(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.run``."""
+        if program.kind not in self.kinds:
+            raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
+        program = prepared(program)
+        result = settled(program)
+        if result is not None:
+            return result
+        from ortools.sat.python import cp_model
+
+        try:
+            counted = integer_program(program)
+        except Uncountable as fault:
+            raise UnsupportedError(self.name, {str(fault)}, takers(program.kind, self.name)) from None
+        solver = cp_model.CpSolver()
+        _configure(solver.parameters, options)
+        if (counted.lower > counted.upper).any():
+            name = program.variable_name(int(np.argmax(counted.lower > counted.upper)))
+            return RawResult("infeasible", message=f"no whole number is within the bounds of {name}")
+        model = cp_model.CpModel()
+        _fill(model.proto, counted)
+        if options.start is not None:
+            _hint(model.proto, counted, np.asarray(options.start, dtype=np.float64))
+        wrong = model.validate()
+        if wrong:
+            lacking = f"programs that 64 bits do not hold ({wrong.splitlines()[0]})"
+            raise UnsupportedError(self.name, {lacking}, takers(program.kind, self.name))
+        began = time.perf_counter()
+        response = _search(solver, model, program, counted, control)
+        return _result(response, program, counted, options, control, time.perf_counter() - began)
+
+
+def _configure(parameters: Any, options: Options) -> None:
+    parameters.max_time_in_seconds = max(0.0, float(options.time_limit))
+    parameters.num_workers = int(options.threads)
+    parameters.random_seed = int(options.seed) % (2**31 - 1)
+    parameters.relative_gap_limit = float(options.gap)
+    parameters.absolute_gap_limit = 0.0
+    parameters.add_lp_constraints_lazily = False  # else one thread may creep up on fine steps without ever seeing the LP
+    if options.iterations is not None:
+        parameters.max_number_of_conflicts = int(options.iterations)
+    known = [name for name in dir(parameters) if not name.startswith(("_", "clear_", "has_", "Has", "Clear"))]
+    for name, value in options.extra.items():
+        if name in OWN_PARAMETERS:
+            raise UsageError(f"cpsat: set {OWN_PARAMETERS[name]} by its own option, not by {name}")
+        if name in UNSOUND:
+            raise UsageError(f"cpsat: with {name} set otherwise, what CP-SAT calls optimal need not be")
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=3)
+            raise UsageError(f"cpsat has no parameter {name!r}" + (f"; close: {', '.join(close)}" if close else ""))
+        old = getattr(parameters, name)
+        try:
+            kind = type(old)
+            made = str(value).lower() in ("true", "1", "on") if kind is bool else kind(int(str(value)) if kind is int else value)
+            setattr(parameters, name, made)
+        except (TypeError, ValueError):
+            raise UsageError(f"cpsat: {value!r} is no value for parameter {name}") from None
+
+
+def _fill(proto: Any, counted: IntegerProgram) -> None:
+    """The integer program as CP-SAT's message."""
+    top = 2**62
+    variables, constraints = proto.variables, proto.constraints
+    for low, high in zip(counted.lower.tolist(), counted.upper.tolist(), strict=True):
+        variables.add().domain.extend([low, high])
+    indptr, indices, data = counted.indptr.tolist(), counted.indices.tolist(), counted.data.tolist()
+    for i, (low, high) in enumerate(zip(counted.row_lower.tolist(), counted.row_upper.tolist(), strict=True)):
+        if low == -UNLIMITED and high == UNLIMITED:
+            continue
+        linear = constraints.add().linear
+        linear.vars.extend(indices[indptr[i] : indptr[i + 1]])
+        linear.coeffs.extend(data[indptr[i] : indptr[i + 1]])
+        linear.domain.extend([-top if low == -UNLIMITED else low, top if high == UNLIMITED else high])
+    goal = [(j, c) for j, c in enumerate(counted.cost.tolist()) if c]
+    for (i, j), factor in zip(counted.pairs.tolist(), counted.factors.tolist(), strict=True):
+        if factor:
+            goal.append((_product(proto, counted, i, j), factor))
+    proto.objective.vars.extend([j for j, _ in goal])
+    proto.objective.coeffs.extend([c for _, c in goal])
+
+
+def _product(proto: Any, counted: IntegerProgram, i: int, j: int) -> int:
+    """A variable that equals the product of two; its number."""
+    low, high = counted.lower[[i, j]].tolist(), counted.upper[[i, j]].tolist()
+    made = len(proto.variables)
+    if low == [0, 0] and high == [1, 1] and i != j:
+        proto.variables.add().domain.extend([0, 1])
+        both = proto.constraints.add()  # -k-1 is the negation of k
+        both.enforcement_literal.extend([made])
+        both.bool_and.literals.extend([i, j])
+        proto.constraints.add().bool_or.literals.extend([made, -i - 1, -j - 1])
+        return made
+    corners = [a * b for a in (low[0], high[0]) for b in (low[1], high[1])]
+    least = 0 if i == j and low[0] <= 0 <= high[0] else min(corners)
+    proto.variables.add().domain.extend([least, max(corners)])
+    product = proto.constraints.add().int_prod
+    product.target.vars.extend([made])
+    product.target.coeffs.extend([1])
+    for k in (i, j):
+        factor = product.exprs.add()
+        factor.vars.extend([k])
+        factor.coeffs.extend([1])
+    return made
+
+
+def _hint(proto: Any, counted: IntegerProgram, start: Any) -> None:
+    """A start; products are left for CP-SAT to complete."""
+    known = np.nonzero(np.isfinite(start))[0]
+    proto.solution_hint.vars.extend(known.tolist())
+    proto.solution_hint.values.extend(counted.nearest(start)[known].tolist())
+
+
+def _search(solver: Any, model: Any, program: Program, counted: IntegerProgram, control: Control) -> Any:
+    """Run, publish incumbents and bounds, and pass the wish to stop on."""
+    from ortools.sat.python import cp_model
+
+    n, over = program.num_variables, threading.Event()
+
+    class Hear(cp_model.CpSolverSolutionCallback):  # type: ignore[misc]
+        def on_solution_callback(self) -> None:
+            values = self.response_proto.solution
+            x = counted.vector([values[k] for k in range(n)])
+            control.publish(x, program.value(x))
+
+    def hear_bound(least: float) -> None:
+        if abs(least) < float(UNLIMITED):
+            control.publish(bound=counted.bound(least - 4 * math.ulp(1.0) * abs(least)))
+
+    def stop() -> None:
+        while not over.is_set():
+            solver.stop_search()
+            over.wait(ASK_AGAIN)
+
+    solver.best_bound_callback = hear_bound
+    control.on_stop(lambda: threading.Thread(target=stop, daemon=True).start())
+    try:
+        solver.solve(model, Hear())
+    finally:
+        over.set()
+    return solver.response_proto
+
+
+def _result(response: Any, program: Program, counted: IntegerProgram, options: Options, control: Control, seconds: float) -> RawResult:
+    status = STATUS_MAP[response.status.name]
+    statistics = {
+        "conflicts": int(response.num_conflicts), "branches": int(response.num_branches),
+        "scale": {"objective": counted.scale, "exact": counted.exact},
+    }  # fmt: skip
+    if options.start is not None:
+        statistics["start"] = "used"
+    if status == "error":
+        return RawResult("error", statistics=statistics, message="CP-SAT calls the model invalid")
+    if status == "infeasible":
+        return RawResult("infeasible", statistics=statistics)
+    limit = "none"
+    if status != "optimal":
+        if control.stopped:
+            limit = "interrupt"
+        elif seconds >= 0.98 * options.time_limit:
+            limit = "time"
+        elif options.iterations is not None and response.num_conflicts >= options.iterations:
+            limit = "nodes"
+    bound = None
+    if abs(response.inner_objective_lower_bound) < UNLIMITED:
+        bound = counted.bound(float(response.inner_objective_lower_bound))
+    answer = objective = None
+    message = ""
+    if status in ("optimal", "feasible"):
+        values = response.solution
+        x = counted.vector([values[k] for k in range(program.num_variables)])
+        if program.residual(x) <= FEASIBLE_TOLERANCE:
+            answer, objective = x, program.value(x)
+        else:
+            message = "CP-SAT's point is not feasible within 1e-6 once it is counted in fractions again"
+    if answer is None:
+        end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
+        return RawResult("unknown", limit, None, None, bound, None, statistics, message or f"CP-SAT found no feasible point{end}")
+    assert objective is not None
+    equal = bound is not None and abs(bound - objective) <= EQUAL_TOLERANCE * max(1.0, abs(objective))
+    if equal:
+        status, limit = "optimal", "none"
+    elif status == "optimal":
+        status, limit = "feasible", "gap" if options.gap > 0 else "none"
+    if not math.isfinite(objective):
+        status = "error"
+    return RawResult(status, limit, answer, objective, bound, None, statistics, message)

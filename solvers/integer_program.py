@@ -1,0 +1,350 @@
+"""Programs in integers, for solvers that count in nothing else.
+
+A continuous variable can be counted in steps where, for any whole values of the others, whole numbers of steps are among the best: where
+the continuous columns make up a totally unimodular matrix, so that with whole right sides the vertices are whole. Two kinds are known
+here, after scaling to coefficients of 1 and -1. A forest: the z of a linearised product, the w of a max-min program. A network, whose rows
+hold one 1 and one -1 at most, or whose columns do where rows of one entry are left out: levels and flows of routing programs. Rows
+without continuous variables need no such property.
+
+What fractions of small denominators hold is scaled exactly. All else is scaled finely, and rounded so that rows become no tighter and the
+objective is off by at most a stated error: the integer program is then a relaxation, its bound is valid, and its points break a row
+by no more than ``ROW_ERROR``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..formulations.program import Floats, Program
+from .boxes import finite_box
+
+Integers = NDArray[np.int64]
+
+DENOMINATORS = (*range(1, 101), 1000, 10_000, 100_000, 1_000_000)
+"""Tried in this order for exact scaling."""
+
+ROW_ERROR = 1e-7
+"""By how much, in the row's own units, rounding may loosen a row."""
+
+OBJECTIVE_ERROR = 1e-9
+"""How far, relative to the sum of all that the objective may hold, rounding should move it; ``LARGEST_OBJECTIVE`` comes first."""
+
+LARGEST_OBJECTIVE = 2.0**60
+
+LARGEST = 2.0**55
+"""No sum along a row or the objective may exceed this: far enough from what 64 bits hold for sums of sums."""
+
+FUZZ = 1e-12
+"""Relative error that sums of the data may carry. Where they are scaled finely this is loosened too, else a row that holds with equality
+could break by one step."""
+
+_WHOLE = 1e-9
+_EPS = math.ulp(1.0)
+
+
+class Uncountable(ValueError):
+    """A program that cannot be written in integers; the text is the feature that it has."""
+
+
+@dataclass(frozen=True, eq=False)
+class IntegerProgram:
+    """minimise ``cost z + sum of factors z_i z_j`` over rows and bounds; ``x = shift + unit * z``.
+
+    Attributes
+    ----------
+    lower, upper, cost : int arrays of shape (variables,)
+    pairs, factors : int arrays of shape (products, 2) and (products,)
+    indptr, indices, data : arrays
+        The rows in CSR form, in integers.
+    row_lower, row_upper : int arrays of shape (rows,)
+        ``-UNLIMITED`` and ``UNLIMITED`` where there is no limit.
+    unit, shift : float arrays of shape (variables,)
+    sense : float
+        1 for a program to be minimised, -1 for one to be maximised.
+    scale : float
+        Integers in one unit of the objective.
+    error : float
+        How far the scaled objective can be from that of the program, in the program's units.
+    constant : float
+        Of the program's objective, in its own sense.
+    exact : bool
+        Whether nothing was rounded.
+    """
+
+    lower: Integers
+    upper: Integers
+    cost: Integers
+    pairs: Integers
+    factors: Integers
+    indptr: Integers
+    indices: Integers
+    data: Integers
+    row_lower: Integers
+    row_upper: Integers
+    unit: Floats
+    shift: Floats
+    sense: float
+    scale: float
+    error: float
+    constant: float
+    exact: bool
+
+    def vector(self, z: Any) -> Floats:
+        """The program's vector for integer values."""
+        return np.asarray(self.shift + self.unit * np.asarray(z, dtype=np.float64))
+
+    def nearest(self, x: Floats) -> Integers:
+        """Integer values for a vector of the program, within their bounds; those of a NaN are the lower bounds."""
+        steps = (x - self.shift) / self.unit
+        whole = np.where(np.abs(steps - np.rint(steps)) <= 1e-6, np.rint(steps), np.floor(steps))
+        return np.asarray(np.clip(np.where(np.isfinite(whole), whole, self.lower), self.lower, self.upper), dtype=np.int64)
+
+    def bound(self, least: float) -> float:
+        """Bound of the program's objective from one of the integer objective: rounded outwards."""
+        made = least / self.scale - self.error
+        made -= 4 * _EPS * (abs(made) + abs(self.constant))
+        return self.sense * made + self.constant
+
+
+UNLIMITED = 2**62
+
+
+def integer_program(program: Program) -> IntegerProgram:
+    """The program in integers.
+
+    Parameters
+    ----------
+    program : Program
+        Linear or with products, its rows holding each column once.
+
+    Raises
+    ------
+    Uncountable
+        If a continuous variable cannot be counted in steps, a variable has no bounds, or numbers are too far apart.
+    """
+    sense = 1.0 if program.sense == "min" else -1.0
+    box = finite_box(program)
+    endless = ~(np.isfinite(box.lower) & np.isfinite(box.upper))
+    if endless.any():
+        name = program.variable_name(int(np.argmax(endless)))
+        raise Uncountable(f"variables without bounds ({name})")
+    fixed = box.lower == box.upper
+    shift = np.where(fixed, box.lower, 0.0)
+    cost, constant, pairs, products = _objective(program, shift, fixed)
+    whole = program.integer | fixed
+    if (~whole[pairs]).all(axis=1).any():
+        raise Uncountable("products of continuous variables")
+
+    m, (row, column, value) = program.num_rows, _entries(program, fixed)
+    moved = program.matrix @ shift
+    sides = np.stack([program.row_lower - moved, program.row_upper - moved])
+    row_scale, unit, group = _unimodular(program, row, column, value, whole)
+    bounds = np.stack([np.where(fixed, 0.0, box.lower), np.where(fixed, 0.0, box.upper)])
+    given = np.where(np.isfinite([program.lower, program.upper]), bounds, 0.0)  # bounds that were derived need not be met exactly
+    factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, given / unit), whole, row_scale, group)
+    row_factor, unit = row_scale * factor[group[:m]], np.where(whole, 1.0, unit / factor[group[m:]])
+    indptr, indices, data, row_lower, row_upper = _rounded_rows(
+        program, row, column, value, sides, bounds, whole, row_factor, exact[group[:m]]
+    )
+    steps = bounds / unit
+    fuzz = np.where(exact[group[m:]], 0.0, FUZZ * np.abs(steps))
+    low = np.where(whole, np.ceil(_snapped(steps[0])), np.floor(_snapped(steps[0] - fuzz[0])))
+    high = np.where(whole, np.floor(_snapped(steps[1])), np.ceil(_snapped(steps[1] + fuzz[1])))
+    scale, weights, error = _scaled_objective(cost * unit, products * unit[pairs].prod(axis=1), pairs, low, high)
+    if not (np.abs([low, high]).max(initial=0.0) <= LARGEST):
+        raise Uncountable("values that are too large to count in integers")
+    n = len(unit)
+    return IntegerProgram(
+        lower=low.astype(np.int64), upper=high.astype(np.int64), cost=weights[:n].astype(np.int64), pairs=pairs,
+        factors=weights[n:].astype(np.int64), indptr=indptr, indices=indices, data=data, row_lower=row_lower, row_upper=row_upper,
+        unit=unit, shift=shift, sense=sense, scale=scale, error=error, constant=constant, exact=bool(exact.all()) and error == 0.0,
+    )  # fmt: skip
+
+
+def _objective(program: Program, shift: Floats, fixed: NDArray[np.bool_]) -> tuple[Floats, float, Integers, Floats]:
+    """Costs to be minimised, constant, pairs of columns and the factor of each product, with fixed columns put in."""
+    sense = 1.0 if program.sense == "min" else -1.0
+    cost, none = program.cost.copy(), np.zeros((0, 2), dtype=np.int64)
+    if program.quadratic is None:
+        return np.where(fixed, 0.0, sense * cost), program.value(shift), none, np.zeros(0)
+    import scipy.sparse as sp
+
+    upper = sp.coo_matrix(sp.triu(program.quadratic))
+    cost += np.asarray(program.quadratic @ shift)
+    keep = ~fixed[upper.row] & ~fixed[upper.col] & (upper.data != 0)
+    i, j, q = upper.row[keep].astype(np.int64), upper.col[keep].astype(np.int64), upper.data[keep]
+    q = np.where(i == j, q / 2.0, q)
+    binary = (i == j) & program.integer[i] & (program.lower[i] >= 0) & (program.upper[i] <= 1)
+    np.add.at(cost, i[binary], q[binary])  # a binary is its own square
+    i, j, q = i[~binary], j[~binary], q[~binary]
+    return np.where(fixed, 0.0, sense * cost), program.value(shift), np.stack([i, j], axis=1), sense * q
+
+
+def _entries(program: Program, fixed: NDArray[np.bool_]) -> tuple[Integers, Integers, Floats]:
+    row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
+    keep = (program.data != 0) & ~fixed[program.indices]
+    return row[keep], program.indices[keep].astype(np.int64), program.data[keep]
+
+
+def _unimodular(
+    program: Program, row: Integers, column: Integers, value: Floats, whole: NDArray[np.bool_]
+) -> tuple[Floats, Floats, Integers]:
+    """Scales of rows and steps of continuous columns that make all coefficients of the latter 1 or -1, up to a factor a group.
+
+    Nodes are the rows and, after them, the columns. Returns the scale of each row, the step of each column, and the group of each node.
+    """
+    import scipy.sparse as sp
+    from scipy.sparse.csgraph import connected_components
+
+    m, n = program.num_rows, program.num_variables
+    tied = np.nonzero(~whole[column])[0]
+    i, j, entry = row[tied], column[tied], value[tied]
+    graph = sp.coo_matrix((np.ones(len(tied)), (i, m + j)), shape=(m + n, m + n))
+    groups, group = connected_components(graph, directed=False)
+    if len(tied) == m + n - groups:
+        scale, step = _forest_scales(i, j, np.abs(entry), group, groups, m, n)
+    else:
+        scale, step = np.ones(m), np.ones(n)
+        scale[i] = 1.0 / np.abs(entry)
+        alike = _is_whole(scale[i] * np.abs(entry)).all()
+        if not alike or not _is_network(i, j, np.sign(entry), m, n):
+            raise Uncountable(f"continuous variables that cannot be counted in steps (such as {program.variable_name(int(j[0]))})")
+    return scale, step, group.astype(np.int64)
+
+
+def _is_network(i: Integers, j: Integers, sign: Floats, m: int, n: int) -> bool:
+    """Whether rows hold at most one 1 and one -1, or columns do where rows of one entry do not count."""
+    inner = np.bincount(i, minlength=m)[i] > 1
+    i, j, sign = i[inner], j[inner], sign[inner]
+
+    def one_each(line: Integers, size: int) -> bool:
+        return all(np.bincount(line[sign == which], minlength=size).max(initial=0) <= 1 for which in (1.0, -1.0))
+
+    return one_each(i, m) or one_each(j, n)
+
+
+def _forest_scales(
+    i: Integers, j: Integers, size: Floats, group: NDArray[np.integer[Any]], groups: int, m: int, n: int
+) -> tuple[Floats, Floats]:
+    step, scale = np.full(n, np.nan), np.full(m, np.nan)
+    first = np.full(groups, n, dtype=np.int64)
+    np.minimum.at(first, group[m:], np.arange(n))
+    step[first[first < n]] = 1.0
+    scale[np.bincount(i, minlength=m) == 0] = 1.0
+    while True:  # one step further from the roots
+        known = np.isfinite(step[j]) & ~np.isfinite(scale[i])
+        scale[i[known]] = 1.0 / (size[known] * step[j[known]])
+        back = np.isfinite(scale[i]) & ~np.isfinite(step[j])
+        step[j[back]] = 1.0 / (size[back] * scale[i[back]])
+        if not known.any() and not back.any():
+            return scale, step
+
+
+def _group_factors(
+    row: Integers, column: Integers, value: Floats, sides: Floats, bounds: Floats, steps: Floats, whole: NDArray[np.bool_],
+    row_scale: Floats, group: Integers,
+) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
+    """For each group the factor that makes its coefficients, sides and steps whole, or as fine as the errors of its rows ask for.
+
+    Also whether it is the former.
+    """
+    m = len(row_scale)
+    mine = whole[column]
+    others, at = value[mine] * row_scale[row[mine]], group[row[mine]]
+    side = np.where(np.isfinite(sides), sides, 0.0) * row_scale
+    values = np.abs(np.concatenate([others, *side, *steps]))
+    where = np.concatenate([at, group[:m], group[:m], group[m:], group[m:]])
+    distinct, of = np.unique(values, return_inverse=True)
+    denominator = _denominators(distinct)[of]
+    factor = np.ones(int(group.max(initial=-1)) + 1, dtype=np.int64)
+    exact = np.ones(len(factor), dtype=bool)
+    exact[where[denominator == 0]] = False
+    for k in np.unique(denominator[denominator > 1]).tolist():
+        has = np.unique(where[denominator == k])
+        factor[has] = np.lcm(factor[has], k)
+        exact[has[factor[has] > DENOMINATORS[-1]]] = False
+        factor[~exact] = 1
+    # A coefficient is off by half a step, times the largest value of its variable.
+    reach = np.bincount(row[mine], 0.5 * np.abs(bounds).max(axis=0)[column[mine]], minlength=m) + 1.0
+    fine = np.zeros(len(factor))
+    np.maximum.at(fine, group[:m], reach / (ROW_ERROR * row_scale))
+    return np.where(exact, factor.astype(np.float64), np.exp2(np.ceil(np.log2(np.maximum(fine, 1.0))))), exact
+
+
+def _denominators(values: Floats) -> Integers:
+    """The smallest denominator of each value, 0 where there is none among ``DENOMINATORS``."""
+    found = np.zeros(len(values), dtype=np.int64)
+    left = np.arange(len(values))
+    for d in DENOMINATORS:
+        if len(left) == 0:
+            break
+        scaled = values[left] * d
+        good = _is_whole(scaled)
+        found[left[good]] = d
+        left = left[~good]
+    return found
+
+
+def _rounded_rows(
+    program: Program, row: Integers, column: Integers, value: Floats, sides: Floats, bounds: Floats, whole: NDArray[np.bool_],
+    row_factor: Floats, exact: NDArray[np.bool_],
+) -> tuple[Integers, Integers, Integers, Integers, Integers]:  # fmt: skip
+    """Rows in integers; those that are not exact are loosened by what the rounding of their coefficients can amount to."""
+    m = program.num_rows
+    scaled, top = value * row_factor[row], np.abs(bounds).max(axis=0)[column]
+    rounded = np.where(whole[column], np.rint(scaled), np.sign(scaled))
+    reach = np.bincount(row, np.abs(scaled) * top, minlength=m)
+    if reach.max(initial=0.0) > LARGEST:
+        raise Uncountable(f"numbers as far apart as those of row {program.row_name(int(np.argmax(reach)))}")
+    off = np.where(whole[column], np.abs(scaled - rounded), 0.0)
+    side = sides * row_factor
+    fuzz = FUZZ * (reach + np.where(np.isfinite(side), np.abs(side), 0.0))
+    loose = np.where(exact, 0.0, np.bincount(row, off * top, minlength=m) + fuzz)
+    low, high = _snapped(side[0] - loose[0]), _snapped(side[1] + loose[1])
+    # Whole numbers alone: the next one inside. With continuous variables: the next one outside, for their sums are not whole.
+    mixed = np.bincount(row, ~whole[column], minlength=m) > 0
+    low, high = np.where(mixed, np.floor(low), np.ceil(low)), np.where(mixed, np.ceil(high), np.floor(high))
+    low, high = np.where(low <= -reach - 1.0, -UNLIMITED, low), np.where(high >= reach + 1.0, UNLIMITED, high)
+    keep = rounded != 0
+    indptr = np.zeros(m + 1, dtype=np.int64)
+    np.cumsum(np.bincount(row[keep], minlength=m), out=indptr[1:])
+    # A side that no value of the row comes near is cut to what 64 bits hold: such a row is infeasible either way.
+    low, high = np.clip(low, -float(UNLIMITED), float(UNLIMITED)), np.clip(high, -float(UNLIMITED), float(UNLIMITED))
+    return indptr, column[keep], rounded[keep].astype(np.int64), low.astype(np.int64), high.astype(np.int64)
+
+
+def _scaled_objective(cost: Floats, products: Floats, pairs: Integers, low: Floats, high: Floats) -> tuple[float, Floats, float]:
+    """Scale, whole weights of variables and products, and how far their sum can be from the truth."""
+    weights = np.concatenate([cost, products])
+    top = np.maximum(np.abs(low), np.abs(high))
+    reach = np.concatenate([top, top[pairs].prod(axis=1)])
+    used = weights != 0
+    if not used.any():
+        return 1.0, weights, 0.0
+    total = float(np.abs(weights[used]) @ reach[used])
+    for base in (1.0, float(np.abs(weights[used]).min())):
+        denominators = np.unique(_denominators(np.unique(np.abs(weights[used]) / base))).tolist()
+        scale = math.lcm(*denominators) / base
+        if denominators[0] > 0 and scale * base <= DENOMINATORS[-1] and scale * total <= LARGEST_OBJECTIVE:
+            return scale, np.rint(weights * scale), 0.0
+    finest, needed = LARGEST_OBJECTIVE / total, 0.5 * float(reach[used].sum()) / (OBJECTIVE_ERROR * total)
+    scale = float(np.exp2(min(np.floor(np.log2(finest)), np.ceil(np.log2(needed)))))
+    rounded = np.rint(weights * scale)
+    error = float((np.abs(weights * scale - rounded) * reach).sum()) / scale
+    return scale, rounded, error * (1.0 + 1e-12)
+
+
+def _is_whole(values: Floats) -> NDArray[np.bool_]:
+    """Which values are integers but for the rounding of floats."""
+    with np.errstate(invalid="ignore"):  # infinity less infinity
+        return np.asarray(np.abs(values - np.rint(values)) <= _WHOLE + 4 * _EPS * np.abs(values))
+
+
+def _snapped(values: Floats) -> Floats:
+    """Values that are whole but for the rounding of floats, made whole."""
+    return np.where(_is_whole(values), np.rint(values), values)

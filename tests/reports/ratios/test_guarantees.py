@@ -1,0 +1,197 @@
+"""The suite catches what it is there to catch."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import waybound as wb
+from waybound.formulations.problem import problem_from_instance
+from waybound.reports.ratios.guarantees import FALSE_ALARM, GuaranteePlan, hoeffding_margin, run_plan
+from waybound.reports.ratios.judging import Configuration, judge, run_heuristic
+from waybound.reports.ratios.optimum import optimum
+from waybound.reports.ratios.selection_families import random_families
+from waybound.reports.ratios.study import STUDIES, StudySetting
+from waybound.reports.ratios.violations import write_faults
+
+
+def kinds(report):
+    return {fault.kind for fault in report.faults}
+
+
+def test_a_heuristic_that_breaks_its_guarantee_is_caught_and_its_instance_is_read_back(measured, tmp_path):
+    report = measured("bad-worst")
+    assert kinds(report) >= {"ratio"}
+    assert report.num_faults == sum(row["violations"] for row in report.rows)
+    files = write_faults(report, tmp_path)
+    found = [(fault, file) for fault, file in zip(report.faults, files, strict=True) if fault.kind == "ratio" and file]
+    assert found
+    for fault, file in found:
+        problem = wb.read(file)
+        assert fault.message in problem.notes
+        again = judge(problem, optimum(problem), run_heuristic(problem, "bad-worst", {}, 1), 2.0)
+        assert "ratio" in {kind for kind, _ in again.faults}
+
+
+def test_a_sound_heuristic_passes(measured):
+    report = measured("greedy", expected=1 / (1 - math.exp(-1)))
+    assert report.num_faults == 0
+    assert len(report.observations) == 40
+
+
+def test_a_guarantee_that_is_withheld_is_a_fault(measured):
+    report = measured("bad-shy")
+    assert kinds(report) >= {"guarantee"}
+    assert all(row["stated_min"] is None for row in report.rows)
+
+
+def test_a_guarantee_where_none_is_known_is_a_fault(measured):
+    assert kinds(measured("greedy", expected=None)) >= {"guarantee"}
+
+
+def test_a_guarantee_weaker_than_the_literature_is_a_fault(measured):
+    assert kinds(measured("greedy", expected=1.01)) >= {"guarantee"}
+
+
+def test_a_bound_is_derived_by_the_checker_whatever_the_heuristic_says_of_it(measured):
+    """Evidence of another value is still evidence: the checker derives its own bound from it."""
+    report = measured("bad-boastful", expected=1 / (1 - math.exp(-1)))
+    assert report.num_faults == 0
+    assert all(one["bound"] is None or one["bound"] >= one["optimum"] - 1e-9 for one in report.observations)
+
+
+def test_evidence_that_cannot_be_read_is_a_fault(measured):
+    assert "bound" in kinds(measured("bad-garbled", expected=1 / (1 - math.exp(-1))))
+
+
+def test_a_checker_that_proves_too_much_is_caught(measured, monkeypatch):
+    from waybound.formulations.evidence import CHECKERS
+
+    honest = CHECKERS["marginal-gains"]
+    monkeypatch.setitem(CHECKERS._entries, "marginal-gains", lambda problem, data: 0.5 * honest(problem, data))
+    assert "bound" in kinds(measured("greedy", expected=1 / (1 - math.exp(-1))))
+
+
+def test_an_answer_that_fails_its_check_is_a_fault(measured):
+    assert kinds(measured("bad-greedy-for-more")) >= {"answer"}
+
+
+def test_a_crash_is_a_fault_with_its_instance_and_not_the_end_of_the_study(measured, tmp_path):
+    report = measured("bad-crash")
+    assert kinds(report) == {"error"}
+    assert report.num_faults == 40
+    assert "IndexError" in report.faults[0].message
+    assert any(write_faults(report, tmp_path))
+
+
+def test_a_guarantee_in_expectation_is_tested_on_the_mean(measured):
+    low = measured("bad-unlucky", repeats=60)
+    assert kinds(low) >= {"ratio"}
+    assert "mean" in next(fault.message for fault in low.faults if fault.kind == "ratio")
+
+
+def test_single_runs_below_a_guarantee_in_expectation_are_no_fault(measured):
+    report = measured("lucky", repeats=60)
+    assert report.num_faults == 0
+    assert any(math.isclose(row["mean_ratio"], 4 / 3, rel_tol=0.1) for row in report.rows)
+    assert "Hoeffding" in " ".join(report.notes)
+
+
+def test_many_instances_show_what_single_ones_cannot(measured):
+    """Three runs an instance prove nothing about it; the mean over all of them does."""
+    report = measured("bad-unlucky", repeats=3, instances=200)
+    pooled = [fault for fault in report.faults if "instances" in fault.message]
+    assert pooled
+    assert not [fault for fault in report.faults if fault not in pooled]
+
+
+def test_hoeffding_margins():
+    count = 1000
+    assert math.exp(-2 * count * hoeffding_margin(count) ** 2) == pytest.approx(FALSE_ALARM)
+    assert hoeffding_margin(4 * count) == pytest.approx(hoeffding_margin(count) / 2)
+
+
+def test_certificates_of_some_runs_go_through_solve(measured):
+    assert "4 runs went through solve" in " ".join(measured("greedy", expected=1 / (1 - math.exp(-1))).notes)
+
+
+def test_an_audit_sees_a_certificate_that_differs_from_the_run(measured, monkeypatch):
+    from waybound.solvers import solve as solving
+
+    honest = solving.solve
+    monkeypatch.setattr(solving, "solve", lambda problem, **options: honest(problem, **{**options, "heuristic": "random"}))
+    assert kinds(measured("greedy", expected=1 / (1 - math.exp(-1)))) >= {"certificate"}
+
+
+def test_the_same_seed_gives_the_same_report_and_another_one_another():
+    study = STUDIES["greedy-cardinality"]
+    first, again, other = (study(StudySetting(30, seed=seed)) for seed in (4, 4, 5))
+    assert first.observations == again.observations
+    assert first.observations != other.observations
+
+
+def test_more_instances_begin_with_the_same_ones():
+    study = STUDIES["greedy-partition"]
+    few, many = study(StudySetting(12)), study(StudySetting(60))
+    assert [o for o in few.observations if o["family"] == "coverage"] == [
+        o for o in many.observations if o["family"] == "coverage" and o["instance"] < 2
+    ]
+
+
+def test_an_interrupt_keeps_what_was_done():
+    done = []
+
+    def told(count, total, what):
+        done.append(count)
+        if count == 3:
+            raise KeyboardInterrupt
+
+    plan = GuaranteePlan((Configuration("greedy", "greedy", lambda problem: 2.0),), random_families("cardinality", 5))
+    report = run_plan("interrupted", "for tests", plan, StudySetting(400, told=told))
+    assert report.interrupted
+    assert (report.done, report.asked) == (3, 8)
+    assert 0 < len(report.observations) == sum(row["instances"] for row in report.rows) < 400
+
+
+def test_an_optimum_that_does_not_hold_up_is_a_fault(measured, monkeypatch):
+    from waybound.instances.errors import CheckFailedError
+    from waybound.reports.ratios import judging
+
+    def fail(problem):
+        raise CheckFailedError("the two sides differ")
+
+    monkeypatch.setattr(judging, "optimum", fail)
+    report = measured("greedy")
+    assert kinds(report) == {"optimum"}
+    assert report.num_faults == 40
+
+
+@pytest.mark.parametrize("kind", ["bottleneck-lp", "winner-takes-all", "max-min-lp", "selection"])
+def test_every_kind_of_instance_is_written_and_read_back(kind, tmp_path):
+    from waybound.instances.writing import write_instance
+    from waybound.reports.ratios import max_min_families as graphs
+    from waybound.reports.ratios import selection_families as random
+    from waybound.reports.ratios.violations import instance_of, instance_text
+
+    problem = {
+        "bottleneck-lp": graphs.random_families()[3], "winner-takes-all": random.random_assignments(),
+        "max-min-lp": graphs.random_programs(),
+        "selection": random.random_families("knapsack")[2],
+    }[kind].case(5, 1).problem  # fmt: skip
+    path = tmp_path / "instance.json"
+    write_instance(instance_of(problem, "something is wrong here"), path)
+    again = wb.read(path)
+    assert again.problem == kind
+    assert again.digest() == problem.digest()
+    assert any("something is wrong here" in note for note in again.notes)
+    assert "something is wrong here" in instance_text(problem, "something is wrong here")
+    assert problem_from_instance(instance_of(problem)).digest() == problem.digest()
+
+
+def test_a_users_function_has_no_file_and_says_so():
+    from waybound.reports.ratios.violations import instance_of, instance_text
+
+    problem = random_families("cardinality")[-1].case(1, 1).problem
+    assert instance_of(problem) is None
+    assert "cannot be written" in instance_text(problem)

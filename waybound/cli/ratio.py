@@ -1,0 +1,139 @@
+"""``waybound ratio``: approximation ratios observed against stated ones, and the experiments on sensing graphs."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..instances.errors import UsageError
+from .options import Json, Quiet, Verbose, complain, remark
+
+if TYPE_CHECKING:
+    from ..reports.ratios.study import Report, Study
+
+ALL = "all"
+"""Names every study that tests stated guarantees or published values."""
+
+
+def ratio(
+    study: Annotated[str | None, typer.Argument(metavar="[STUDY]", help="Name of a study, or all; without one, they are listed.")] = None,
+    instances: Annotated[
+        int | None,
+        typer.Option(
+            "--instances",
+            metavar="N",
+            help="Random instances for each heuristic, spread over the families; trials of each point of an experiment.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="N")] = 1,
+    jobs: Annotated[int, typer.Option("--jobs", metavar="N", help="Processes that share the work; the figures do not depend on it.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Write tables (.csv, .md), figures (.png) and violating instances here.")
+    ] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Approximation ratios, observed against stated, and the experiments behind them; ends with 5 where a guarantee is broken."""
+    from ..reports.ratios.study import STUDIES, StudySetting
+
+    _check(instances, seed, jobs, out)
+    if study is None:
+        _list(json)
+        return
+    chosen = [s for s in STUDIES.values() if s.guarantees] if study == ALL else [STUDIES[study]]
+    # Ctrl-C ends a study, which then brings what it has; a second study is not begun after it.
+    reports: list[Report] = []
+    files: list[tuple[str | None, ...]] = []
+    for one in chosen:
+        with _Counter(one.name, quiet) as told:
+            report = one(StudySetting(instances or one.instances, seed, jobs, told))
+        if report.rows or not report.interrupted:
+            reports.append(report)
+            files.append(_keep(report, out, json))
+        if report.interrupted:
+            remark(f"interrupted: {report.done} of {report.asked} parts of {one.name} were done, and are shown")
+            break
+    if json:
+        from .output import print_json
+
+        print_json({"schema": 1, "seed": seed, "studies": [r.to_json(f) for r, f in zip(reports, files, strict=True)]})
+    if any(report.num_faults for report in reports):
+        raise typer.Exit(5)
+    raise typer.Exit(0 if reports else 130)
+
+
+def _check(instances: int | None, seed: int, jobs: int, out: Path | None) -> None:
+    from ..reports.ratios.writing import check_folder
+
+    for name, value, least in (("--instances", instances, 1), ("--seed", seed, 0), ("--jobs", jobs, 1)):
+        if value is not None and value < least:
+            raise UsageError(f"{name} must be a whole number of at least {least}, not {value}")
+    if out is not None:
+        check_folder(out)
+
+
+def _list(json: bool) -> None:
+    from ..reports.ratios.study import STUDIES
+    from ..reports.tables import Column, Table
+    from .output import print_json, print_table
+
+    studies: list[Study] = STUDIES.values()
+    if json:
+        listed = [{"name": s.name, "summary": s.summary, "instances": s.instances, "all": s.guarantees} for s in studies]
+        print_json({"schema": 1, "studies": listed})
+        return
+    columns = (Column("study"), Column("instances", right=True), Column("in all"), Column("what it measures", wide=True))
+    rows = tuple((s.name, str(s.instances), "yes" if s.guarantees else "no", s.summary) for s in studies)
+    print_table(Table("Studies", columns, rows))
+
+
+def _keep(report: Report, out: Path | None, json: bool) -> tuple[str | None, ...]:
+    """Show and write one report; returns where the instances of its faults are."""
+    from ..reports.ratios.violations import summary_lines, write_faults
+    from ..reports.ratios.writing import write_report
+    from .output import print_table, print_text
+
+    if not json:
+        print_table(report.table)
+        for note in report.notes:
+            print_text(f"note: {note}")
+    if out is not None:
+        written = write_report(report, out)
+        if not json:
+            print_text("written: " + ", ".join(str(path) for path in written))
+    files = write_faults(report, out or Path.cwd())
+    for line in summary_lines(report.faults, files, report.num_faults):
+        complain(f"{report.study}: {line}")
+    return files
+
+
+class _Counter:
+    """Counts parts of the work on standard error: a live line in a terminal, sparse lines elsewhere, nothing when asked to be quiet."""
+
+    def __init__(self, name: str, quiet: bool) -> None:
+        self.name, self.quiet = name, quiet
+        self._began = time.perf_counter()
+        self._said = self._began
+        self._live = not quiet and sys.stderr.isatty()
+
+    def __enter__(self) -> _Counter:
+        return self
+
+    def __exit__(self, *fault: Any) -> None:
+        if self._live:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+    def __call__(self, done: int, total: int, what: str) -> None:
+        from .progress import SPARSE_SECONDS
+
+        now = time.perf_counter()
+        if self.quiet or now - self._said < (0.25 if self._live else SPARSE_SECONDS):
+            return
+        self._said = now
+        line = f"{self.name} {now - self._began:.1f} s: {done} of {total} parts" + (f", {what}" if what else "")
+        print(f"\r\033[K{line}" if self._live else line, end="" if self._live else "\n", file=sys.stderr, flush=True)
