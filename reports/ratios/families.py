@@ -1,0 +1,54 @@
+"""Families of instances: seeded random ones, and adversarial ones whose optimum is known by construction."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .judging import Case
+
+Make = Callable[[int, np.random.Generator], Case]
+
+
+@dataclass(frozen=True)
+class Family:
+    """A family of instances.
+
+    Parameters
+    ----------
+    name : str
+    summary : str
+        One line.
+    make : callable
+        ``make(k, rng)`` returns case number k.
+    size : int, optional
+        How many there are; None for a random family, which has as many as are asked for.
+    effort : int
+        Guarantees in expectation are tested on this many times as many runs: few instances need many.
+    """
+
+    name: str
+    summary: str
+    make: Make
+    size: int | None = None
+    effort: int = 1
+
+    def case(self, k: int, seed: int) -> Case:
+        """Case number ``k``; the same for the same seed, whatever else is drawn."""
+        return self.make(k, np.random.default_rng([seed, zlib.crc32(self.name.encode()), k]))
+
+    def named(self, name: str) -> Family:
+        """The same family under another name, with random cases of its own."""
+        return replace(self, name=name)
+
+    def count(self, wanted: int) -> int:
+        """How many cases to take where ``wanted`` random ones are asked for."""
+        return wanted if self.size is None else self.size
+
+
+def listed(name: str, summary: str, cases: Sequence[Callable[[], Case]]) -> Family:
+    """A family of few cases, each made when it is asked for."""
+    return Family(name, summary, lambda k, rng: cases[k](), len(cases))

@@ -1,0 +1,222 @@
+"""One run of a heuristic, judged: its value from the data alone, its ratio to the optimum, its stated guarantee and its bounds."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...formulations.answers import json_text
+from ...formulations.certificate import better_bound, check_certificate, verified_bound
+from ...formulations.evidence import Guarantee
+from ...formulations.problem import Problem
+from ...formulations.program import Program
+from ...heuristics.heuristic import HEURISTICS, Outcome, Setting
+from ...instances.errors import CheckFailedError, InputError
+from .optimum import Optimum, optimum
+
+TOLERANCE = 1e-6
+"""Relative difference up to which two values count as the same."""
+
+SECONDS = 60.0
+"""Wall time of one run of a heuristic; the small instances of a study need a fraction of it."""
+
+Options = Mapping[str, Any] | Callable[[Problem, np.random.Generator], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem whose optimum is known, or can be found.
+
+    Parameters
+    ----------
+    problem : Problem
+    optimum : Optimum, optional
+        By construction; found by ``optimum.optimum`` otherwise.
+    """
+
+    problem: Problem
+    optimum: Optimum | None = None
+
+    def solved(self) -> Optimum:
+        """The optimum."""
+        return optimum(self.problem) if self.optimum is None else self.optimum
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """A heuristic with its options, and the ratio that the literature states for it.
+
+    Parameters
+    ----------
+    label : str
+    heuristic : str
+        A name of ``HEURISTICS``.
+    expected : callable
+        From a problem to the ratio (>= 1) that must be stated at least, or None where no guarantee is owed. It knows nothing of the
+        heuristic.
+    options : mapping, or callable of problem and random generator
+    repeats : int
+        More than 1 for a guarantee in expectation: runs with different seeds, whose mean is tested.
+    takes : callable
+        Problems outside are left out.
+    """
+
+    label: str
+    heuristic: str
+    expected: Callable[[Any], float | None]
+    options: Options = field(default_factory=dict)
+    repeats: int = 1
+    takes: Callable[[Any], bool] = lambda problem: True
+
+    def chosen(self, problem: Problem, rng: np.random.Generator) -> dict[str, Any]:
+        """Its options for ``problem``."""
+        return dict(self.options(problem, rng) if callable(self.options) else self.options)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run, judged.
+
+    Attributes
+    ----------
+    value, optimum : float
+    ratio : float
+        >= 1, worse over better.
+    stated : float or None
+        The ratio that the heuristic stated on this instance; None if it stated none.
+    bound : float or None
+        The best bound that the checker derived from its evidence.
+    faults : tuple of (kind, message)
+    """
+
+    value: float
+    optimum: float
+    ratio: float
+    stated: float | None
+    bound: float | None
+    faults: tuple[tuple[str, str], ...] = ()
+
+
+def ratio_of(sense: str, value: float, best: float) -> float:
+    """Worse over better: optimum over value for ``max``; 1 where both are 0, infinite where only the worse one vanishes or is negative."""
+    better, worse = (best, value) if sense == "max" else (value, best)
+    if abs(better - worse) <= 1e-12 * max(1.0, abs(better)):
+        return 1.0
+    return better / worse if worse > 0 else math.inf
+
+
+def run_heuristic(problem: Problem, name: str, options: Mapping[str, Any], seed: int) -> Outcome:
+    """The heuristic alone, without the search around it: what ``solve`` runs, with the same random draws."""
+    setting = Setting(
+        rng=np.random.default_rng(seed), seconds=SECONDS, start=None, publish=lambda answer: None, stopped=lambda: False,
+        solve_program=_solve_program,
+    )  # fmt: skip
+    return HEURISTICS[name].run(problem, setting, **options)
+
+
+def _solve_program(program: Program, seconds: float) -> Any:
+    from ...solvers.backend import BACKENDS, Control, ProgramBackend
+    from ...solvers.backend import Options as SolverOptions
+
+    backend = BACKENDS["highs"]()
+    assert isinstance(backend, ProgramBackend)
+    return backend.run(program, SolverOptions(time_limit=seconds), Control())
+
+
+def judge(
+    problem: Problem,
+    best: Optimum,
+    outcome: Outcome,
+    expected: float | None = None,
+    *,
+    in_expectation: bool = False,
+    tolerance: float = TOLERANCE,
+) -> Run:
+    """Judge what a heuristic brought back.
+
+    Parameters
+    ----------
+    problem : Problem
+    best : Optimum
+    outcome : Outcome
+    expected : float, optional
+        Ratio that it must state at least; None if it owes no guarantee.
+    in_expectation : bool
+        Leave the ratio of this single run alone: only a mean can break the guarantee.
+    tolerance : float
+    """
+    judged = problem.evaluate(outcome.answer)
+    value, faults = judged.values[0], []
+    if not judged.feasible:
+        faults.append(("answer", f"the answer fails its check: {judged.violations[0].message}"))
+    ratio = ratio_of(problem.sense, value, best.value)
+    slack = tolerance * max(1e-9, abs(best.value))
+    ahead = value - best.value if problem.sense == "max" else best.value - value
+    if judged.feasible and ahead > slack:
+        faults.append(("optimum", f"a value of {value!r} is better than the optimum {best.value!r} by {best.source}"))
+    faults += _guarantee_faults(outcome.guarantee, expected)
+    stated = None if outcome.guarantee is None else outcome.guarantee.ratio
+    if stated is not None and not in_expectation and not ratio <= stated * (1.0 + tolerance):
+        faults.append(("ratio", f"value {value!r} against the optimum {best.value!r}: ratio {ratio:.9g}, stated {stated:.9g}"))
+    bound = None
+    for evidence in outcome.evidence:
+        try:
+            proved = verified_bound(problem, evidence)
+        except InputError as error:
+            faults.append(("bound", str(error)))
+            continue
+        short = best.value - proved if problem.sense == "max" else proved - best.value
+        if short > slack:
+            faults.append(("bound", f"evidence {evidence.kind} proves {proved!r}, and the optimum is {best.value!r}"))
+        if bound is None or better_bound(problem.sense, proved, bound):
+            bound = proved
+    return Run(value, best.value, ratio, stated, bound, tuple(faults))
+
+
+def _guarantee_faults(guarantee: Guarantee | None, expected: float | None) -> list[tuple[str, str]]:
+    if guarantee is None:
+        return [] if expected is None else [("guarantee", f"no guarantee is stated, where the literature has a ratio of {expected:.9g}")]
+    if not guarantee.ratio >= 1.0:
+        return [("guarantee", f"a stated ratio of {guarantee.ratio!r}; ratios are at least 1")]
+    if expected is None:
+        return [("guarantee", f"a ratio of {guarantee.ratio:.9g} is stated, where none is known")]
+    if guarantee.ratio > expected * (1.0 + TOLERANCE):
+        return [("guarantee", f"the stated ratio {guarantee.ratio:.9g} is weaker than that of the literature, {expected:.9g}")]
+    return []
+
+
+def audit(
+    problem: Problem, name: str, options: Mapping[str, Any], seed: int, best: Optimum, direct: Outcome
+) -> tuple[tuple[str, str], ...]:
+    """The same run through ``solve``, its certificate written, read back and verified; whatever does not hold up.
+
+    The answer must have the value of the ``direct`` run, the guarantee must be that of the direct run, and no bound may be below the
+    optimum.
+    """
+    from ...solvers.solve import solve
+
+    faults = []
+    try:
+        solution = solve(problem, heuristic=name, seed=seed, time_limit=SECONDS, bound_time=1.0, options=dict(options))
+        if solution.answer is None:
+            return (("certificate", f"solve brought no answer: {solution.message}"),)
+        again = problem.evaluate(solution.answer)
+        made = check_certificate(problem, json.loads(json_text(solution.certificate.to_json(with_evidence=True))), again)
+    except (CheckFailedError, InputError) as error:
+        return (("certificate", str(error)),)
+    value = problem.evaluate(direct.answer).values[0]
+    if abs(again.values[0] - value) > TOLERANCE * max(1.0, abs(value)):
+        faults.append(("certificate", f"solve brought a value of {again.values[0]!r}, the run by itself {value!r}"))
+    stated = None if solution.certificate.guarantee is None else solution.certificate.guarantee.ratio
+    own = None if direct.guarantee is None else direct.guarantee.ratio
+    if stated != own:
+        faults.append(("certificate", f"the certificate states the ratio {stated}, the run by itself {own}"))
+    slack = TOLERANCE * max(1e-9, abs(best.value))
+    if made.bound is not None and (best.value - made.bound if problem.sense == "max" else made.bound - best.value) > slack:
+        faults.append(("bound", f"the certificate proves {made.bound!r} by {made.bound_source}, and the optimum is {best.value!r}"))
+    return tuple(faults)

@@ -1,0 +1,72 @@
+"""Instances on which something went wrong, as files that anyone can read back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ...formulations.problem import Problem
+from ...formulations.problems.bottleneck_sata import BottleneckSATA
+from ...formulations.problems.max_min_lp import MaxMinLP
+from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from ...instances.instance import Instance
+from ...instances.selection import SelectionInstance
+from .study import Fault, Report
+
+
+def instance_of(problem: Problem, note: str = "") -> Instance | None:
+    """The instance of a problem, told what is wrong with it; None for a set function that is a program of the user's."""
+    notes = (note,) if note else ()
+    if isinstance(problem, WinnerTakesAllSATA | BottleneckSATA):
+        return replace(problem.graph, problem=problem.problem, notes=(*problem.graph.notes, *notes))
+    if isinstance(problem, MaxMinLP):
+        return replace(problem.instance, notes=(*problem.instance.notes, *notes))
+    if isinstance(problem, SubmodularSelection) and not isinstance(problem.function, UserFunction):
+        return SelectionInstance(
+            problem.function, problem.constraint, problem.element_names, problem.name, problem.problem, notes=(*problem.notes, *notes)
+        )
+    return None
+
+
+def instance_text(problem: Problem, note: str = "") -> str:
+    """The file of an instance as text, for the message of a failing test."""
+    from ...instances.formats import FORMATS
+
+    instance, write = instance_of(problem, note), FORMATS["json"].write
+    if instance is None or write is None:
+        return f"{problem!r} cannot be written as a file"
+    text = write(instance)
+    return text if isinstance(text, str) else text.decode()
+
+
+def write_faults(report: Report, folder: Path) -> tuple[str | None, ...]:
+    """Write the instance of each fault into ``folder``; returns the paths, None where there is no instance.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written; those before it stand.
+    """
+    from ...instances.writing import write_instance
+
+    written: list[str | None] = []
+    count = 0
+    for fault in report.faults:
+        if fault.instance is None:
+            written.append(None)
+            continue
+        count += 1
+        path = folder / f"violation-{report.study}-{count}.json"
+        write_instance(fault.instance, path)
+        written.append(str(path))
+    return tuple(written)
+
+
+def summary_lines(faults: Sequence[Fault], files: Sequence[str | None], total: int, most: int = 20) -> list[str]:
+    """One line a fault, the first ``most`` of them, and how many more there are."""
+    lines = [f"{f.kind}: {f.message}" + (f"; instance in {file}" if file else "") for f, file in zip(faults, files, strict=True)][:most]
+    if total > len(lines):
+        lines.append(f"and {total - len(lines)} more")
+    return lines

@@ -1,0 +1,100 @@
+"""Work spread over processes, whose results so far outlive a Ctrl-C."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ...instances.errors import WayboundError
+from .study import Told
+
+
+@dataclass(frozen=True)
+class Done:
+    """Results in the order of the tasks, None for those that were not done."""
+
+    results: list[Any]
+    interrupted: bool
+
+
+def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, told: Told, what: Callable[[Any], str]) -> Done:
+    """``function(*task)`` for every task.
+
+    Parameters
+    ----------
+    function : callable
+        A function of a module, so that other processes find it.
+    tasks : sequence of tuple
+        Of plain values.
+    jobs : int
+        Processes; 1 works in this one.
+    told : callable
+        Hears after each task how many are done.
+    what : callable
+        From a task to what it is called.
+
+    Returns
+    -------
+    Done
+        After Ctrl-C, with what was done until then.
+
+    Raises
+    ------
+    WayboundError
+        If a process ended abruptly.
+    """
+    results: list[Any] = [None] * len(tasks)
+    jobs = min(jobs, len(tasks))
+    try:
+        if jobs <= 1:
+            for k, task in enumerate(tasks):
+                told(k, len(tasks), what(task))
+                results[k] = function(*task)
+            told(len(tasks), len(tasks), "")
+        else:
+            _in_processes(function, tasks, jobs, results, told, what)
+    except KeyboardInterrupt:
+        return Done(results, True)
+    return Done(results, False)
+
+
+def _in_processes(
+    function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, results: list[Any], told: Told, what: Callable[[Any], str]
+) -> None:
+    import multiprocessing
+    from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+    from concurrent.futures.process import BrokenProcessPool
+
+    # Not fork: solver libraries and numba keep threads that a forked process would lack.
+    pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare)
+    finished, done = False, 0
+    waiting: dict[Future[Any], int] = {}
+    try:
+        waiting.update((pool.submit(function, *task), k) for k, task in enumerate(tasks))
+        while waiting:
+            ready, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in ready:
+                k = waiting.pop(future)
+                results[k] = future.result()
+                done += 1
+                told(done, len(tasks), what(tasks[k]))
+        finished = True
+    except KeyboardInterrupt:
+        for future, k in waiting.items():
+            if future.done() and not future.cancelled() and future.exception() is None:
+                results[k] = future.result()
+        raise
+    except BrokenProcessPool:
+        raise WayboundError("a process of the study ended abruptly, perhaps for want of memory; run it with --jobs 1") from None
+    finally:
+        if not finished:
+            for process in list((pool._processes or {}).values()):  # a task of minutes must not hold up a Ctrl-C
+                process.terminate()
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _prepare() -> None:
+    """A Ctrl-C reaches every process of the terminal's group; the parent alone decides what it means."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,0 +1,95 @@
+"""What no guarantee is claimed for: rounding, greedy on a bottleneck, random choice, more layers. Each with the case that refutes it."""
+
+from __future__ import annotations
+
+import pytest
+
+from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from waybound.instances.errors import UsageError
+from waybound.instances.selection import Cardinality
+from waybound.reports.ratios import max_min_families as graphs
+from waybound.reports.ratios import selection_families as random
+from waybound.reports.ratios import selection_traps as traps
+from waybound.reports.ratios.judging import judge, run_heuristic
+from waybound.reports.ratios.optimum import optimum
+
+
+def whole(rows, name="case"):
+    return BottleneckSATA(traps.robots(rows, name).graph)
+
+
+def run(problem, name, **options):
+    outcome = run_heuristic(problem, name, options, 1)
+    found = judge(problem, optimum(problem), outcome)
+    assert not found.faults
+    assert outcome.guarantee is None, "nothing is known that could be guaranteed here"
+    return found
+
+
+@pytest.mark.parametrize("d", [0.5, 0.1, 1e-3, 1e-6])
+def test_greedy_is_arbitrarily_bad_on_a_bottleneck(d):
+    found = run(whole([[[d, d], [1, 0]], [[0, 1]]], "S4a"), "greedy")
+    assert found.optimum == 1.0
+    assert found.ratio == pytest.approx(1 / d)
+
+
+def test_greedy_fails_on_a_bottleneck_without_weights_and_whatever_the_tie():
+    found = run(whole([[[0, 1], [1, 0]], [[0, 1], [1, 0]], [[0, 0], [1, 0]], [[1, 0], [0, 0]]], "S4b"), "greedy")
+    assert (found.value, found.optimum) == (1.0, 2.0)
+
+
+@pytest.mark.parametrize("name", ["S6", "S7"])
+@pytest.mark.parametrize("ties", ["first", "last"])
+def test_rounding_the_linear_program_may_leave_a_target_without_anything(name, ties):
+    problem = BottleneckSATA(graphs.robots(graphs.REFERENCES[name][0], name).graph)
+    found = run(problem, "lp-rounding", ties=ties)
+    assert found.optimum == 1.0
+    assert found.value == 0.0
+
+
+def test_rounding_the_local_algorithm_states_no_guarantee_and_has_none():
+    found = run(BottleneckSATA(graphs.robots(graphs.REFERENCES["S6"][0], "S6").graph), "local", h=5)
+    assert found.optimum == 1.0
+    assert found.value == 0.0
+
+
+@pytest.mark.parametrize("name", ["random", "lp-rounding"])
+def test_baselines_state_no_guarantee(name):
+    for k in range(20):
+        run(random.random_assignments().case(k, 3).problem, name)
+
+
+def test_no_layers_at_all_are_refused():
+    with pytest.raises(UsageError):
+        run_heuristic(graphs.tight_pair(1), "local", {"h": 0}, 1)
+
+
+def test_more_layers_are_not_better_by_themselves():
+    problem = graphs.robots(graphs.REFERENCES["A"][0], "figure 3.3")
+    values = [
+        problem.evaluate(run_heuristic(problem, "local", {"h": h, "eps": 1e-6, "ball": False}, 1).answer).values[0] for h in (2, 10, 30)
+    ]
+    assert values[0] < values[1] > values[2]
+
+
+def test_a_target_that_nobody_sees_ends_the_guarantee():
+    from waybound.instances.sensing import graph_of_edges
+
+    graph = graph_of_edges([0, 0], [0, 1], [0, 1], robots=1, targets=3)
+    found = run(BottleneckSATA(graph, fractional=True), "local")
+    assert found.value == found.optimum == 0.0
+
+
+@pytest.mark.parametrize("name", ["greedy", "lazy-greedy", "stochastic-greedy"])
+def test_a_function_that_is_not_declared_submodular_gets_no_guarantee(name):
+    f = UserFunction(lambda masks: masks.sum(axis=1) ** 2.0, 5)
+    run(SubmodularSelection(f, Cardinality(2)), name)
+
+
+@pytest.mark.parametrize("name", ["greedy", "lazy-greedy", "stochastic-greedy"])
+def test_a_false_declaration_is_found_out(name):
+    f = UserFunction(lambda masks: masks.sum(axis=1) ** 2.0, 5, monotone=True, submodular=True)
+    outcome = run_heuristic(SubmodularSelection(f, Cardinality(2)), name, {}, 1)
+    assert outcome.guarantee is None
+    assert not outcome.evidence
