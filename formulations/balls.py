@@ -30,6 +30,11 @@ def slices(indptr: Indices, rows: Indices) -> tuple[Positions, Positions]:
     return np.repeat(indptr[rows] - before, counts) + np.arange(int(counts.sum())), counts
 
 
+def num_entries(indptr: Indices, rows: Indices) -> int:
+    """How many entries some rows of a CSR matrix have together."""
+    return int((indptr[rows + 1].astype(np.int64) - indptr[rows]).sum())
+
+
 def robots_seeing(graph: SensingGraph, targets: Indices) -> Positions:
     """Robots with an action that sees one of ``targets``, ascending."""
     sight = graph.by_target
@@ -50,8 +55,7 @@ def targets_seen(graph: SensingGraph, actions: Indices) -> Positions:
 
 def num_edges(graph: SensingGraph, targets: Indices) -> int:
     """Edges of the ball of ``targets``."""
-    starts = graph.by_target.indptr
-    return int((starts[targets + 1].astype(np.int64) - starts[targets]).sum())
+    return num_entries(graph.by_target.indptr, targets)
 
 
 def ball_graph(graph: SensingGraph, targets: Indices) -> SensingGraph:
@@ -87,18 +91,13 @@ def grown(graph: SensingGraph, targets: Indices, most_edges: int) -> Positions |
     wanted, ball = 2 * num_edges(graph, targets), targets.astype(np.int64)
     while num_edges(graph, ball) < wanted:
         actions = actions_of(graph, robots_seeing(graph, ball))
-        if slices_length(graph.indptr, actions) > most_edges:
+        if num_entries(graph.indptr, actions) > most_edges:
             return None
         larger = np.union1d(ball, targets_seen(graph, actions)).astype(np.int64)
         if len(larger) == len(ball):
             break
         ball = larger
     return None if len(ball) == len(targets) or num_edges(graph, ball) > most_edges else ball
-
-
-def slices_length(indptr: Indices, rows: Indices) -> int:
-    """How many entries some rows of a CSR matrix have together."""
-    return int((indptr[rows + 1].astype(np.int64) - indptr[rows]).sum())
 
 
 def weights_bound(graph: SensingGraph, targets: Indices, weights: Floats) -> float:
@@ -127,8 +126,11 @@ def near_one(graph: SensingGraph) -> tuple[SensingGraph, float]:
     value = float(coverage(graph, even_shares(graph)).min(initial=math.inf))
     if not 0.0 < value < math.inf or 1.0 / NEAR_ONE <= value <= NEAR_ONE:
         return graph, 1.0
-    unit = 2.0 ** -math.frexp(value)[1]
-    return replace(graph, weights=graph.weights * unit), unit
+    unit = math.ldexp(1.0, min(max(-math.frexp(value)[1], -1000), 1000))
+    with np.errstate(over="ignore"):
+        weights = graph.weights * unit
+    # Weights of all sizes at once have no such unit: what would vanish or overflow stays as it is.
+    return (replace(graph, weights=weights), unit) if (weights > 0.0).all() and np.isfinite(weights).all() else (graph, 1.0)
 
 
 def even_shares(graph: SensingGraph) -> Floats:

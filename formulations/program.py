@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .cones import Cones
 from .evidence import Evidence
 from .exactness import Exactness
 
@@ -96,8 +97,8 @@ class Program:
     offset : float
     quadratic : scipy.sparse matrix of shape (variables, variables), optional
         Symmetric.
-    cones : tuple
-        Second-order and exponential cones, for backends that take them.
+    cones : tuple of Cones
+        Blocks of second-order and exponential cones, for backends that take them.
     exactness : Exactness
         How its optimum relates to that of ``problem``.
     problem : Problem, optional
@@ -118,7 +119,7 @@ class Program:
     rows: tuple[Rows, ...]
     offset: float = 0.0
     quadratic: sp.csr_matrix | None = None
-    cones: tuple[Any, ...] = ()
+    cones: tuple[Cones, ...] = ()
     exactness: Exactness = Exactness.EXACT
     problem: Problem | None = None
     decode: Callable[[Floats], Any] = lambda x: x
@@ -210,11 +211,12 @@ class Program:
         return total
 
     def residual(self, x: Floats) -> float:
-        """Largest violation of a row, a bound or integrality by ``x``."""
+        """Largest violation of a row, a bound, a cone or integrality by ``x``."""
         if x.shape != (self.num_variables,) or not np.isfinite(x).all():
             return math.inf
         ax = self.matrix @ x
         gaps = [self.lower - x, x - self.upper, self.row_lower - ax, ax - self.row_upper, np.abs(x - np.round(x))[self.integer]]
+        gaps.extend(block.excess(x) for block in self.cones)
         return max((float(g.max(initial=0.0)) for g in gaps), default=0.0)
 
     # -- hand over ---------------------------------------------------------------------------------------------------

@@ -204,6 +204,10 @@ class ProgramBackend(Backend):
         """Names of the solvers within this one, itself first, that take programs of ``kind``."""
         return (cls.name,) if kind in cls.kinds else ()
 
+    def lacks(self, program: Program) -> frozenset[str]:
+        """Features of ``program``, beyond its kind, that the solver lacks; empty if it can take it."""
+        return frozenset()
+
     @abstractmethod
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """Search. ``RawResult.answer`` is a vector of shape (variables,); ``options.start`` is one too."""

@@ -38,6 +38,8 @@ def refuse_numbers(program: Program) -> None:
         raise InputError("the constant of the objective is not a finite number", found=str(program.offset))
     if program.quadratic is not None:
         _refuse_infinite(np.asarray(program.quadratic.data, dtype=np.float64), "quadratic coefficient number", str)
+    for block in program.cones:
+        _refuse_infinite(np.concatenate([block.data, block.offset]), f"entry of cones {block.name}, number", str)
 
 
 def refuse_crossing(program: Program) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..program import Floats, Program, Rows
-from ._checks import refuse_cones, refuse_crossing, refuse_numbers
+from ._checks import refuse_crossing, refuse_numbers
 
 
 def to_cvxpy(program: Program) -> Any:
@@ -17,7 +17,7 @@ def to_cvxpy(program: Program) -> Any:
     Parameters
     ----------
     program : Program
-        Without cones; a quadratic part must be convex (concave for maximisation).
+        A quadratic part must be convex (concave for maximisation).
 
     Returns
     -------
@@ -27,15 +27,12 @@ def to_cvxpy(program: Program) -> Any:
 
     Raises
     ------
-    UnsupportedError
-        If the program has cones.
     InputError
         If the data hold a NaN, an infinite coefficient or bounds that cross.
     """
     import cvxpy as cp
     import scipy.sparse as sp
 
-    refuse_cones(program, "CVXPY")
     refuse_numbers(program)
     refuse_crossing(program)
     variables: list[Any] = []
@@ -55,15 +52,29 @@ def to_cvxpy(program: Program) -> Any:
         matrix = sp.csr_matrix((rows.data, rows.indices, rows.indptr), shape=(rows.size, program.num_variables))
         for chosen, side, sense in _sides(rows):
             part = matrix[chosen].tocsc()
-            terms = [part[:, s:e] @ v for s, e, v in zip(starts, ends, variables, strict=True) if part[:, s:e].nnz]
-            left = sum(terms) if terms else cp.Constant(np.zeros(int(chosen.sum())))
+            left = _image(part, np.zeros(part.shape[0]), variables, starts, ends)
             constraints.append({"==": left == side[chosen], "<=": left <= side[chosen], ">=": left >= side[chosen]}[sense])
+    for cones in program.cones:
+        image = _image(cones.matrix(program.num_variables).tocsc(), cones.offset, variables, starts, ends)
+        parts = [image[k :: cones.width] for k in range(cones.width)]
+        if cones.kind == "second-order":
+            constraints.append(cp.SOC(parts[0], cp.vstack(parts[1:])))
+        else:
+            constraints.append(cp.ExpCone(*parts))
     objective = sum(program.cost[s:e] @ v for s, e, v in zip(starts, ends, variables, strict=True)) + program.offset
     if program.quadratic is not None:
         sign = -1.0 if program.sense == "max" else 1.0
         objective += sign * 0.5 * cp.quad_form(cp.hstack(variables), sign * sp.csc_matrix(program.quadratic))
     goal: Any = cp.Maximize if program.sense == "max" else cp.Minimize
     return cp.Problem(goal(objective), constraints)
+
+
+def _image(matrix: Any, offset: Floats, variables: list[Any], starts: list[int], ends: list[int]) -> Any:
+    """``matrix x + offset`` over the vector variables of the blocks."""
+    import cvxpy as cp
+
+    terms = [matrix[:, s:e] @ v for s, e, v in zip(starts, ends, variables, strict=True) if matrix[:, s:e].nnz]
+    return sum(terms) + offset if terms else cp.Constant(offset)
 
 
 def vector_of(program: Program, model: Any) -> Floats | None:

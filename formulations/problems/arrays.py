@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ...instances.errors import InputError
 from ...instances.instance import digest
+from ..cones import KINDS as CONE_KINDS
 from ..evaluation import Evaluation, judge
 from ..problem import Problem
 from ..program import Floats, Program
@@ -61,7 +63,7 @@ class ArrayProblem(Problem):
             quadratic = (q.indptr, q.indices, q.data)
         return digest(
             "arrays", p.sense, p.cost, p.lower, p.upper, p.integer, p.row_lower, p.row_upper, p.indptr, p.indices, p.data,
-            float(p.offset), repr(p.cones), *quadratic,
+            float(p.offset), *(part for block in p.cones for part in block.parts()), *quadratic,
         )  # fmt: skip
 
     def features(self) -> frozenset[str]:
@@ -71,7 +73,7 @@ class ArrayProblem(Problem):
         return frozenset({"LP", *(name for name, present in marks.items() if present)})
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute the objective and every row, bound and integrality of the vector ``answer`` of shape (variables,)."""
+        """Recompute the objective and every row, bound, cone and integrality of the vector ``answer`` of shape (variables,)."""
         p = self.program
         x = self._vector(answer)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -92,6 +94,7 @@ class ArrayProblem(Problem):
             ),
             judge("integrality", fraction, lambda k: f"{p.variable_name(k)} is {x[k]:.9g}, not a whole number"),
         ]
+        judged += [judge(cones.name, cones.excess(x), partial("{0} leaves cone number {1}".format, cones.name)) for cones in p.cones]
         checks = tuple(check for check, _ in judged)
         return Evaluation((value,), checks, tuple(v for _, found in judged for v in found), {})
 
@@ -144,6 +147,14 @@ def _check_shapes(program: Program) -> None:
             raise InputError(f"the row starts of rows {rows.name} do not ascend from 0 to the number of entries")
         if len(rows.indices) and not (rows.indices.min() >= 0 and rows.indices.max() < program.num_variables):
             raise InputError(f"rows {rows.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
+    for cones in program.cones:
+        if cones.kind not in CONE_KINDS or cones.width < 2 or (cones.kind == "exponential" and cones.width != 3):
+            found = f"{cones.kind} of width {cones.width}"
+            raise InputError(f"cones {cones.name} must be second-order of width 2 or more, or exponential of width 3", found=found)
+        if len(cones.offset) % cones.width or len(cones.indptr) != len(cones.offset) + 1 or len(cones.indices) != len(cones.data):
+            raise InputError(f"the arrays of cones {cones.name} have different lengths")
+        if len(cones.indices) and not (cones.indices.min() >= 0 and cones.indices.max() < program.num_variables):
+            raise InputError(f"cones {cones.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
     n = program.num_variables
     if program.quadratic is not None and program.quadratic.shape != (n, n):
         raise InputError("the quadratic part has the wrong shape", expected=f"({n}, {n})", found=str(program.quadratic.shape))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,6 +16,9 @@ SHOWN_POINTS = 600
 """Points of one row of a strip plot; more would be one blot."""
 
 PANELS_ACROSS = 5
+
+TITLE_LETTERS = 9.5
+"""Letters of a title that fit into an inch."""
 
 STATED = "#CC3377"
 INK = "#222222"
@@ -62,7 +66,7 @@ def ratio_figure(name: str, summary: str, rows: Sequence[dict[str, Any]], observ
             kind += f", ALG a mean of {' or '.join(str(r) for r in repeats)} runs"
         below = grid[min(len(labels) - 1, across * (down - 1) + (across - 1) // 2)]
         below.set_xlabel(kind, fontsize=9)
-        figure.suptitle(f"{name}: {summary}", fontsize=11, fontweight="bold", x=0.01, ha="left", color=INK)
+        _entitle(figure, f"{name}: {summary}")
         handles, texts = grid[0].get_legend_handles_labels()
         unique = dict(zip(texts, handles, strict=True))
         figure.legend(unique.values(), unique.keys(), loc="outside lower right", ncols=len(unique), fontsize=8, frameon=False)
@@ -128,12 +132,17 @@ def sweep_figure(
                 panel.legend(loc="upper left", fontsize=8, frameon=False)
             _plain(panel)
         axes[0].set_ylabel(quantity, fontsize=9)
-        figure.suptitle(title, fontsize=11, fontweight="bold", x=0.01, ha="left", color=INK)
+        _entitle(figure, title)
         if shared:
             handles, texts = axes[0].get_legend_handles_labels()
             figure.legend(handles, texts, loc="outside lower center", ncols=min(6, len(texts)), fontsize=8.5, frameon=False)
 
     return Figure(name, draw, (2.0 + 3.4 * len(panels) if len(panels) > 1 else 7.5, 4.6))
+
+
+def _entitle(figure: Any, title: str) -> None:
+    lines = textwrap.wrap(title, int(TITLE_LETTERS * figure.get_figwidth()))
+    figure.suptitle("\n".join(lines), fontsize=11, fontweight="bold", x=0.01, ha="left", color=INK)
 
 
 def _plain(panel: Any) -> None:

@@ -58,6 +58,14 @@ class CpSat(ProgramBackend):
     summary = "OR-Tools CP-SAT: integer programs, products of variables included, counted in 64 bits"
     kinds = frozenset({"MILP", "MIQP"})
 
+    def lacks(self, program: Program) -> frozenset[str]:
+        """See ``ProgramBackend.lacks``: what cannot be counted."""
+        try:
+            integer_program(prepared(program))
+        except Uncountable as fault:
+            return frozenset({str(fault)})
+        return frozenset()
+
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.run``."""
         if program.kind not in self.kinds:
@@ -96,7 +104,9 @@ def _configure(parameters: Any, options: Options) -> None:
     parameters.random_seed = int(options.seed) % (2**31 - 1)
     parameters.relative_gap_limit = float(options.gap)
     parameters.absolute_gap_limit = 0.0
-    parameters.add_lp_constraints_lazily = False  # else one thread may creep up on fine steps without ever seeing the LP
+    if options.threads == 1:  # more of them share these out among themselves
+        parameters.linearization_level = 2  # rows of two binaries too: 0.1 s against a bound 43 % off on products of SATA
+        parameters.add_lp_constraints_lazily = False  # else the search may creep up in fine steps without seeing the whole LP
     if options.iterations is not None:
         parameters.max_number_of_conflicts = int(options.iterations)
     known = [name for name in dir(parameters) if not name.startswith(("_", "clear_", "has_", "Has", "Clear"))]
@@ -132,9 +142,8 @@ def _fill(proto: Any, counted: IntegerProgram) -> None:
         linear.coeffs.extend(data[indptr[i] : indptr[i + 1]])
         linear.domain.extend([-top if low == -UNLIMITED else low, top if high == UNLIMITED else high])
     goal = [(j, c) for j, c in enumerate(counted.cost.tolist()) if c]
-    for (i, j), factor in zip(counted.pairs.tolist(), counted.factors.tolist(), strict=True):
-        if factor:
-            goal.append((_product(proto, counted, i, j), factor))
+    products = [_product(proto, counted, i, j) for i, j in counted.pairs.tolist()]
+    goal += [(made, factor) for made, factor in zip(products, counted.factors.tolist(), strict=True) if factor]
     proto.objective.vars.extend([j for j, _ in goal])
     proto.objective.coeffs.extend([c for _, c in goal])
 

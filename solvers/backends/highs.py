@@ -13,7 +13,7 @@ import numpy as np
 
 from ...formulations.program import Floats, Program
 from ...instances.errors import UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..sanity import prepared, settled
 
 FEASIBLE_TOLERANCE = 1e-5
@@ -84,7 +84,7 @@ class Highs(ProgramBackend):
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.run``."""
         if program.kind not in self.kinds:
-            raise UnsupportedError(self.name, {f"{program.kind} programs"})
+            raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
         program = prepared(program)
         result = settled(program)
         if result is not None:

@@ -82,6 +82,15 @@ class MathOpt(ProgramBackend):
     def takers(cls, kind: str) -> tuple[str, ...]:
         return tuple(f"{cls.name}:{solver}" for solver, kinds in KINDS.items() if kind in kinds)
 
+    def lacks(self, program: Program) -> frozenset[str]:
+        """See ``ProgramBackend.lacks``: MathOpt's CP-SAT takes whole variables only."""
+        try:
+            if self.solver == "cp-sat":
+                self._whole(prepared(program))
+        except UnsupportedError as fault:
+            return frozenset(fault.missing)
+        return frozenset()
+
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.run``."""
         if program.kind not in self.kinds:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...formulations.program import Program
 from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..cbc import find_cbc, run_cbc
 from ..sanity import prepared, settled
 from .highs import set_option
@@ -49,7 +49,7 @@ class PuLP(ProgramBackend):
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.run``."""
         if program.kind not in self.kinds:
-            raise UnsupportedError(self.name, {f"{program.kind} programs"})
+            raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
         program = prepared(program)
         with tempfile.TemporaryDirectory(prefix="waybound-") as folder:
             if self.is_cbc:

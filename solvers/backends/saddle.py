@@ -29,9 +29,12 @@ FIRST_PASSES, FIRST_WORK = 16.0, 1e6
 REFINE_SHARE = 0.25
 """What refining the mean answer may read, as a share of what regret matching has read so far."""
 
+FEW, LEAST_FEW = 0.02, 100
+"""The mean answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
+
 FIRST_STEPS = 32
 MORE_STEPS = 0.5
-"""Steps of regret matching between two refinements: so many, later this share of all steps so far."""
+"""Steps of regret matching between two looks at the means: so many, later this share of all steps so far."""
 
 MOST_LAYERS = 1000
 
@@ -174,7 +177,9 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
         matching = RegretMatching(game)
     while matching is not None and not (record.closed() or limits.reached()):
         matching.run(max(FIRST_STEPS, int(MORE_STEPS * matching.steps)))
-        refine(game, matching.conclude(), REFINE_SHARE * matching.steps * game.pass_work)
+        shares, cover = matching.conclude()
+        if np.count_nonzero(cover < record.wanted) <= max(FEW * len(cover), LEAST_FEW):
+            refine(game, shares, REFINE_SHARE * matching.steps * game.pass_work)
     return _result(task, game, 0 if matching is None else matching.steps, options)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.balls import Floats, Indices, actions_of, robots_seeing, slices, targets_seen
+from ...formulations.balls import Floats, Indices, actions_of, num_entries, robots_seeing, slices, targets_seen
 from ...formulations.program import Program, Rows, Variables
 from ...instances.sensing import SensingGraph
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
@@ -112,8 +112,7 @@ class Lifted:
 
 def lift_edges(graph: SensingGraph, ball: Indices) -> int:
     """Edges of the program that ``lift`` would solve for ``ball``."""
-    actions = actions_of(graph, robots_seeing(graph, ball))
-    return int((graph.indptr[actions + 1].astype(np.int64) - graph.indptr[actions]).sum())
+    return num_entries(graph.indptr, actions_of(graph, robots_seeing(graph, ball)))
 
 
 def lift(

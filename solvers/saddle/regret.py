@@ -47,10 +47,10 @@ class RegretMatching:
             steps -= count
             limits.work += count * one
 
-    def conclude(self) -> Floats:
-        """Offer the mean shares and prices to the record; returns a copy of the shares, to be refined."""
+    def conclude(self) -> tuple[Floats, Floats]:
+        """Offer the mean shares and prices to the record; returns a copy of the shares, and their coverage."""
         record, shares = self._game.record, self._mean_shares.copy()
-        record.offer(shares)
+        cover = record.offer(shares)
         priced = np.nonzero(self._mean_prices > 0.0)[0]
         record.prove(priced, self._mean_prices[priced])
-        return shares
+        return shares, cover

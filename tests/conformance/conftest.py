@@ -34,6 +34,18 @@ def _made(name: str) -> Any:
     return kind(variant) if variant else kind()
 
 
+FURTHER = ("mathopt:", "cvxpy:")
+"""Solvers within a solver: their limits and interrupts are tried in the long run only, for they take seconds each."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the slow tests of solvers within a solver as long."""
+    for item in items:
+        name = getattr(item, "callspec", None) and item.callspec.params.get("backend_name")
+        if name and name.startswith(FURTHER) and item.path.name == "test_limits.py":
+            item.add_marker(pytest.mark.long)
+
+
 @pytest.fixture(params=PROGRAM_BACKENDS)
 def backend_name(request: pytest.FixtureRequest) -> str:
     """Each backend for programs, in turn."""

@@ -5,6 +5,7 @@ Native libraries of the same name can push each other out: highspy 1.15 and OR-T
 
 from __future__ import annotations
 
+import importlib.util
 import itertools
 import subprocess
 import sys
@@ -63,6 +64,12 @@ b, k = np.array([-4.5, 0, 0]), [clarabel.NonnegativeConeT(3)]
 got = clarabel.DefaultSolver(sp.csc_matrix((2, 2)), np.array([2.0, 3.0]), a, b, k, s).solve()
 assert abs(got.obj_val - 9) < 1e-5, got.obj_val
 """
+SCIP = """
+import pyscipopt
+m = pyscipopt.Model(); m.hideOutput(); x = m.addVar(lb=0); z = m.addVar(lb=0, vtype="I")
+m.addCons(x + z >= 4.5); m.setObjective(2 * x + 3 * z); m.optimize()
+assert abs(m.getObjVal() - 9) < 1e-6, m.getObjVal()
+"""
 PYVRP = """
 import pyvrp, numpy as np
 d = np.array([[0, 2, 9], [9, 0, 3], [4, 9, 0]])
@@ -86,8 +93,11 @@ PACKAGES = {
     "pyvrp": ("import pyvrp", PYVRP),
     "scipy": ("import scipy.optimize", SCIPY),
 }
+if importlib.util.find_spec("pyscipopt") is not None:  # an extra
+    PACKAGES["pyscipopt"] = ("import pyscipopt", SCIP)
 PAIRS = list(itertools.combinations(PACKAGES, 2))
 RISKY = [("highspy", "routing"), ("highspy", "mathopt"), ("cvxpy", "cp_model"), ("pulp", "routing"), ("pyvrp", "highspy")]
+RISKY += [("pyscipopt", "mathopt")] if "pyscipopt" in PACKAGES else []  # both bring SCIP
 
 
 def live_together(*names: str) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from waybound.formulations.cones import Cones
 from waybound.formulations.program import Program, Rows, Variables
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
@@ -273,6 +275,44 @@ def test_squares_of_integers_count(program, solve_with, check_optimum):
     # (x - 2.6)^2 + (y + 1.2)^2 less its constant, over integers.
     miqp = program([-5.2, 2.4], [[1, 1]], -9, 9, -5, 5, integer=[0, 1], quadratic=[[2, 0], [0, 2]], offset=6.76 + 1.44)
     check_optimum(miqp, solve_with(miqp), 0.16 + 0.04)
+
+
+def _cones(kind: str, matrix: list[list[float]], offset: list[float], width: int) -> Cones:
+    a = sp.csr_matrix(np.asarray(matrix, dtype=float))
+    return Cones(kind, kind, width, a.indptr, a.indices, a.data, np.asarray(offset, dtype=float))
+
+
+def test_a_linear_objective_over_second_order_cones(program, solve_with, check_optimum):
+    # Two discs around (0, 0) and (3, 0) of radius 2: the lens between them reaches down to -sqrt(2^2 - 1.5^2).
+    discs = _cones("second-order", [[0, 0], [1, 0], [0, 1], [0, 0], [1, 0], [0, 1]], [2, 0, 0, 2, -3, 0], 3)
+    lens = replace(program([0, 1], [[1, 0]], -9, 9, -INF, INF), cones=(discs,))
+    assert lens.kind == "cone LP"
+    check_optimum(lens, solve_with(lens), -math.sqrt(4 - 2.25))
+
+
+def test_a_quadratic_objective_over_an_exponential_cone(program, solve_with, check_optimum):
+    # The point of y >= exp(x) nearest to (1, 0) is where (x - 1) + exp(2 x) = 0, that is x = 0.
+    above = _cones("exponential", [[1, 0], [0, 0], [0, 1]], [0, 1, 0], 3)
+    near = replace(program([-2, 0], [[1, 1]], -9, 9, -INF, INF, offset=1, quadratic=[[2, 0], [0, 2]]), cones=(above,))
+    assert near.kind == "cone QP"
+    check_optimum(near, solve_with(near), 2.0)
+
+
+def test_cones_that_do_not_meet_leave_no_answer(program, solve_with):
+    discs = _cones("second-order", [[0, 0], [1, 0], [0, 1], [0, 0], [1, 0], [0, 1]], [1, 0, 0, 1, -3, 0], 3)
+    result = solve_with(replace(program([0, 1], [[1, 0]], -9, 9, -INF, INF), cones=(discs,)))
+    assert result.status == "infeasible"
+    assert result.answer is None
+
+
+def test_cones_are_refused_by_whom_they_are_not_for(program, backend_name):
+    base, _, variant = backend_name.partition(":")
+    backend = BACKENDS[base](variant) if variant else BACKENDS[base]()
+    ball = replace(program([1, 1], [[1, 1]], -9, 9), cones=(_cones("second-order", [[0, 0], [1, 0], [0, 1]], [1, 0, 0], 3),))
+    if ball.kind in backend.kinds:
+        pytest.skip(f"{backend_name} takes cones")
+    with pytest.raises(UnsupportedError, match=r"cone LP.*cvxpy:CLARABEL"):
+        backend.run(ball, Options(), Control())
 
 
 def test_kinds_that_are_not_declared_are_refused(program, backend_name):

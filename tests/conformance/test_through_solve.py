@@ -13,20 +13,24 @@ import waybound as wb
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.instances.instance import Sites, VehicleType
 from waybound.instances.travel import Travel
+from waybound.solvers.backend import BACKENDS
 
-FOUR = ("highs", "pulp", "ortools", "pyvrp")
+ROUTING = ("ortools", "pyvrp")
+PROGRAMS = ["highs", "pulp", "cpsat", "mathopt", *(["scip"] if BACKENDS["scip"].installed() else [])]
+APART = [pytest.param(name, marks=pytest.mark.long) for name in ("cvxpy", "mathopt:highs")]
+"""They need a process of their own, which takes seconds each time."""
 
 
-@pytest.fixture(params=FOUR)
+@pytest.fixture(params=[*PROGRAMS, *ROUTING, *APART])
 def solver(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
 @pytest.mark.parametrize("feature", ["capacity", "time-windows", "service-times", "limited-fleet"])
 @pytest.mark.parametrize("convention", ["round", "exact"])
-def test_all_four_solvers_find_the_optimum_of_small_problems(solver: str, feature: str, convention: str) -> None:
+def test_all_solvers_find_the_optimum_of_small_problems(solver: str, feature: str, convention: str) -> None:
     problem = small(feature, 1, convention)
-    work = {"iterations": 300} if solver in ("ortools", "pyvrp") else {}
+    work = {"iterations": 300} if solver in ROUTING else {}
     solution = wb.solve(problem, solver, time_limit=20, bound_time=0, **work)
     assert solution.certificate.feasible
     assert solution.objective == pytest.approx(optimum(problem)[0], abs=1e-6)
@@ -34,7 +38,7 @@ def test_all_four_solvers_find_the_optimum_of_small_problems(solver: str, featur
 
 
 def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, program) -> None:
-    if solver in ("ortools", "pyvrp"):
+    if solver in ROUTING:
         pytest.skip("an engine for routing problems")
     solution = wb.solve(program([2, 3], [[1, 1]], 4.5, np.inf, integer=[1]), solver)
     assert solution.status == "optimal"
@@ -43,7 +47,7 @@ def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, progr
 
 def test_isolation_changes_nothing_but_the_process(solver: str) -> None:
     problem = small("capacity", 0, "round")
-    work = {"iterations": 100} if solver in ("ortools", "pyvrp") else {}
+    work = {"iterations": 100} if solver in ROUTING else {}
     apart = wb.solve(problem, solver, time_limit=20, bound_time=0, isolate=True, **work)
     here = wb.solve(problem, solver, time_limit=20, bound_time=0, **work)
     assert (apart.status, apart.objective) == (here.status, here.objective)

@@ -103,3 +103,8 @@ def test_a_unit_near_the_value_changes_no_digit(graph, size):
     assert np.array_equal(near.weights / unit, large.weights)
     assert 1 / 8 <= coverage(near, even_shares(near)).min() <= 8
     assert (unit == 1.0) == (size == 1.0)
+
+
+def test_weights_of_all_sizes_at_once_stay_as_they_are():
+    graph = graph_of_edges([0, 1], [0, 1], [0, 1], [1e-300, 1e300], robots=2)
+    assert near_one(graph) == (graph, 1.0)

@@ -30,7 +30,7 @@ def _closed_form(families: tuple[Family, ...]) -> tuple[Family, ...]:
 
 guarantee_study(
     "continuous-greedy",
-    "continuous greedy of T steps with pipage rounding, stated 1 - (1 + 1/T)^-T, in the limit 1 - 1/e",
+    "T steps and pipage rounding, stated 1 - (1 + 1/T)^-T, in the limit 1 - 1/e",
     2000,
     [
         Configuration(f"{steps} step{'s' * (steps > 1)}", "continuous-greedy", _ratio(steps), {"steps": steps},

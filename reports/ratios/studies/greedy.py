@@ -44,8 +44,8 @@ def _limited(problem: Any) -> bool:
 
 CARDINALITY = (*random.random_families("cardinality"), planted.planted_covers("cardinality"), traps.geometric_covers("cardinality"))
 PARTITION = (
-    *random.random_families("partition"), random.random_assignments(), planted.planted_assignments(), traps.halves(), traps.order_matters(),
-    traps.geometric_covers("partition"),
+    *random.random_families("partition"), random.random_assignments(), planted.planted_assignments(), planted.planted_covers("partition"),
+    traps.halves(), traps.order_matters(), traps.geometric_covers("partition"),
 )  # fmt: skip
 
 guarantee_study(

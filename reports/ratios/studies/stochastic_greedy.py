@@ -23,7 +23,7 @@ def _ratio(eps: float) -> Any:
 
 guarantee_study(
     "stochastic-greedy",
-    "stochastic greedy with at most k elements, stated 1 - 1/e - eps in expectation",
+    "at most k elements from samples, stated 1 - 1/e - eps in expectation",
     600,
     [Configuration(f"eps = {eps:g}", "stochastic-greedy", _ratio(eps), {"eps": eps}, REPEATS) for eps in (0.1, 0.3)],
     (

@@ -11,6 +11,7 @@ import pytest
 import scipy.sparse as sp
 
 from waybound.formulations.certificate import verified_bound
+from waybound.formulations.cones import Cones
 from waybound.formulations.exactness import Exactness
 from waybound.formulations.problems.arrays import ArrayProblem
 from waybound.formulations.program import Program, Rows, Variables
@@ -138,3 +139,46 @@ def test_a_bare_program_is_solved_checked_and_bounded(solver: str) -> None:
     assert solution.answer.tolist() == [4.0, 0.0]
     assert solution.certificate.feasible and solution.certificate.bound is not None
     assert 13.0 - 1e-6 <= solution.certificate.bound <= 14.6667
+
+
+def disc(**changes: Any) -> Cones:
+    """|(x0, x1)| <= 2, as a block of one cone."""
+    arrays = {"indptr": np.array([0, 0, 1, 2]), "indices": np.array([0, 1]), "data": np.ones(2), "offset": np.array([2.0, 0.0, 0.0])}
+    return Cones("disc", **{"kind": "second-order", "width": 3, **arrays, **changes})
+
+
+def test_cones_are_judged_like_rows() -> None:
+    problem = ArrayProblem(knapsack(cones=(disc(),)))
+    assert problem.features() == {"LP", "integer", "cones"}
+    assert problem.evaluate(np.array([2.0, 0.0])).feasible
+    (violation,) = problem.evaluate(np.array([3.0, 0.0])).violations
+    assert (violation.check, violation.amount) == ("disc", pytest.approx(1.0))
+    assert problem.program.residual(np.array([3.0, 0.0])) == pytest.approx(1.0)
+
+
+def test_exponential_cones_hold_their_limits() -> None:
+    cone = Cones("exp", "exponential", 3, np.arange(4), np.arange(3), np.ones(3), np.zeros(3))
+    for point, inside in (((0, 1, 1), True), ((1, 1, 2.7), False), ((-1, 0, 1), True), ((1, 0, 9), False), ((0, -1, 1), False)):
+        assert bool(cone.excess(np.array(point, dtype=float))[0] <= 0) is inside
+
+
+def test_the_digest_covers_cones() -> None:
+    plain = ArrayProblem(knapsack()).digest()
+    one, other = (ArrayProblem(knapsack(cones=(disc(offset=np.array([r, 0.0, 0.0])),))).digest() for r in (1.0, 2.0))
+    assert len({plain, one, other}) == 3
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"kind": "round"}, {"width": 2}, {"kind": "exponential", "width": 2}, {"indices": np.array([0, 7])}, {"data": np.ones(3)}]
+)
+def test_malformed_cones_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="cones disc"):
+        ArrayProblem(knapsack(cones=(disc(**wrong),)))
+
+
+def test_a_cone_program_is_solved_and_checked() -> None:
+    x = Variables("x", lower=np.full(2, -9.0), upper=np.full(2, 9.0), cost=np.array([3.0, 4.0]))
+    solution = solve(Program("reach", "max", (x,), (), cones=(disc(),)), "cvxpy")
+    assert solution.objective == pytest.approx(10.0, abs=1e-6)
+    assert solution.certificate.feasible
+    assert solution.bound_kind == "claimed"

@@ -31,7 +31,7 @@ from waybound.formulations.problems.submodular_selection import SubmodularSelect
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.selection import Cardinality, Coverage, DenseFacilityLocation, FacilityLocation, Knapsack, PartitionMatroid
-from waybound.instances.sensing import SensingGraph
+from waybound.instances.sensing import SensingGraph, graph_of_edges
 
 
 def weight_of_cover_30(sets: list[int]) -> int:
@@ -260,7 +260,7 @@ def test_bottleneck_greedy_takes_the_best_worst_target_robot_by_robot(seed: int)
     weights = np.array([row for robot in robots for row in robot]).reshape(-1, targets)
     a, t = np.nonzero(weights)
     owner = [i for i, k in enumerate(shape) for _ in range(k)]
-    problem = BottleneckSATA(SensingGraph.from_edges(owner, a, t, weights[a, t], robots=len(shape), targets=targets))
+    problem = BottleneckSATA(graph_of_edges(owner, a, t, weights[a, t], robots=len(shape), targets=targets))
     covered, expected, first = np.zeros(targets), [], 0
     for k in shape:
         if k:

@@ -13,7 +13,7 @@ from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judging import Configuration
 from waybound.reports.ratios.selection_families import random_families
-from waybound.reports.ratios.study import STUDIES, Report, Study, StudySetting
+from waybound.reports.ratios.study import Report, StudySetting
 
 HALF = Guarantee(2.0, "f(S) >= f(OPT) / 2", (), "nowhere")
 
@@ -88,13 +88,3 @@ def measured(bad_heuristics: None) -> Callable[..., Report]:
         return run_plan(f"study of {name}".replace(" ", "-"), "for tests", plan, StudySetting(instances, seed=3))
 
     return run
-
-
-@pytest.fixture
-def bad_study(bad_heuristics: None) -> Iterator[str]:
-    """A registered study whose heuristic breaks its guarantee."""
-    name = "bad-study"
-    plan = GuaranteePlan((Configuration("bad", "bad-worst", lambda problem: 2.0),), random_families("cardinality", 6)[:2])
-    STUDIES.add(name, Study(name, "for tests", 20, lambda setting: run_plan(name, "for tests", plan, setting), plan=plan))
-    yield name
-    del STUDIES._entries[name]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from random_sensing import even_graph, optimum, random_graph
 
-from waybound.formulations.balls import weights_bound
+from waybound.formulations.balls import coverage, weights_bound
 from waybound.solvers.saddle.regret import RegretMatching
 
 
@@ -40,7 +40,9 @@ def test_the_compiled_game_is_the_game_by_its_definition(make_game):
     matching.run(3)
     matching.run(22)
     shares, prices = dense_play(graph, 25)
-    assert matching.conclude() == pytest.approx(shares, abs=1e-12)
+    found, cover = matching.conclude()
+    assert found == pytest.approx(shares, abs=1e-12)
+    assert cover == pytest.approx(coverage(graph, shares), abs=1e-12)
     assert matching._mean_prices == pytest.approx(prices, abs=1e-12)
 
 
@@ -50,7 +52,7 @@ def test_means_are_answers_and_prices_and_the_gap_between_them_shrinks(make_game
     matching, best = RegretMatching(game), optimum(graph)
     for steps in (50, 350, 2800):
         matching.run(steps)
-        shares = matching.conclude()
+        shares, _ = matching.conclude()
         assert np.bincount(graph.robot_of_action, shares) == pytest.approx(np.ones(graph.num_robots))
         assert game.record.value <= best * (1 + 1e-9)
         assert game.record.bound >= best * (1 - 1e-9)

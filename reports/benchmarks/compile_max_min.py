@@ -1,0 +1,179 @@
+"""Time from a sensing graph to a solver's model of the max-min LP: waybound and PuLP side by side.
+
+Run as ``python -m waybound.reports.benchmarks.compile_max_min [--actions 100000] [--seed 1] [--repeats 5]``.
+
+Robots with 10 actions each, each robot near a window of the targets, one target for every 20 actions, up to 10 targets seen by an action:
+at 100,000 actions 100,001 columns, 15,000 rows and some 970,000 entries. waybound goes from a graph whose other directions were never
+asked for to a HiGHS model ready to start. PuLP gets the edges of each target and the actions of each robot ready-made as lists, outside
+its clock, builds the same model and writes it as MPS, which is how it hands a model over; that the two are the same is checked.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.formulations.program import Program
+from waybound.instances.sensing import SensingGraph, graph_of_edges
+
+PER_ROBOT, PER_TARGET, SEEN, REACH = 10, 20, 10, 15
+"""Actions of a robot, actions for each target, targets drawn for each action, and how far from the robot's own they lie."""
+
+TARGET = 30.0
+
+
+def generate(actions: int, seed: int) -> SensingGraph:
+    """Actions in robots of ten, each seeing up to ten of the 31 targets around its robot's own; weights in [0.1, 1]."""
+    rng = np.random.default_rng(seed)
+    robots, targets = max(1, actions // PER_ROBOT), max(1, actions // PER_TARGET)
+    owner = np.minimum(np.arange(actions) // PER_ROBOT, robots - 1)
+    seen = ((owner * targets // robots)[:, None] + rng.integers(-REACH, REACH + 1, (actions, min(SEEN, targets)))) % targets
+    pairs = np.unique((np.arange(actions)[:, None] * targets + seen).ravel())
+    weights = rng.uniform(0.1, 1.0, len(pairs))
+    return graph_of_edges(owner, pairs // targets, pairs % targets, weights, robots=robots, targets=targets)
+
+
+def with_waybound(graph: SensingGraph) -> Any:
+    """From the graph to a HiGHS model ready to start."""
+    return BottleneckSATA(graph, fractional=True).compile().to_highs()
+
+
+def lists_for_pulp(graph: SensingGraph) -> dict[str, Any]:
+    """What a modeller would hold in lists before the first variable is made."""
+    starts, actions = graph.by_robot
+    seen = graph.by_target
+    return {
+        "actions": graph.num_actions,
+        "robots": [actions[a:b].tolist() for a, b in pairwise(starts)],
+        "targets": [list(zip(seen.indices[a:b].tolist(), seen.weights[a:b].tolist(), strict=True)) for a, b in pairwise(seen.indptr)],
+    }
+
+
+def with_pulp(data: dict[str, Any], path: Path) -> tuple[Any, float]:
+    """The same rows and columns in PuLP's own words, and its MPS file; also the seconds that the file took."""
+    import pulp
+
+    model = pulp.LpProblem("max_min", pulp.LpMaximize)
+    x = [model.add_variable(f"x_{m}", 0, 1) for m in range(data["actions"])]
+    w = model.add_variable("w", 0)
+    model += w
+    for i, mine in enumerate(data["robots"]):
+        model += pulp.lpSum(x[m] for m in mine) <= 1, f"robot_{i}"
+    for j, seeing in enumerate(data["targets"]):
+        model += pulp.lpSum(c * x[m] for m, c in seeing) - w >= 0, f"target_{j}"
+    began = time.perf_counter()
+    model.writeMPS(str(path), rename=True)
+    return model, time.perf_counter() - began
+
+
+def same_model(program: Program, path: Path) -> None:
+    """Raise AssertionError unless the MPS file holds the program's numbers of rows, columns and entries, and the same values."""
+    import highspy
+
+    other = highspy.Highs()
+    other.setOptionValue("output_flag", False)
+    other.readModel(str(path))
+    lp = other.getLp()
+    sizes = (lp.num_row_, lp.num_col_, len(lp.a_matrix_.value_))
+    own = (program.num_rows, program.num_variables, len(program.data))
+    assert sizes == own, f"PuLP wrote {sizes} rows, columns and entries, waybound {own}"
+    for name, theirs, ours in (
+        ("costs", np.abs(lp.col_cost_), program.cost),  # the sense stands in a comment of PuLP's file, which HiGHS does not read
+        ("upper bounds", lp.col_upper_, program.upper),
+        ("left sides", lp.row_lower_, program.row_lower),
+        ("right sides", lp.row_upper_, program.row_upper),
+        ("coefficients", lp.a_matrix_.value_, program.data),
+    ):
+        assert np.allclose(np.sort(theirs), np.sort(ours), rtol=1e-9, atol=1e-9), f"the {name} differ"
+
+
+def timed(run: Callable[[], Any]) -> dict[str, float]:
+    """Wall and CPU seconds of one call."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = run()
+    seconds = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
+    if isinstance(result, tuple):
+        seconds["file"] = result[1]
+    return seconds
+
+
+def run_once(which: str, actions: int, seed: int, folder: Path) -> dict[str, float]:
+    """One measurement in this process, after imports and data."""
+    import highspy  # noqa: F401  (imports are not part of any clock)
+
+    graph = generate(actions, seed)
+    if which == "pulp":
+        import pulp  # noqa: F401
+
+        return timed(partial(with_pulp, lists_for_pulp(graph), folder / "max_min.mps"))
+    with_waybound(generate(100, seed))  # loads the modules
+    return timed(partial(with_waybound, graph))
+
+
+def in_a_fresh_process(which: str, actions: int, seed: int, folder: Path) -> dict[str, float]:
+    """``run_once`` in an interpreter of its own: there both meet untouched memory, whose first use is part of the cost."""
+    command = [sys.executable, "-m", __spec__.name if __spec__ else __name__, "--actions", str(actions), "--seed", str(seed)]
+    done = subprocess.run([*command, "--once", which, "--folder", str(folder)], capture_output=True, text=True, check=True)
+    return dict(json.loads(done.stdout))
+
+
+def report(actions: int, seed: int, repeats: int) -> str:
+    """Measure, and say what came out."""
+    runs: dict[str, list[dict[str, float]]] = {"waybound": [], "pulp": []}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for number in range(repeats):  # in turn, so that both meet the same load of the machine
+            for which, found in runs.items():
+                if which != "pulp" or number < 3:
+                    found.append(in_a_fresh_process(which, actions, seed, folder))
+        program = BottleneckSATA(generate(actions, seed), fractional=True).compile()
+        same_model(program, folder / "max_min.mps")
+
+    def median(which: str, clock: str) -> float:
+        return statistics.median(run[clock] for run in runs[which])
+
+    (a, a_cpu), (b, b_cpu) = ((median(which, "wall"), median(which, "cpu")) for which in runs)
+    heading = f"medians of {repeats} runs (PuLP: {len(runs['pulp'])})"
+    lines = [
+        f"max-min LP, {actions} actions, seed {seed}; each run in a fresh process",
+        f"  {program.num_variables} columns, {program.num_rows} rows, {len(program.data)} entries",
+        "",
+        f"{heading:44}{'wall s':>9}{'CPU s':>9}   waybound, by wall (CPU) time",
+        f"{'waybound: sensing graph to HiGHS model':44}{a:>9.4f}{a_cpu:>9.4f}",
+        f"{'PuLP: lists to MPS file, same model':44}{b:>9.4f}{b_cpu:>9.4f}   {b / a:.0f}x ({b_cpu / a_cpu:.0f}x) as fast",
+        f"{'  of these the file':44}{median('pulp', 'file'):>9.4f}",
+        "",
+        f"target: at least {TARGET:.0f}x as fast as PuLP: {'met' if min(b / a, b_cpu / a_cpu) >= TARGET else 'MISSED'}",
+    ]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--actions", type=int, default=100_000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--once", choices=["waybound", "pulp"], help=argparse.SUPPRESS)
+    parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.once:
+        print(json.dumps(run_once(given.once, given.actions, given.seed, given.folder)))
+    else:
+        print(report(given.actions, given.seed, given.repeats))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,106 @@
+"""Winner takes all solved to proven optimality: the forms against each other, ten seeds, one thread.
+
+Run as ``python -m waybound.reports.benchmarks.winner_takes_all [--seeds 10] [--weights binary] [--limit 20]``.
+
+20 robots with 2 actions each, 150 targets, density 15 %, the largest of the SATA experiments. The linear forms run with HiGHS; the product
+as it stands with those who take it: CP-SAT, and SCIP through MathOpt and, where it is installed, through PySCIPOpt. Seconds are CPU
+time of compiling and solving in one process (modules loaded before). All answers are judged from the data, and all proven optima
+must be equal.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+
+from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.instances.generating import generate
+from waybound.instances.sensing import SensingGraph
+from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+
+SIZE = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}
+
+RUNS = (
+    ("facility-location", "highs"),
+    ("strong-linearisation", "highs"),
+    ("weak-linearisation", "highs"),
+    ("product", "cpsat"),
+    ("product", "mathopt:gscip"),
+    ("product", "scip"),
+)
+
+TARGET_FORM, TARGET = "strong-linearisation", 3.0
+"""Median CPU seconds that the strong form may take."""
+
+
+def instance(seed: int, weights: str, **size: int) -> WinnerTakesAllSATA:
+    """One problem of the given size (by default the largest of the experiments)."""
+    graph = generate("sata", seed, weights=weights, **{**SIZE, **size})
+    assert isinstance(graph, SensingGraph)
+    return WinnerTakesAllSATA(graph)
+
+
+def run(problem: WinnerTakesAllSATA, form: str, solver: str, limit: float) -> tuple[float, RawResult, float]:
+    """CPU seconds, the solver's account, and the answer's value recomputed from the data."""
+    base, _, variant = solver.partition(":")
+    backend = BACKENDS[base](variant) if variant else BACKENDS[base]()
+    assert isinstance(backend, ProgramBackend)
+    began = time.process_time()
+    program = problem.compile(form)
+    result = backend.run(program, Options(time_limit=limit), Control())
+    seconds = time.process_time() - began
+    judged = problem.evaluate(program.decode(result.answer))
+    assert judged.feasible, judged.violations
+    return seconds, result, judged.values[0]
+
+
+def report(seeds: int, weights: str, limit: float, **size: int) -> str:
+    """Solve all, compare, and say what came out."""
+    runs = [r for r in RUNS if BACKENDS[r[1].partition(":")[0]].installed()]
+    for form, solver in runs:
+        run(instance(1, weights, robots=4, targets=10, phi=30), form, solver, limit)  # loads the modules
+    problems = [instance(seed, weights, **size) for seed in range(seeds)]
+    optima: list[float] = []
+    lines = [
+        f"winner takes all, {problems[0].graph!r} and others: {seeds} seeds, {weights} weights, one thread, limit {limit:g} s",
+        f"{'form':22} {'solver':14} {'proven':>6} {'median':>8} {'longest':>8}   {'columns':>7} {'rows':>6} {'entries':>7}   gap left",
+    ]
+    medians = {}
+    for form, solver in runs:
+        seconds, gaps, proven = [], [], 0
+        for k, problem in enumerate(problems):
+            took, result, value = run(problem, form, solver, limit)
+            seconds.append(took)
+            proven += result.status == "optimal"
+            gaps.append(0.0 if result.status == "optimal" else abs((result.bound or value) - value) / max(value, 1e-9))
+            if k == len(optima):
+                assert result.status == "optimal", "the first form must prove the optima that the others are held against"
+                optima.append(value)
+            short = optima[k] - value
+            assert short >= -1e-6 and (result.status != "optimal" or short <= 1e-6), (
+                f"{form} by {solver}: {value}, known optimum {optima[k]}"
+            )
+        medians[form, solver] = statistics.median(seconds)
+        program = problems[0].compile(form)
+        lines.append(
+            f"{form:22} {solver:14} {proven:>3}/{seeds:<2} {medians[form, solver]:>8.3f} {max(seconds):>8.3f}   {program.num_variables:>7} "
+            f"{program.num_rows:>6} {len(program.data):>7}   {100 * statistics.median(gaps):.1f} % (median)"
+        )
+    lines.append(f"optima: {', '.join(f'{v:g}' for v in optima)}")
+    strong = medians[TARGET_FORM, "highs"]
+    lines.append(f"target: median of {TARGET_FORM} below {TARGET:g} s: {'met' if strong < TARGET else 'MISSED'} ({strong:.3f} s)")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--weights", choices=["binary", "uniform"], default="binary")
+    parser.add_argument("--limit", type=float, default=20.0)
+    given = parser.parse_args()
+    print(report(given.seeds, given.weights, given.limit))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,40 @@
+"""The compile benchmark of the max-min LP compares models that are the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.reports.benchmarks import compile_max_min as benchmark
+
+
+@pytest.mark.parametrize("actions", [60, 400])
+def test_pulp_writes_the_same_rows_columns_and_values(actions: int, tmp_path: Path) -> None:
+    graph = benchmark.generate(actions, seed=3)
+    program = BottleneckSATA(graph, fractional=True).compile()
+    benchmark.with_pulp(benchmark.lists_for_pulp(graph), tmp_path / "model.mps")
+    benchmark.same_model(program, tmp_path / "model.mps")
+    assert benchmark.with_waybound(graph).getNumRow() == program.num_rows
+
+
+def test_a_different_model_is_noticed(tmp_path: Path) -> None:
+    graph = benchmark.generate(100, seed=3)
+    data = benchmark.lists_for_pulp(graph)
+    action, weight = data["targets"][0][0]
+    data["targets"][0][0] = (action, weight + 0.5)
+    benchmark.with_pulp(data, tmp_path / "model.mps")
+    with pytest.raises(AssertionError, match="coefficients"):
+        benchmark.same_model(BottleneckSATA(graph, fractional=True).compile(), tmp_path / "model.mps")
+
+
+def test_same_seed_gives_the_same_graph() -> None:
+    assert benchmark.generate(200, 1).digest() == benchmark.generate(200, 1).digest()
+    assert benchmark.generate(200, 1).digest() != benchmark.generate(200, 2).digest()
+
+
+@pytest.mark.long
+def test_report_measures_both_and_compares_them() -> None:
+    text = benchmark.report(200, seed=1, repeats=1)
+    assert "waybound: sensing graph to HiGHS model" in text and "PuLP: lists to MPS file" in text and "target" in text
