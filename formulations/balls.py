@@ -112,7 +112,8 @@ def weights_bound(graph: SensingGraph, targets: Indices, weights: Floats) -> flo
         One each, not negative, not all 0.
     """
     part = graph if len(targets) == graph.num_targets else ball_graph(graph, targets)
-    worth = np.bincount(part.action_of_edge, part.weights * weights[part.indices], minlength=part.num_actions)
+    with np.errstate(over="ignore"):
+        worth = np.bincount(part.action_of_edge, part.weights * weights[part.indices], minlength=part.num_actions)
     best = np.zeros(part.num_robots)
     np.maximum.at(best, part.robot_of_action, worth)
     return float(best.sum() / weights.sum())

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...instances.errors import InputError
 from ...instances.sensing import SensingGraph
 from ..balls import Floats, Indices, ball_graph, even_shares, grown, near_one, num_edges
 from ..balls import coverage as covered_by
@@ -75,7 +76,10 @@ def ball_weights(graph: SensingGraph, targets: Indices, solve_lp: Solve, seconds
     program = problem.compile("max-min")
     if part.num_edges <= SIMPLEX_EDGES:
         program = replace(program, advice=SIMPLEX)
-    duals = solve_lp(program, seconds)
+    try:
+        duals = solve_lp(program, seconds)
+    except InputError:  # weights of sizes that the solver does not take
+        return None
     if duals is None or program.dual_evidence is None or not np.isfinite(duals).all():
         return None
     found = program.dual_evidence(np.asarray(duals, dtype=np.float64))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ...formulations.compiled import kernel
 
 MOVES = 4
@@ -9,6 +11,8 @@ MOVES = 4
 
 MOST_STEPS = 60
 """Far more than a shift takes: the slope is piecewise linear, with one breakpoint a target."""
+
+INFINITE = math.inf
 
 SAME = 1e-13
 """Shares that differ by less, in proportion to what can be moved, are the same."""
@@ -77,12 +81,15 @@ def _shift(deficits, gains, count, most):  # type: ignore[no-untyped-def]
     slope, curvature = _slope(deficits, gains, count, 0.0)
     if slope <= 0.0:
         return 0.0, 1
-    low, high, shift, steps = 0.0, most, slope / curvature, 1
+    # Weights whose squares vanish or overflow leave no Newton step: then ends and halves of the bracket have to do.
+    low, high, shift, steps = 0.0, most, most, 1
+    if 0.0 < curvature < INFINITE:
+        shift = slope / curvature
     if shift >= most:
         end, _ = _slope(deficits, gains, count, most)
         if end >= 0.0:
             return most, 2
-        shift, steps = most * slope / (slope - end), 2
+        shift, steps = most * (slope / (slope - end)), 2
     while steps < MOST_STEPS:
         steps += 1
         slope, curvature = _slope(deficits, gains, count, shift)
@@ -92,7 +99,7 @@ def _shift(deficits, gains, count, most):  # type: ignore[no-untyped-def]
             high = shift
         else:
             break
-        step = shift + slope / curvature
+        step = shift + slope / curvature if 0.0 < curvature < INFINITE else high
         if not low < step < high:
             step = 0.5 * (low + high)
         if abs(step - shift) <= SAME * most:

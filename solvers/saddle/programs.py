@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...formulations.balls import Floats, Indices, actions_of, num_entries, robots_seeing, slices, targets_seen
 from ...formulations.program import Program, Rows, Variables
+from ...instances.errors import InputError
 from ...instances.sensing import SensingGraph
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
 
@@ -72,13 +73,15 @@ class Programs:
         return int((math.sqrt(1e-10 + 6e-8 * max(seconds, 0.0)) - 1e-5) / 3e-8)
 
     def run(self, program: Program) -> RawResult:
-        """Solve ``program``; not ``optimal`` where it takes more than its share of iterations or time."""
+        """Solve ``program``; not ``optimal`` where it takes more than its share of iterations or time, or is refused."""
         backend = BACKENDS[LP_SOLVER]()
         assert isinstance(backend, ProgramBackend)
         options = Options(time_limit=self._seconds_left(), iterations=len(program.data) + SPARE_ITERATIONS, seed=self._seed)
         self._running = Control()
         try:
             result = backend.run(program, options, self._running)
+        except InputError as fault:  # weights of sizes that the solver does not take
+            result = RawResult("error", message=str(fault))
         finally:
             self._running = None
         iterations = result.statistics.get("simplex_iterations", 0) + result.statistics.get("ipm_iterations", 0)

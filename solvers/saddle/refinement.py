@@ -104,7 +104,8 @@ def _price(game: Game, targets: Indices, deficits: Floats, always: bool) -> None
     part = ball_graph(game.graph, targets)
     seeing = part.robot_of_action[part.action_of_edge]
     cluster, cluster_of_robot, count = parts(part.indices, seeing, part.num_targets, part.num_robots)
-    worth = np.bincount(part.action_of_edge, part.weights * deficits[part.indices], minlength=part.num_actions)
+    with np.errstate(over="ignore"):  # a bound that overflows proves nothing
+        worth = np.bincount(part.action_of_edge, part.weights * deficits[part.indices], minlength=part.num_actions)
     best = np.zeros(part.num_robots)
     np.maximum.at(best, part.robot_of_action, worth)
     bounds = np.bincount(cluster_of_robot, best, minlength=count) / np.bincount(cluster, deficits, minlength=count)

@@ -122,6 +122,11 @@ def test_weights_of_any_size_are_priced(size):
     assert verified_bound(problem(other), evidence) / size == pytest.approx(optimum(graph), rel=1e-6)
 
 
+def test_a_solver_that_refuses_the_numbers_proves_nothing():
+    graph = graph_of_edges([0, 0], [0, 0, 1], [0, 1, 1], [1e-20, 1e20, 1.0], robots=1)
+    assert ball_evidence(problem(graph), None, Solver(), 60.0) is None
+
+
 def test_whole_actions_are_bounded_by_shares():
     graph = random_graph(6)
     evidence = ball_evidence(problem(graph, fractional=False), None, Solver(), 60.0, seeds=graph.num_targets)

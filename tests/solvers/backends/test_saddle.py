@@ -131,6 +131,15 @@ def test_weights_of_any_size(size):
     assert result.objective / size == pytest.approx(optimum(graph), rel=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("decades", [20, 120, 290])
+def test_weights_of_all_sizes_at_once_end_in_true_claims(seed, decades):
+    graph = random_graph(seed, robots=12, targets=8)
+    rng = np.random.default_rng(seed)
+    result = run(weighted(graph, 10.0 ** rng.uniform(-decades, decades, graph.num_edges)), iterations=200)
+    assert 0.0 < result.objective <= result.bound * (1 + 1e-12)
+
+
 def test_a_target_that_nobody_sees_makes_the_value_zero_by_proof():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
