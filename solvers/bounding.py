@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..formulations.certificate import verified_bound
 from ..formulations.evidence import BOUNDS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.program import Program
@@ -23,6 +24,7 @@ def find_bounds(
     seconds: float,
     *,
     target: float | None = None,
+    known: Sequence[Evidence] = (),
     control: Control | None = None,
     progress: Callable[[dict[str, Any]], None] | None = None,
 ) -> list[Evidence]:
@@ -34,7 +36,9 @@ def find_bounds(
     seconds : float
         Budget for all methods together, without what they prepare once a process; 0 turns bounding off.
     target : float, optional
-        Value of an answer: a method that reaches it ends the search.
+        Value of an answer: evidence that reaches it ends the search.
+    known : sequence of Evidence
+        What was found already, by whoever made the answer.
     control : Control, optional
         Stops between and inside methods.
     progress : callable, optional
@@ -45,7 +49,7 @@ def find_bounds(
     list of Evidence, in the order found
     """
     found: list[Evidence] = []
-    if seconds <= 0:
+    if seconds <= 0 or any(_reaches(e.value, target) and _reaches(verified_bound(problem, e), target) for e in known):
         return found
     control = control or Control()
     methods = sorted((m for m in BOUNDS.values() if not m.missing(problem)), key=lambda m: m.order)
@@ -75,6 +79,10 @@ def find_bounds(
         control.publish(list(found))
         if progress is not None:
             progress({"phase": "bound", "seconds": seconds - (end - time.perf_counter()), "objective": target, "bound": evidence.value})
-        if target is not None and abs(evidence.value - target) <= 1e-9 * max(1.0, abs(target)):
+        if _reaches(evidence.value, target):
             break
     return found
+
+
+def _reaches(bound: float, target: float | None) -> bool:
+    return target is not None and abs(bound - target) <= 1e-9 * max(1.0, abs(target))

@@ -303,9 +303,10 @@ def _conclude(
     if run.program is not None and result.row_duals is not None and run.program.dual_evidence is not None:
         evidence.append(run.program.dual_evidence(result.row_duals))
     evidence.extend(result.evidence)
+    known = tuple(evidence)
     if not searched.interrupted and not result.evidence:
         found = search(
-            lambda c: RawResult("unknown", answer=find_bounds(problem, budget, target=best, control=c, progress=progress)),
+            lambda c: RawResult("unknown", answer=find_bounds(problem, budget, target=best, known=known, control=c, progress=progress)),
             Control(),
             budget,
             overtime=1.0,

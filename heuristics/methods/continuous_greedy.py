@@ -104,9 +104,7 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
 
 def _of_counts(problem: SubmodularSelection, limits: Limits, count: NDArray[np.int64], evaluations: int, done: int, steps: int) -> Outcome:
     """The elements of largest probability, where the time was up before the last step."""
-    order = np.lexsort((np.arange(len(count)), -count, limits.groups))
-    member = limits.groups[order]
-    picks = order[np.arange(len(order)) - np.searchsorted(member, member) < limits.room[member]].tolist()
+    picks = limits.first(np.lexsort((np.arange(len(count)), -count))).tolist()
     statistics = {"steps": done, "evaluations": evaluations}
     message = f"the time was up after {done} of {steps} steps; the largest probabilities were taken"
     return concluded(problem, picks, assumptions(problem)[0], None, statistics, message)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from ...formulations.problem import Problem
@@ -14,7 +13,7 @@ from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions, greedy_guarantee
 from ..selection.limits import ANY_FUNCTION, GROUPED, Limits
-from ..selection.picking import pick
+from ..selection.picking import check_threshold, pick
 
 
 def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
@@ -47,8 +46,7 @@ def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: 
     digest 2.10. Bottleneck: robots in their order, each the action with the best worst target so far; it can be arbitrarily bad
     (Sung 2019, appendix A.3, corrected in digest 3.1).
     """
-    if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
-        raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
+    check_threshold(eps)
     if isinstance(problem, BottleneckSATA):
         if eps > 0 or evaluation != "auto":
             raise UsageError("eps and evaluation are options for selection problems; a bottleneck has none")

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from ...formulations.problems.submodular_selection import SubmodularSelection
-from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions, greedy_guarantee
 from ..selection.limits import ANY_FUNCTION, GROUPED, Limits, chosen_elements
-from ..selection.picking import pick
+from ..selection.picking import check_threshold, pick
 
 
 def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 0.0, base: Sequence[int] | str = ()) -> Outcome:
@@ -45,8 +43,7 @@ def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 
     digest 2.10: bounds are kept per element, the best of a round is reset, gains are over all that is chosen. Ties go to the smallest
     index, so that an old gain equal to the best new one is evaluated only where its element comes first.
     """
-    if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
-        raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
+    check_threshold(eps)
     begun = chosen_elements("base", base, problem)
     limits = Limits.of(problem)
     taken = pick(problem, limits, setting, evaluation="lazy", eps=float(eps), base=begun)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Evidence
 from ...formulations.forms import FORMS
 from ...formulations.problem import Problem
-from ...formulations.problems.bottleneck_sata import BottleneckSATA
 from ...formulations.problems.submodular_selection import SubmodularSelection
 from ...formulations.selections import Selection
 from ...instances.errors import UnsupportedError, UsageError
@@ -73,22 +72,10 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
 def _rounded(problem: Any, shares: NDArray[np.float64], ties: str) -> list[int]:
     n = len(shares)
     index = np.arange(n) if ties == "first" else np.arange(n)[::-1]
-    rank = np.empty(n)
     order = np.lexsort((index, -_levelled(shares)))
-    rank[order] = np.arange(n)
-    if isinstance(problem, BottleneckSATA):
-        groups, room = problem.graph.robot_of_action, np.ones(problem.graph.num_robots, np.int64)
-    else:
-        assert isinstance(problem, SubmodularSelection)
-        c = problem.constraint
-        if isinstance(c, Knapsack):
-            return that_fit(order.tolist(), c)
-        limits = Limits.of(problem)
-        groups, room = limits.groups, limits.room
-    by_group = np.lexsort((rank, groups))
-    member = groups[by_group]
-    place = np.arange(n) - np.searchsorted(member, member)
-    return sorted(by_group[place < room[member]].tolist(), key=lambda e: rank[e])
+    if isinstance(problem, SubmodularSelection) and isinstance(problem.constraint, Knapsack):
+        return that_fit(order.tolist(), problem.constraint)
+    return [int(e) for e in Limits.of(problem).first(order)]
 
 
 def _levelled(shares: NDArray[np.float64]) -> NDArray[np.float64]:

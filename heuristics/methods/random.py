@@ -34,25 +34,12 @@ def random(problem: Problem, setting: Setting) -> Outcome:
     -----
     Source: the baseline of Sung (2019), 3.5.1; digest 2.6.
     """
-    if isinstance(problem, BottleneckSATA):
-        owner, room = problem.graph.robot_of_action, np.ones(problem.graph.num_robots, np.int64)
-        return Outcome(Selection(tuple(_of_groups(owner, room, setting.rng))))
-    assert isinstance(problem, SubmodularSelection)
-    c = problem.constraint
-    if not isinstance(c, Knapsack):
-        limits = Limits.of(problem)
-        return Outcome(Selection(tuple(_of_groups(limits.groups, limits.room, setting.rng))))
-    return Outcome(Selection(tuple(that_fit(setting.rng.permutation(problem.num_elements).tolist(), c))))
-
-
-def _of_groups(groups: Any, room: Any, rng: np.random.Generator) -> list[int]:
-    """The first ``room[g]`` members of each group in a random order."""
-    shuffled = rng.permutation(len(groups))
-    order = shuffled[np.argsort(groups[shuffled], kind="stable")]
-    member = groups[order]
-    rank = np.arange(len(order)) - np.searchsorted(member, member)
-    chosen: list[int] = order[rank < room[member]].tolist()
-    return chosen
+    assert isinstance(problem, SubmodularSelection | BottleneckSATA)
+    if isinstance(problem, SubmodularSelection) and isinstance(problem.constraint, Knapsack):
+        return Outcome(Selection(tuple(that_fit(setting.rng.permutation(problem.num_elements).tolist(), problem.constraint))))
+    limits = Limits.of(problem)
+    picks = limits.first(setting.rng.permutation(len(limits.groups)))
+    return Outcome(Selection(tuple(picks[np.argsort(limits.groups[picks], kind="stable")].tolist())))  # robot by robot
 
 
 def _refuses(problem: Any) -> frozenset[str]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...formulations.problems.bottleneck_sata import BottleneckSATA
 from ...formulations.problems.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...instances.selection import Cardinality, Knapsack, PartitionMatroid
@@ -33,8 +34,11 @@ class Limits:
     room: NDArray[np.int64]
 
     @classmethod
-    def of(cls, problem: SubmodularSelection) -> Limits:
-        """The limits of a problem whose constraint is a cardinality limit or a partition matroid."""
+    def of(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits:
+        """The limits of a problem whose constraint is a cardinality limit or a partition matroid; a robot takes one action."""
+        if isinstance(problem, BottleneckSATA):
+            owner, robots = problem.graph.robot_of_action, problem.graph.num_robots
+            return cls(owner, np.minimum(np.bincount(owner, minlength=robots), 1).astype(np.int64))
         c, n = problem.constraint, problem.num_elements
         if isinstance(c, Cardinality):
             return cls(np.zeros(n, np.int32), np.array([min(c.limit, n)], np.int64))
@@ -52,6 +56,13 @@ class Limits:
         starts = np.zeros(len(self.room) + 1, np.int64)
         np.cumsum(np.bincount(self.groups, minlength=len(self.room)), out=starts[1:])
         return starts, np.argsort(self.groups, kind="stable")
+
+    def first(self, order: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The elements that come first in ``order``, as many of each group as it has room for, in that order."""
+        by_group = np.argsort(self.groups[order], kind="stable")
+        member = self.groups[order][by_group]
+        place = np.arange(len(order)) - np.searchsorted(member, member)
+        return order[np.sort(by_group[place < self.room[member]])]
 
     def without(self, chosen: Sequence[int]) -> NDArray[np.int64]:
         """Room that is left beside ``chosen``.

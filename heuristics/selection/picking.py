@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -45,6 +46,12 @@ class Picked:
     evaluations: int
     evaluation: str
     ended: str
+
+
+def check_threshold(eps: Any) -> None:
+    """Raise UsageError unless ``eps`` is a gain that a greedy may stop at."""
+    if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
+        raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
 
 
 def pick(

@@ -13,11 +13,8 @@ from __future__ import annotations
 import argparse
 import json
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -26,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.program import Program
 from waybound.instances.sensing import SensingGraph, graph_of_edges
+from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
 
 PER_ROBOT, PER_TARGET, SEEN, REACH = 10, 20, 10, 15
 """Actions of a robot, actions for each target, targets drawn for each action, and how far from the robot's own they lie."""
@@ -79,37 +76,6 @@ def with_pulp(data: dict[str, Any], path: Path) -> tuple[Any, float]:
     return model, time.perf_counter() - began
 
 
-def same_model(program: Program, path: Path) -> None:
-    """Raise AssertionError unless the MPS file holds the program's numbers of rows, columns and entries, and the same values."""
-    import highspy
-
-    other = highspy.Highs()
-    other.setOptionValue("output_flag", False)
-    other.readModel(str(path))
-    lp = other.getLp()
-    sizes = (lp.num_row_, lp.num_col_, len(lp.a_matrix_.value_))
-    own = (program.num_rows, program.num_variables, len(program.data))
-    assert sizes == own, f"PuLP wrote {sizes} rows, columns and entries, waybound {own}"
-    for name, theirs, ours in (
-        ("costs", np.abs(lp.col_cost_), program.cost),  # the sense stands in a comment of PuLP's file, which HiGHS does not read
-        ("upper bounds", lp.col_upper_, program.upper),
-        ("left sides", lp.row_lower_, program.row_lower),
-        ("right sides", lp.row_upper_, program.row_upper),
-        ("coefficients", lp.a_matrix_.value_, program.data),
-    ):
-        assert np.allclose(np.sort(theirs), np.sort(ours), rtol=1e-9, atol=1e-9), f"the {name} differ"
-
-
-def timed(run: Callable[[], Any]) -> dict[str, float]:
-    """Wall and CPU seconds of one call."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    result = run()
-    seconds = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
-    if isinstance(result, tuple):
-        seconds["file"] = result[1]
-    return seconds
-
-
 def run_once(which: str, actions: int, seed: int, folder: Path) -> dict[str, float]:
     """One measurement in this process, after imports and data."""
     import highspy  # noqa: F401  (imports are not part of any clock)
@@ -123,22 +89,16 @@ def run_once(which: str, actions: int, seed: int, folder: Path) -> dict[str, flo
     return timed(partial(with_waybound, graph))
 
 
-def in_a_fresh_process(which: str, actions: int, seed: int, folder: Path) -> dict[str, float]:
-    """``run_once`` in an interpreter of its own: there both meet untouched memory, whose first use is part of the cost."""
-    command = [sys.executable, "-m", __spec__.name if __spec__ else __name__, "--actions", str(actions), "--seed", str(seed)]
-    done = subprocess.run([*command, "--once", which, "--folder", str(folder)], capture_output=True, text=True, check=True)
-    return dict(json.loads(done.stdout))
-
-
 def report(actions: int, seed: int, repeats: int) -> str:
     """Measure, and say what came out."""
+    module = __spec__.name if __spec__ else __name__
     runs: dict[str, list[dict[str, float]]] = {"waybound": [], "pulp": []}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for number in range(repeats):  # in turn, so that both meet the same load of the machine
             for which, found in runs.items():
                 if which != "pulp" or number < 3:
-                    found.append(in_a_fresh_process(which, actions, seed, folder))
+                    found.append(in_a_fresh_process(module, "--actions", actions, "--seed", seed, "--once", which, "--folder", folder))
         program = BottleneckSATA(generate(actions, seed), fractional=True).compile()
         same_model(program, folder / "max_min.mps")
 
@@ -154,7 +114,7 @@ def report(actions: int, seed: int, repeats: int) -> str:
         f"{heading:44}{'wall s':>9}{'CPU s':>9}   waybound, by wall (CPU) time",
         f"{'waybound: sensing graph to HiGHS model':44}{a:>9.4f}{a_cpu:>9.4f}",
         f"{'PuLP: lists to MPS file, same model':44}{b:>9.4f}{b_cpu:>9.4f}   {b / a:.0f}x ({b_cpu / a_cpu:.0f}x) as fast",
-        f"{'  of these the file':44}{median('pulp', 'file'):>9.4f}",
+        f"{'  of these the file':44}{median('pulp', 'part'):>9.4f}",
         "",
         f"target: at least {TARGET:.0f}x as fast as PuLP: {'met' if min(b / a, b_cpu / a_cpu) >= TARGET else 'MISSED'}",
     ]

@@ -12,11 +12,8 @@ from __future__ import annotations
 import argparse
 import json
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,6 +27,7 @@ from waybound.formulations.program import Program
 from waybound.formulations.reachability import minimum_vehicles
 from waybound.instances.instance import Sites, VehicleType
 from waybound.instances.travel import Travel
+from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
 
 WINDOWS = {"wide": (2000.0, 3000.0), "medium": (200.0, 400.0), "narrow": (20.0, 60.0)}
 """Widths of the time windows, within a day of 1000 units on a square of 100 x 100."""
@@ -134,36 +132,6 @@ def with_pulp(data: dict[str, Any], path: Path) -> Any:
     return model
 
 
-def same_model(program: Program, path: Path) -> None:
-    """Raise AssertionError unless the MPS file holds the program's numbers of rows, columns and entries, and the same values."""
-    import highspy
-
-    other = highspy.Highs()
-    other.setOptionValue("output_flag", False)
-    other.readModel(str(path))
-    lp = other.getLp()
-    sizes = (lp.num_row_, lp.num_col_, len(lp.a_matrix_.value_))
-    own = (program.num_rows, program.num_variables, len(program.data))
-    assert sizes == own, f"PuLP wrote {sizes} rows, columns and entries, waybound {own}"
-    for name, theirs, ours in (
-        ("costs", lp.col_cost_, program.cost),
-        ("lower bounds", lp.col_lower_, program.lower), ("upper bounds", lp.col_upper_, program.upper),
-        ("left sides", lp.row_lower_, program.row_lower), ("right sides", lp.row_upper_, program.row_upper),
-        ("coefficients", lp.a_matrix_.value_, program.data),
-    ):  # fmt: skip
-        assert np.allclose(np.sort(theirs), np.sort(ours), rtol=1e-9, atol=1e-9), f"the {name} differ"
-
-
-def timed(run: Callable[[], Any]) -> dict[str, float]:
-    """Wall and CPU seconds of one call."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    result = run()
-    seconds = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
-    if isinstance(result, tuple):
-        seconds["rows"] = result[1]
-    return seconds
-
-
 def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[str, float]:
     """One measurement in this process, after imports and data; ``size`` holds the arguments of ``generate``."""
     import highspy  # noqa: F401  (imports are not part of any clock)
@@ -183,27 +151,21 @@ def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[
     return timed(partial(with_bare_highs, program))
 
 
-def in_a_fresh_process(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[str, float]:
-    """``run_once`` in an interpreter of its own: there all three meet untouched memory, whose first use is part of the cost."""
-    numbers = ["--customers", size[0], "--vehicles", size[1], "--windows", size[2], "--seed", size[3]]
-    command = [sys.executable, "-m", __spec__.name if __spec__ else __name__, *map(str, numbers), "--once", which, "--folder", str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return dict(json.loads(done.stdout))
-
-
 def report(customers: int, vehicles: int, windows: str, seed: int, repeats: int) -> str:
     """Measure, and say what came out."""
     size = (customers, vehicles, windows, seed)
     program = generate(*size).compile("three-index")
     unfiltered = (customers * (customers - 1) + 2 * customers + 1) * vehicles
     time_rows = sum(b.size for b in program.rows if b.name == "time")
+    module = __spec__.name if __spec__ else __name__
+    numbers = ("--customers", customers, "--vehicles", vehicles, "--windows", windows, "--seed", seed)
     runs: dict[str, list[dict[str, float]]] = {"waybound": [], "bare": [], "pulp": []}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for number in range(repeats):  # in turn, so that all meet the same load of the machine
             for which, found in runs.items():
                 if which != "pulp" or number < 3:
-                    found.append(in_a_fresh_process(which, size, folder))
+                    found.append(in_a_fresh_process(module, *numbers, "--once", which, "--folder", folder))
         same_model(program, folder / "three_index.mps")
 
     def median(which: str, clock: str) -> float:
@@ -211,7 +173,7 @@ def report(customers: int, vehicles: int, windows: str, seed: int, repeats: int)
 
     a, b, c = (median(which, "wall") for which in runs)
     a_cpu, b_cpu, c_cpu = (median(which, "cpu") for which in runs)
-    rows = median("bare", "rows")
+    rows = median("bare", "part")
     heading = f"medians of {repeats} runs (PuLP: {len(runs['pulp'])})"
     met = c / a >= TARGET_PULP and a / rows <= TARGET_BARE
     lines = [
