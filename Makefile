@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-all lint format benchmarks clean
+.PHONY: demo test test-all test-hostile lint format benchmarks clean
 
 # python3-venv may be missing (Debian splits it off): then a bare environment, filled by the system's pip.
 $(READY): pyproject.toml
@@ -26,7 +26,10 @@ test: $(READY)
 	$(BIN)/python -m pytest -n 2 -q -rs $(PYTEST_FLAGS)
 
 test-all: $(READY)
-	$(BIN)/python -m pytest -n 2 -q -rs -m "long or not long" $(PYTEST_FLAGS)
+	$(BIN)/python -m pytest -n 2 -q -rs -m "not hostile" $(PYTEST_FLAGS)
+
+test-hostile: $(READY)
+	WAYBOUND_HOSTILE=1 $(BIN)/python -m pytest tests/hostile -n 2 -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -1,0 +1,46 @@
+"""Attempts to make the toolkit say something false, lose an answer or hang: a bounded share in the fast suite, all of it by `make test-hostile`.
+
+A test asks ``share`` how many cases it shall run, draws them from ``numpy.random.default_rng``, and reports to ``tally`` what it did;
+the counts are printed at the end of the run.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+FULL = os.environ.get("WAYBOUND_HOSTILE") == "1"
+"""Whether the full counts are run."""
+
+
+@pytest.fixture(scope="session")
+def share() -> Callable[[int, int], int]:
+    """``share(few, all)``: the number of cases to run here."""
+    return lambda few, full: full if FULL else few
+
+
+@pytest.fixture
+def tally(request: pytest.FixtureRequest) -> Any:
+    """A Counter whose entries are printed, summed over all tests, at the end of the run: ``tally["mutated files"] += 1``."""
+    counts: Counter[str] = Counter()
+    yield counts
+    request.node.user_properties.append(("tally", dict(counts)))
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Print what was counted, whichever worker counted it."""
+    total: Counter[str] = Counter()
+    for reports in terminalreporter.stats.values():
+        for report in reports:
+            if getattr(report, "when", "") == "teardown":
+                for name, value in getattr(report, "user_properties", ()):
+                    if name == "tally":
+                        total.update(value)
+    if total:
+        terminalreporter.section("hostile tests")
+        for name, count in sorted(total.items()):
+            terminalreporter.write_line(f"{count:>10,}  {name}")
