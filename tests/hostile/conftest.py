@@ -1,4 +1,4 @@
-"""Attempts to make the toolkit say something false, lose an answer or hang: a bounded share in the fast suite, all of it by `make test-hostile`.
+"""Attempts to make the toolkit say something false, lose an answer or hang: a share in the fast suite, all by `make test-hostile`.
 
 A test asks ``share`` how many cases it shall run, draws them from ``numpy.random.default_rng``, and reports to ``tally`` what it did;
 the counts are printed at the end of the run.
