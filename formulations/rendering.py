@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ..instances.printable import printable
+
 if TYPE_CHECKING:
     from .certificate import Certificate
     from .solution import Solution
@@ -14,17 +16,24 @@ if TYPE_CHECKING:
 SHOWN_VIOLATIONS = 10
 """Violations that are listed one by one; the rest is counted."""
 
+SHOWN_LABEL = 80
+"""Characters of a label that are shown."""
+
 _STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "plain": ""}
 _COLOURS = {"good": "#1a7f37", "bad": "#b42318", "quiet": "#6e7781", "plain": "inherit"}
 
 
 @dataclass(frozen=True)
 class Line:
-    """One fact: what it is, what holds, and its tone (``good, bad, quiet, plain``)."""
+    """One fact: what it is, what holds, and its tone (``good, bad, quiet, plain``). Its texts are printable, wherever they come from."""
 
     label: str
     text: str
     tone: str = "plain"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "label", printable(self.label, SHOWN_LABEL))
+        object.__setattr__(self, "text", printable(self.text))
 
 
 def number(value: Any) -> str:
@@ -158,7 +167,7 @@ def solution_title(solution: Solution) -> str:
 def as_text(title: str, lines: Sequence[Line]) -> str:
     """Plain text, labels in a column of their own."""
     width = max((len(line.label) for line in lines), default=0)
-    return "\n".join([title, *(f"{line.label:<{width}}  {line.text}".rstrip() for line in lines)])
+    return "\n".join([printable(title), *(f"{line.label:<{width}}  {line.text}".rstrip() for line in lines)])
 
 
 def as_html(title: str, lines: Sequence[Line]) -> str:
@@ -169,7 +178,9 @@ def as_html(title: str, lines: Sequence[Line]) -> str:
         f'<td style="{cell};color:{_COLOURS[line.tone]}">{html.escape(line.text)}</td></tr>'
         for line in lines
     )
-    return f'<table style="border-collapse:collapse"><caption style="text-align:left">{html.escape(title)}</caption>{rows}</table>'
+    return (
+        f'<table style="border-collapse:collapse"><caption style="text-align:left">{html.escape(printable(title))}</caption>{rows}</table>'
+    )
 
 
 def as_rich(title: str, lines: Sequence[Line]) -> Any:
@@ -183,7 +194,7 @@ def as_rich(title: str, lines: Sequence[Line]) -> Any:
     grid.add_column(overflow="fold")
     for line in lines:
         grid.add_row(Text(line.label, style="red" if line.label.strip() == "!" else "bold cyan"), Text(line.text, style=_STYLES[line.tone]))
-    return Group(Text(title, style="bold"), grid)
+    return Group(Text(printable(title), style="bold"), grid)
 
 
 def _count(n: int, what: str) -> str:

@@ -111,3 +111,26 @@ def test_an_internal_error_shows_its_traceback_only_when_asked(capsys):
     told = capsys.readouterr().err
     assert "Traceback" in told
     assert told.strip().splitlines()[-1] == "error: internal error: ValueError: boom"
+
+
+def test_no_line_on_standard_error_is_forged(capsys):
+    def command(verbose: bool = False) -> None:
+        raise ValueError("boom\x1b[2J\nerror: all is well" + "x" * 9000)
+
+    for verbose in (False, True):
+        with pytest.raises(typer.Exit):
+            handled(command)(verbose=verbose)
+        told = capsys.readouterr().err.splitlines()
+        assert all(line.isprintable() for line in told)
+        assert len(told[-1]) < 400
+        assert verbose or len(told) == 1
+
+
+def test_want_of_memory_is_told_as_such(capsys):
+    def command(verbose: bool = False) -> None:
+        raise MemoryError("Unable to allocate 55. GiB")
+
+    with pytest.raises(typer.Exit) as caught:
+        handled(command)()
+    assert caught.value.exit_code == 4
+    assert capsys.readouterr().err == "error: not enough memory for this: Unable to allocate 55. GiB\n"

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
 import typer
 
 from ..instances.errors import UsageError, WayboundError
+from ..instances.printable import one_line, printable
 
 if TYPE_CHECKING:
     from ..formulations.problem import Problem
@@ -140,11 +141,14 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
             raise typer.Exit(130) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
+        except MemoryError as error:
+            complain(f"not enough memory for this{f': {error}' if str(error) else ''}")
+            raise typer.Exit(4) from None
         except Exception as error:
             if kwargs.get("verbose"):
                 import traceback
 
-                traceback.print_exc(file=sys.stderr)
+                print("\n".join(printable(line) for line in traceback.format_exc().splitlines()), file=sys.stderr)
             hint = "" if kwargs.get("verbose") else "; run again with -v for the traceback"
             complain(f"internal error: {type(error).__name__}: {error}{hint}")
             raise typer.Exit(1) from None
@@ -154,9 +158,9 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
 
 def complain(message: str) -> None:
     """One line ``error: ...`` on standard error."""
-    typer.echo(f"error: {' '.join(message.split())}", err=True)
+    typer.echo(f"error: {one_line(message)}", err=True)
 
 
 def remark(message: str) -> None:
     """One line ``note: ...`` on standard error."""
-    typer.echo(f"note: {' '.join(message.split())}", err=True)
+    typer.echo(f"note: {one_line(message)}", err=True)
