@@ -118,3 +118,10 @@ def test_json_holds_no_raw_control_character():
     assert all(line.isprintable() for line in text.split("\n"))
     assert "é 東" in text
     assert json.loads(text) == given
+
+
+@pytest.mark.parametrize("vehicle", [["x"], {}, 3, None, "truck\x1b[2J" * 50])
+def test_a_vehicle_is_named_by_text(vehicle, tmp_path):
+    (tmp_path / "a.json").write_text(json.dumps({"kind": "routes", "routes": [{"visits": ["1"], "vehicle": vehicle}]}))
+    with pytest.raises(wb.InputError, match="names an unknown vehicle"):
+        read_answer(wb.read("demo-tiny"), tmp_path / "a.json")
