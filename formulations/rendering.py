@@ -82,13 +82,16 @@ def _answer_lines(c: Certificate) -> list[Line]:
 
 def _bound_lines(c: Certificate) -> list[Line]:
     lines = [
-        Line("bound", "none verified", "quiet")
-        if c.bound is None
-        else Line("bound", f"{number(c.bound)}, verified: {c.bound_source}", "good")
+        Line("bound", "none verified", "quiet") if c.bound is None else Line("bound", f"{number(c.bound)}, verified: {_source(c)}", "good")
     ]
     if c.gap is not None:
         lines.append(Line("gap", percent(c.gap)))
     return [*lines, *_ratio_lines(c)]
+
+
+def _source(c: Certificate) -> str:
+    """What proves the bound: a file's own name for it stands in quotes, behind the kind of evidence that was multiplied out."""
+    return f"{c.evidence[0].kind}, in the file {printable(c.bound_source, 200)!r}" if c.from_file and c.evidence else str(c.bound_source)
 
 
 def _ratio_lines(c: Certificate) -> list[Line]:
@@ -98,6 +101,10 @@ def _ratio_lines(c: Certificate) -> list[Line]:
         if c.guarantee.assumptions:
             text += f"; checked on this instance: {', '.join(c.guarantee.assumptions)}"
         lines.append(Line("guarantee", text))
+    if c.stated_guarantee is not None:
+        g = c.stated_guarantee
+        text = f"ratio {number(g.ratio)}: {printable(g.statement, 300)!r} ({printable(g.source, 300)!r})"
+        lines.append(Line("guarantee", f"stated in the file, not verified: {text}", "quiet"))
     if c.observed_ratio is not None:
         lines.append(Line("ratio", f"at most {c.observed_ratio:.6g}, observed against the verified bound"))
     return lines
