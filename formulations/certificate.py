@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..instances.errors import CheckFailedError, InputError
+from ..instances.errors import CheckFailedError, InputError, in_words
 from .evaluation import CHECK_TOLERANCE, Check, Evaluation, Violation
 from .evidence import CHECKERS, Evidence, Guarantee
 from .problem import Problem
@@ -135,15 +135,34 @@ def certify(
     evaluation: Evaluation | None,
     evidence: Sequence[Evidence] = (),
     guarantee: Guarantee | None = None,
+    unproved: list[str] | None = None,
 ) -> Certificate:
     """Verify all evidence and put what holds into a certificate.
 
+    Parameters
+    ----------
+    problem : Problem
+    evaluation : Evaluation or None
+    evidence : sequence of Evidence
+    guarantee : Guarantee, optional
+    unproved : list of str, optional
+        Receives a line for each evidence whose checker fails, which is then left out; without it, that failure is raised.
+
     Raises
     ------
+    InputError
+        If evidence is malformed and there is no ``unproved``.
     CheckFailedError
         If a verified bound, or a proof that there is no answer, contradicts a feasible answer: both cannot be right.
     """
-    verified = [(verified_bound(problem, e), e) for e in evidence]
+    verified = []
+    for e in evidence:
+        try:
+            verified.append((verified_bound(problem, e), e))
+        except (Exception, KeyboardInterrupt) as fault:
+            if unproved is None:
+                raise
+            unproved.append(f"{e.source} is no bound: {in_words(fault)}")
     worst = math.inf if problem.sense == "min" else -math.inf
     refuting = [e for b, e in verified if b == worst]
     proved = [(b, e) for b, e in verified if math.isfinite(b)]
