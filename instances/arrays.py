@@ -105,7 +105,9 @@ def refuse_overflow(what: str, values: NDArray[Any]) -> None:
         with np.errstate(over="ignore"):
             total = float(values.sum(dtype=np.float64))
         if not math.isfinite(total * 1.5):  # for sums in another order, and bounds above them
-            raise InputError(f"{what} add up to more than a floating-point number can hold", expected="a sum below 1e308", found=f"{total:g}")
+            raise InputError(
+                f"{what} add up to more than a floating-point number can hold", expected="a sum below 1e308", found=f"{total:g}"
+            )
 
 
 def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: str, entries: str) -> None:
