@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..instances.errors import CheckFailedError, InputError, in_words
@@ -204,6 +204,19 @@ def certify(
         guarantee=guarantee,
         observed_ratio=ratio,
     )
+
+
+def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
+    """A certificate of what the judge found, where bounds could not be certified."""
+    try:
+        digest = problem.digest()
+    except Exception:  # of memory, say: the answer stands without it
+        digest = ""
+    made = Certificate(digest, problem.problem, problem.sense, problem.convention, None)
+    if evaluation is None:
+        return made
+    e = evaluation
+    return replace(made, feasible=e.feasible, checks=e.checks, violations=e.violations, objective=e.objective)
 
 
 def _observed_ratio(value: float, bound: float) -> float | None:

@@ -28,6 +28,8 @@ class Judge:
         From the solver's raw answer to the problem's.
     notes : list of str
         What a user should be told.
+    crash : exception, optional
+        What ended the search before it left anything.
     faults : list of str
         Claims of the solver that a check refutes.
     """
@@ -37,6 +39,7 @@ class Judge:
     exactness: Exactness
     decode: Callable[[Any], Any]
     notes: list[str]
+    crash: Exception | None = None
     faults: list[str] = field(default_factory=list)
     _judged: list[tuple[Any, Evaluation]] = field(default_factory=list)
     _lost: list[BaseException] = field(default_factory=list)
@@ -61,10 +64,6 @@ class Judge:
         if judged is not None and not judged.feasible:
             self.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
 
-    def crash(self, fault: BaseException) -> None:
-        """The search itself failed: ``best`` raises ``fault`` where no answer is left."""
-        self._lost.append(fault)
-
     def hear(self, check: Callable[..., None], *words: Any) -> None:
         """Hold a claim against what was checked; a contradiction is kept as a fault."""
         try:
@@ -88,8 +87,9 @@ class Judge:
             return min(feasible, key=lambda pair: tuple(s * v for s, v in zip(signs, pair[1].values, strict=True)))
         if self.faults:
             raise CheckFailedError("; ".join(self.faults))
-        if self._lost:
-            raise self._lost[0]
+        for fault in (self.crash, *self._lost):
+            if fault is not None:
+                raise fault
         return None, None
 
     def _consider(self, raw: Any, decode: Callable[[Any], Any], whose: str, claimed: bool) -> Evaluation | None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..formulations.certificate import Certificate, better_bound, certify
+from ..formulations.certificate import Certificate, better_bound, certify, judged_only
 from ..formulations.evaluation import CHECK_TOLERANCE, Evaluation
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.exactness import Exactness
@@ -151,10 +151,7 @@ def solve(
         crash = fault
         message = f"the engine failed: {in_words(fault)}"
         searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
-    judge = Judge(problem, run.name, run.exactness, run.decode, run.notes)
-    if crash is not None:
-        judge.crash(crash)
-    return _conclude(judge, run, searched, control, chosen, budget, progress)
+    return _conclude(problem, run, searched, control, chosen, budget, progress, crash)
 
 
 def _check_number(name: str, value: Any, above: float | None = None) -> None:
@@ -251,50 +248,78 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
 
 
 def _conclude(
-    judge: Judge, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None
-) -> Solution:
+    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
+    crash: Exception | None,
+) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
     From the judge's verdict on, whatever fails or is interrupted costs what it would have added, never the answer.
     """
-    result, problem = searched.result, judge.problem
     began = time.perf_counter()
+    try:
+        judge, found = _verdict(problem, run, searched.result, control, options, crash)
+    except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
+        judge, found = _verdict(problem, run, searched.result, control, options, crash)
+    spent = time.perf_counter() - began
+    try:
+        return _certified(judge, run, searched, options, found, spent, budget, progress)
+    except CheckFailedError:  # and no answer
+        raise
+    except (Exception, KeyboardInterrupt) as fault:
+        run.notes.append(f"no bound was verified: {in_words(fault)}")
+        return _certified(judge, run, searched, options, found, spent, None, None)
+
+
+def _verdict(
+    problem: Problem, run: _Run, result: RawResult, control: Control, options: Options, crash: Exception | None
+) -> tuple[Judge, tuple[Any, Evaluation | None]]:
+    """The best of the engine's last word, its published incumbent and the start, and who judged them."""
+    judge = Judge(problem, run.name, run.exactness, run.decode, run.notes, crash)
     judge.last_word(result, prices=run.program is None or run.exactness is Exactness.EXACT)
     if control.answer is not result.answer:
         judge.incumbent(control.answer)
     judge.start(options.start)
-    answer, evaluation = judge.best()
+    return judge, judge.best()
+
+
+def _certified(
+    judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
+    budget: float | None, progress: Progress | None,
+) -> Solution:  # fmt: skip
+    """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
+    result, problem = searched.result, judge.problem
+    answer, evaluation = found
     best = None if evaluation is None else evaluation.values[0]
     judge.hear(claims.check_bound, run.name, problem.sense, result, best, run.exactness)
-    check_seconds = time.perf_counter() - began
 
     began = time.perf_counter()
-    outcome = run.outcome[0] if run.outcome else None
     evidence: list[Evidence] = []
-    try:
-        _gather(evidence, problem, run, searched, budget, best, progress)
-    except (Exception, KeyboardInterrupt) as fault:
-        run.notes.append(f"no further bound was looked for: {in_words(fault)}")
+    if budget is not None:
+        try:
+            _gather(evidence, problem, run, searched, budget, best, progress)
+        except (Exception, KeyboardInterrupt) as fault:
+            run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
 
     began = time.perf_counter()
+    outcome = run.outcome[0] if run.outcome else None
     guarantee: Guarantee | None = outcome.guarantee if outcome is not None and evaluation is not None else None
     if outcome is not None and guarantee is None:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
-    try:
-        certificate = certify(problem, evaluation, evidence, guarantee, run.notes)
-    except CheckFailedError as fault:
-        judge.faults.append(f"{fault} (the bound is withheld)")
-        certificate = _judged_only(problem, evaluation)
-    except (Exception, KeyboardInterrupt) as fault:
-        run.notes.append(f"no bound was verified: {in_words(fault)}")
-        certificate = _judged_only(problem, evaluation)
+    certificate: Certificate | None = None
+    if budget is not None:
+        try:
+            certificate = certify(problem, evaluation, evidence, guarantee, run.notes)
+        except CheckFailedError as fault:
+            judge.faults.append(f"{fault} (the bound is withheld)")
+    certificate = certificate or judged_only(problem, evaluation)
     judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness)
-    check_seconds += time.perf_counter() - began
+    check_seconds = spent + time.perf_counter() - began
 
-    if judge.faults:
+    faults = tuple(dict.fromkeys(judge.faults))
+    if faults:
         if evaluation is None:
-            raise CheckFailedError("; ".join(judge.faults))
+            raise CheckFailedError("; ".join(faults))
         result = replace(result, status="unknown", objective=None, bound=None)
     bound, kind, source = _best_bound(problem, run, result, certificate)
     objective = None if evaluation is None else evaluation.objective
@@ -302,7 +327,7 @@ def _conclude(
         bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
     gap = relative_gap(objective, bound)
     status = _status(problem, run, result, certificate, evaluation, bound)
-    messages = [m for m in (result.message, *run.notes) if m]
+    messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
     return Solution(
         problem=problem,
         answer=answer,
@@ -322,7 +347,7 @@ def _conclude(
         evaluation=evaluation,
         statistics=dict(result.statistics),
         message="; ".join(messages),
-        faults=tuple(judge.faults),
+        faults=faults,
     )
 
 
@@ -348,21 +373,8 @@ def _gather(
 
     found = search(find, Control(), budget, overtime=1.0)
     evidence.extend(found.result.answer or [])
-    if found.interrupted:
-        run.notes.append("bounding was interrupted")
-
-
-def _judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
-    """A certificate of what the judge found, where bounds could not be certified."""
-    try:
-        digest = problem.digest()
-    except Exception:  # of memory, say: the answer stands without it
-        digest = ""
-    made = Certificate(digest, problem.problem, problem.sense, problem.convention, None)
-    if evaluation is None:
-        return made
-    e = evaluation
-    return replace(made, feasible=e.feasible, checks=e.checks, violations=e.violations, objective=e.objective)
+    if found.interrupted or found.result.message:
+        run.notes.append(f"bounding ended early: {found.result.message or 'interrupted'}")
 
 
 def _best_bound(problem: Problem, run: _Run, result: RawResult, certificate: Certificate) -> tuple[Value | None, str | None, str | None]:

@@ -171,14 +171,25 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
     -------
     Certificate
         ``bound`` is None where no method proves one.
+
+    Warns
+    -----
+    RuntimeWarning
+        For each method that failed; the others count all the same.
     """
+    import warnings
+
     from .formulations.certificate import certify
     from .solvers.bounding import find_bounds
 
     _refuse_path("bound", problem)
     if not seconds > 0:
         raise UsageError(f"the time for bounding must be positive, not {seconds!r}")
-    return certify(problem, None, find_bounds(problem, seconds))
+    unable: list[str] = []
+    made = certify(problem, None, find_bounds(problem, seconds, unable=unable), unproved=unable)
+    for line in unable:
+        warnings.warn(line, RuntimeWarning, stacklevel=2)
+    return made
 
 
 def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:

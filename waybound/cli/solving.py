@@ -115,11 +115,18 @@ def solve(
             gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
             options=options,
         )  # fmt: skip
-    for fault in solution.faults:
-        complain(fault)
     delivery = Delivery(verbose)
-    _write_outputs(delivery, solution, out, certificate, plot)
-    delivery.show(lambda: json_text(solution.to_json()) if json else _shown(solution, verbose), lambda: json_text(_least(solution)))
+
+    def hand_over() -> None:
+        _write_outputs(delivery, solution, out, certificate, plot)
+        delivery.show(lambda: json_text(solution.to_json()) if json else _shown(solution, verbose), lambda: json_text(_least(solution)))
+        for fault in solution.faults:
+            complain(fault)
+
+    try:
+        hand_over()
+    except KeyboardInterrupt:  # between two outputs; within one it is dealt with there
+        hand_over()
     code = 0 if relax and solution.answer is None and solution.bound is not None else exit_code(solution)
     raise typer.Exit(code if solution.faults else delivery.code or code)
 

@@ -179,6 +179,7 @@ def test_the_log_tells_where_it_comes_from():
     log = wb.run("tracking", steps=1, seed=9, policy="stay", targets=3)
     assert log.attrs == {
         "mission": "tracking", "solver": None, "heuristic": None, "policy": "stay", "seed": 9, "settings": {"targets": 3}, "limit": "none",
+        "faults": [],
     }  # fmt: skip
 
 
