@@ -47,7 +47,10 @@ class Judge:
     def last_word(self, result: RawResult, *, prices: bool) -> None:
         """Judge the solver's own result; ``prices`` tells whether its objective is meant for the problem's."""
         claimed = result.status in ("optimal", "feasible") and self.exactness.answer_is_valid
-        judged = self._consider(result.answer, self.decode, f"the {result.status if claimed else 'last'} answer of {self.solver}", claimed)
+        whose = f"the {result.status} answer claimed by {self.solver}" if claimed else f"the last answer of {self.solver}"
+        if self.exactness is Exactness.RELAXATION:
+            whose = "the relaxation's point"
+        judged = self._consider(result.answer, self.decode, whose, claimed)
         if judged is None:
             return
         self.hear(claims.check_feasibility, self.solver, result, judged, self.exactness)
@@ -101,7 +104,7 @@ class Judge:
             except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; the second one is heeded
                 answer, judged = self._evaluated(raw, decode)
         except WayboundError as fault:
-            (self.faults if claimed else self.notes).append(f"{whose} is none: {in_words(fault)}")
+            (self.faults if claimed else self.notes).append(f"{whose} is no answer: {in_words(fault)}")
             return None
         except (Exception, KeyboardInterrupt) as fault:
             self._lost.append(fault)
