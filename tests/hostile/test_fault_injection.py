@@ -491,3 +491,12 @@ def test_standard_error_that_nobody_reads_costs_nothing(to: str, tmp_path: Path)
     ended = subprocess.run(["bash", "-c", f"{command} --json {to}"], capture_output=True, text=True, timeout=120)
     assert ended.returncode == 0
     assert TINY.evaluate(answer_in(ended.stdout)).feasible
+
+
+@pytest.mark.parametrize("what", [pytest.param("info demo-tiny", marks=pytest.mark.hostile), "--version", "instances path demo-tiny"])
+@pytest.mark.parametrize("to", [pytest.param(">/dev/full", marks=pytest.mark.hostile), ">&-"])
+def test_other_commands_say_in_one_line_that_they_cannot_print(what: str, to: str) -> None:
+    ended = subprocess.run(["bash", "-c", f"{sys.executable} -m waybound {what} {to}"], capture_output=True, text=True, timeout=120)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("error: standard output cannot be written to: ")
+    assert ended.stderr.count("\n") == 1

@@ -19,6 +19,12 @@ def main() -> None:
         _leave(130)
     except SystemExit as end:
         _leave(end.code)
+    except OSError as fault:  # help or version, where it cannot be printed
+        from .options import complain
+        from .output import unprinted
+
+        complain(str(unprinted(fault)))
+        _leave(2)
 
 
 def _keep_streams_apart() -> None:

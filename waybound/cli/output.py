@@ -29,7 +29,7 @@ def _console() -> Any:
 
 
 def write_out(text: str) -> None:
-    """Put ``text`` on standard output; raises InputError where it cannot be written, and gives it up then, so that the exit is quiet."""
+    """Put ``text`` on standard output; raises InputError where it cannot be written."""
     try:
         try:
             sys.stdout.write(text)
@@ -37,8 +37,13 @@ def write_out(text: str) -> None:
             sys.stdout.write(re.sub(r"[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text))
         sys.stdout.flush()
     except (OSError, ValueError) as fault:  # a full disk, a reader that left; a closed stream
-        silence(sys.stdout)
-        raise InputError(f"standard output cannot be written to: {in_words(fault)}") from fault
+        raise unprinted(fault) from fault
+
+
+def unprinted(fault: Exception) -> InputError:
+    """What to say of a standard output that fails; it is given up."""
+    silence(sys.stdout)
+    return InputError(f"standard output cannot be written to: {in_words(fault)}")
 
 
 def silence(stream: Any) -> None:
@@ -96,7 +101,7 @@ def print_lines(title: str, lines: Sequence[Line]) -> None:
 
 def print_text(text: str = "") -> None:
     """One line, as it is."""
-    write_out(_rendered(text, soft_wrap=True))
+    write_out(text + "\n")
 
 
 def _rendered(thing: Any, **options: Any) -> str:
