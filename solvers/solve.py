@@ -21,7 +21,7 @@ from ..formulations.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError
-from . import claims
+from . import claims, interrupts
 from .backend import BACKENDS, Backend, Control, Engine, Options, ProgramBackend, RawResult, takers
 from .bounding import find_bounds
 from .listing import missing_features
@@ -144,8 +144,9 @@ def solve(
         run = _solver_run(problem, given, solver or _default_solver(problem, given, form, relax), form, relax, chosen, isolate)
 
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
-    searched = search(run.go, control, time_limit)
-    return _conclude(problem, run, searched, control, chosen, budget, progress)
+    with interrupts.held():  # an answer that is found is judged, whatever signal comes then
+        searched = search(run.go, control, time_limit)
+        return _conclude(problem, run, searched, control, chosen, budget, progress)
 
 
 def _check_number(name: str, value: Any, above: float | None = None) -> None:

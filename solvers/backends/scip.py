@@ -30,6 +30,7 @@ LIMITS = {
 OWN_PARAMETERS = {
     "limits/time": "the time limit", "limits/gap": "the gap", "limits/nodes": "the iterations", "limits/totalnodes": "the iterations",
     "lp/threads": "the threads", "randomization/randomseedshift": "the seed", "display/verblevel": "the verbosity",
+    "misc/catchctrlc": "Ctrl-C",
 }  # fmt: skip
 """SCIP's parameters that have a name common to all solvers."""
 
@@ -84,6 +85,7 @@ class _Search:
         self.program, self.options, self.control = program, options, control
         self.model = model = pyscipopt.Model(program.form)
         model.hideOutput()
+        model.setParam("misc/catchctrlc", False)  # Ctrl-C is Python's to hear
         model.setParam("limits/gap", float(options.gap))
         model.setParam("lp/threads", min(64, int(options.threads)))
         model.setParam("randomization/randomseedshift", int(options.seed) % (2**31 - 1))

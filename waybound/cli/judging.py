@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import UsageError
+from ..solvers import interrupts
 from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, finite, output_path, read_problem
 
 if TYPE_CHECKING:
@@ -117,6 +118,7 @@ def bound(
     from .output import print_json, print_lines, stdout_is_ours
     from .progress import Progress
 
+    interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
         evidence, seconds = _bounded(asked, bound_time, progress)
     made = certify(asked, None, evidence)
@@ -152,7 +154,7 @@ def bound(
         lines += [Line("also", f"{e.value:.10g}: {e.source}" if math.isfinite(e.value) else e.source, "quiet") for e in others]
         lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
         print_lines(f"{asked.name}: {made.problem}, {made.sense}, convention {made.convention}", lines)
-    raise typer.Exit(3 if made.infeasible else 4 if made.bound is None else 0)
+    raise typer.Exit(3 if made.infeasible else 0 if made.bound is not None else _nothing())
 
 
 def _bounded(problem: Problem, seconds: float, progress: Any) -> tuple[list[Any], float]:
@@ -189,6 +191,7 @@ def explain(
     from ..solvers.explaining import explain as find
     from .output import print_json, print_lines, print_table, stdout_is_ours
 
+    interrupts.keep()
     with stdout_is_ours():
         made = find(asked, time_limit=time_limit, form=form)
     if json:
@@ -208,4 +211,9 @@ def explain(
             columns = (Column(made.reasons[0].kind), Column("reason", wide=True))
             title = f"Reasons (rows of form {made.form})" if made.form else "Reasons"
             print_table(Table(title, columns, tuple((r.where, r.message) for r in made.reasons)))
-    raise typer.Exit({"infeasible": 3, "feasible": 0, "undecided": 4}[made.verdict])
+    raise typer.Exit({"infeasible": 3, "feasible": 0}[made.verdict] if made.verdict != "undecided" else _nothing())
+
+
+def _nothing() -> int:
+    """The exit code where nothing was found out, within the limit or before a signal came."""
+    return interrupts.exit_code() if interrupts.received else 4

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
 import typer
 
 from ..instances.errors import UsageError, WayboundError
+from ..solvers import interrupts
 
 if TYPE_CHECKING:
     from ..formulations.problem import Problem
@@ -137,7 +138,7 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
             raise typer.Exit(error.exit_code) from None
         except KeyboardInterrupt:
             complain("interrupted")
-            raise typer.Exit(130) from None
+            raise typer.Exit(interrupts.exit_code()) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
         except Exception as error:
