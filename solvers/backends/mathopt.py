@@ -116,7 +116,7 @@ class MathOpt(ProgramBackend):
             return RawResult(run.which(parameters))
         except _Refused as fault:
             text = str(fault)
-            if "support" in text or "UNIMPLEMENTED" in text:
+            if "support" in text or "UNIMPLEMENTED" in text or "finite range" in text:
                 raise UnsupportedError(self._label, {text}, takers(program.kind, self._label)) from None
             return RawResult("error", message=f"MathOpt ended with an error: {text}")
 

@@ -21,6 +21,9 @@ EQUAL_TOLERANCE = 1e-6
 
 DUAL_TOLERANCE = 1e-7
 
+INFINITE = 1e20
+"""What SCIP takes for infinite."""
+
 LIMITS = {
     "timelimit": "time", "nodelimit": "nodes", "totalnodelimit": "nodes", "memlimit": "memory", "userinterrupt": "interrupt",
     "terminate": "interrupt", "gaplimit": "gap", "stallnodelimit": "nodes", "sollimit": "none", "bestsollimit": "none",
@@ -48,6 +51,14 @@ class Scip(ProgramBackend):
     summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"
     kinds = frozenset({"LP", "MILP", "QP", "MIQP"})
 
+    def lacks(self, program: Program) -> frozenset[str]:
+        """See ``ProgramBackend.lacks``: numbers that SCIP takes for infinite."""
+        parts = [program.cost, program.data, program.lower, program.upper, program.row_lower, program.row_upper]
+        if program.quadratic is not None:
+            parts.append(program.quadratic.data)
+        large = any((np.isfinite(part) & (np.abs(part) >= INFINITE)).any() for part in parts)
+        return frozenset({f"numbers of {INFINITE:g} and more"}) if large else frozenset()
+
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.run``."""
         if program.kind not in self.kinds:
@@ -55,6 +66,9 @@ class Scip(ProgramBackend):
         if options.iterations is not None and program.kind == "LP":
             raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
         program = prepared(program)
+        lacking = self.lacks(program)
+        if lacking:
+            raise UnsupportedError(self.name, lacking, takers(program.kind, self.name))
         result = settled(program)
         if result is not None:
             return result

@@ -17,7 +17,7 @@ def main() -> None:
     except KeyboardInterrupt:  # before a command has begun
         _leave(interrupts.exit_code())
     except SystemExit as end:
-        _leave(end.code)
+        _leave(interrupts.exit_code() if end.code == 130 else end.code)  # Typer's, where it met the signal
 
 
 def _leave(code: str | int | None) -> None:
