@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -161,6 +162,8 @@ class Run:
             found.append(f"exit code {code}: {self.err[-300:]}")
         if "Traceback" in self.err or "error" in self.err.replace("error: interrupted", ""):
             found.append(f"says {self.err[-300:]}")
+        if code != 0 and re.search(r"(objective|bound) [-\d]", self.err) and (self.case.words[0] == "bound" or "objective" in self.err):
+            found.append(f"lost what it had: {self.err[-300:]}")
         if code == 0 and set(written) != set(self.paths):
             found.append(f"wrote only {sorted(written)}")
         if "out" in written:
