@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
@@ -21,8 +22,19 @@ def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Ca
     def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         try:
             made = numba.njit(*signature, cache=True, **options)(function)
-        except RuntimeError:  # numba's word for "no locator available": nowhere to keep the cache
-            made = numba.njit(*signature, **options)(function)
+        except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
+            return numba.njit(*signature, **options)(function)  # type: ignore[no-any-return]
+        made._cache.save_overload = _forgiving(made._cache.save_overload)
         return made  # type: ignore[no-any-return]
 
     return compiled
+
+
+def _forgiving(save: Callable[..., None]) -> Callable[..., None]:
+    """``save``, which may fail: on a full disk a kernel is compiled anew each time."""
+
+    def attempt(*given: Any) -> None:
+        with contextlib.suppress(OSError):
+            save(*given)
+
+    return attempt

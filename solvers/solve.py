@@ -23,7 +23,7 @@ from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
-from . import claims
+from . import claims, interrupts
 from .backend import Control, Engine, Options, ProgramBackend, RawResult, takers
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_program, solver_named
@@ -142,15 +142,16 @@ def solve(
 
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     crash: Exception | None = None
-    try:
-        searched = search(run.go, control, time_limit)
-    except WayboundError:
-        raise
-    except Exception as fault:  # of the engine, before it published an answer; the start may be one
-        crash = fault
-        message = f"the engine failed: {in_words(fault)}"
-        searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
-    return _conclude(problem, run, searched, control, chosen, budget, progress, crash)
+    with interrupts.held():  # an answer that is found is judged, whatever signal comes then
+        try:
+            searched = search(run.go, control, time_limit)
+        except WayboundError:
+            raise
+        except Exception as fault:  # of the engine, before it published an answer; the start may be one
+            crash = fault
+            message = f"the engine failed: {in_words(fault)}"
+            searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
+        return _conclude(problem, run, searched, control, chosen, budget, progress, crash)
 
 
 def _problem_of(program: Program) -> Problem:
