@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.selection import DenseFacilityLocation, FacilityLocation
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from ..selection.ending import concluded, watch
+from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions, rounded_down
 from ..selection.limits import FUNCTIONS, GROUPED, Limits
 
@@ -62,7 +63,7 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     from ...formulations.bounds._gains import COVERAGE, as_arrays
     from ..selection import multilinear
 
-    ended = watch(setting)
+    stop = setting.begin()
     limits, f = Limits.of(problem), problem.function
     assert not isinstance(f, UserFunction)
     if isinstance(f, DenseFacilityLocation):
@@ -83,14 +84,14 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     data = (state, position, *by_item, kind, indptr, indices, weights)
     bounds = np.full(problem.num_elements, np.inf)
     done = evaluations = 0
-    while done < steps and not (done and ended()):
+    while done < steps and not stop.reached():
         some = min(steps - done, max(1, int(2e5 // max(1, problem.num_elements))))
-        evaluations += multilinear.climb(some, bounds, limits.groups, limits.room, limits.most, count, int(steps), data)
-        done += some
-    if done < steps:
-        return _of_counts(problem, limits, count, evaluations, done, int(steps))
-    expected = float(multilinear.value(count, int(steps), data))
-    trades = int(multilinear.pipage(*limits.members(), count, int(steps), data))
+        evaluations += multilinear.climb(stop.flag, some, bounds, limits.groups, limits.room, limits.most, count, int(steps), data)
+        done += 0 if stop.reached() else some
+    expected = float(multilinear.value(stop.flag, count, int(steps), data))
+    trades = 0 if stop.reached() else int(multilinear.pipage(stop.flag, *limits.members(), count, int(steps), data))
+    if stop.reached():
+        return _of_counts(problem, stop, limits, count, evaluations, done, int(steps))
     picks = np.nonzero(count == steps)[0].tolist()
     holds, _ = assumptions(problem)
     share = -math.expm1(-steps * math.log1p(1.0 / steps))
@@ -99,15 +100,17 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     statement += f"1 - 1/e less {loss:.2g} for steps of 1/{steps}"
     guarantee = Guarantee(1.0 / share, statement, (*holds, f"{problem.constraint.name} constraint", f"all {steps} steps were made"), SOURCE)
     statistics = {"steps": int(steps), "evaluations": evaluations, "fractional_value": expected, "trades": trades}
-    return concluded(problem, picks, holds, guarantee, statistics)
+    return concluded(problem, stop, picks, holds, guarantee, statistics)
 
 
-def _of_counts(problem: SubmodularSelection, limits: Limits, count: NDArray[np.int64], evaluations: int, done: int, steps: int) -> Outcome:
-    """The elements of largest probability, where the time was up before the last step."""
+def _of_counts(
+    problem: SubmodularSelection, stop: Stop, limits: Limits, count: NDArray[np.int64], evaluations: int, done: int, steps: int
+) -> Outcome:
+    """The elements of largest probability, where the time was up before the last step or trade."""
     picks = limits.first(np.lexsort((np.arange(len(count)), -count))).tolist()
     statistics = {"steps": done, "evaluations": evaluations}
-    message = f"the time was up after {done} of {steps} steps; the largest probabilities were taken"
-    return concluded(problem, picks, assumptions(problem)[0], None, statistics, message)
+    message = f"{CUT_SHORT} after {done} of {steps} steps; the largest probabilities were taken"
+    return concluded(problem, stop, picks, assumptions(problem)[0], None, statistics, message, whole=False)
 
 
 def _sparse(f: DenseFacilityLocation) -> FacilityLocation:

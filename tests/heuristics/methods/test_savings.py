@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.routes import Routes
+from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Setting
 from waybound.instances.errors import UsageError
 from waybound.instances.instance import Sites, VehicleType
 from waybound.instances.travel import Travel
 
-SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, lambda: False, lambda *a: None)
+SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, lambda *a: None)
 
 
 def run(problem: RoutingProblem, **parameters: float) -> Routes:
