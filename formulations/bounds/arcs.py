@@ -25,8 +25,8 @@ Floats = NDArray[np.float64]
 MATRICES = 8
 """Of one number an arc, that stand in memory at once in the search for a bound, and again in its check."""
 
-ARCS_PER_SECOND = 2e7
-"""Arcs whose costs are drawn up, and checked, in a second."""
+ARCS_PER_SECOND = 2e6
+"""Arcs that are looked at in a second of the budget; the check takes about as long again."""
 
 ARC_TERMS = ("total-cost", "vehicles")
 
