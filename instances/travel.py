@@ -237,7 +237,9 @@ class Travel:
         """
         n = len(self)
         if not fits(16.0 * n * n):  # whoever asks for them makes at least one more such matrix
-            raise UsageError(f"all distances between {n:,} sites need {readable(8.0 * n * n)}, more than there is; savings needs none of them")
+            raise UsageError(
+                f"all distances between {n:,} sites need {readable(8.0 * n * n)}, more than there is; savings needs none of them"
+            )
         made, every = np.empty((n, n)), np.arange(n)
         step = max(1, STRIP // max(1, n))
         for first in range(0, n, step):

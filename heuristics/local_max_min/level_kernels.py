@@ -152,8 +152,8 @@ def _bottom(first, starts, targets, weights, caps, robots, within, levels, reds,
 
 @bare
 def _step(  # type: ignore[no-untyped-def]
-    flag, first, starts, targets, weights, private, caps, robots, within, distance, reach, levels, secant, slack, reds, least, room, near, noted,
-    next_room, next_near, blues, below,
+    flag, first, starts, targets, weights, private, caps, robots, within, distance, reach, levels, secant, slack, reds, least,
+    room, near, noted, next_room, next_near, blues, below,
 ):  # fmt: skip
     """One depth more, for robots of distance at most ``reach``; returns whether any crossing was noted for the next."""
     q = load(levels, 0)

@@ -104,7 +104,7 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
 def _by_item(
     indptr: NDArray[np.int32], indices: NDArray[np.int32], weights: NDArray[np.float64], items: int, stop: Stop
 ) -> tuple[NDArray[np.int64], tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]]:
-    """The place of each entry in the transpose, and the transpose with the elements of an item by falling weight; as far as the time goes."""
+    """The place of each entry in the transpose, and this with the elements of an item by falling weight; as far as the time goes."""
     from ...formulations.bounds._gains import SPARSE
     from ..selection.loops import transpose
 

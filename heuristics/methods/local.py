@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...formulations.balls import even_shares
 from ...formulations.evidence import Evidence, Guarantee
 from ...formulations.problems.bottleneck_sata import BottleneckSATA
 from ...formulations.problems.max_min_lp import MaxMinLP
@@ -17,7 +18,6 @@ from ...formulations.selections import Selection
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
 from ...instances.sensing import SensingGraph
-from ...formulations.balls import even_shares
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from ..local_max_min.arrays import MOST_LAYERS, check_options, local_shares
 from ..local_max_min.cleaning import CleanGraph, clean
@@ -142,7 +142,10 @@ class _Task:
 
 @dataclass(frozen=True)
 class _Run:
-    """One run; with h = 0 robots that divide themselves evenly. ``value`` and ``rounded`` are of the targets that somebody sees; ``rank`` orders runs."""
+    """One run; with h = 0 robots that divide themselves evenly.
+
+    ``value`` and ``rounded`` are of the targets that somebody sees; ``rank`` orders runs.
+    """
 
     h: int
     answer: Any
@@ -263,7 +266,9 @@ def _bound(task: _Task, coverage: Floats, setting: Setting, stop: Stop) -> tuple
         return ()
     from ...formulations.bounds.ball import ball_evidence
 
-    found = ball_evidence(task.problem, coverage, lambda program, limit: setting.solve_program(program, limit).row_duals, stop.seconds_left, stop)
+    found = ball_evidence(
+        task.problem, coverage, lambda program, limit: setting.solve_program(program, limit).row_duals, stop.seconds_left, stop
+    )
     return () if found is None else (task.translate(found),)
 
 

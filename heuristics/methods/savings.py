@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,8 @@ ALL_PAIRS = 2_000
 """Sites up to which all joins are looked at: a second's work. With more, those between near sites."""
 
 NEIGHBOURS = 100
-"""Nearest sites that a join is tried with, as in Arnold, Gendreau and Sörensen (2019), Efficiently solving very large-scale routing problems."""
+"""Nearest sites that a join is tried with, as in Arnold, Gendreau and Sörensen (2019), Efficiently solving very large-scale routing
+problems."""
 
 BYTES_A_JOIN = 60
 """That a join takes while all of them are sorted."""
@@ -150,21 +151,22 @@ def _all_pairs(ends: Sites, both_ways: bool) -> tuple[Sites, Sites]:
 def _neighbours(travel: Travel, ends: Sites, both_ways: bool, stop: Stop) -> tuple[Sites, Sites]:
     """Each of ``ends`` with its nearest ones, in ascending order; as far as the time goes."""
     found, n = [], len(ends)
+    tree = None
     if travel.coordinates is not None and travel.matrix is None:
         from scipy.spatial import cKDTree
 
-        points, step = travel.coordinates[ends], max(1, STRIP // (20 * NEIGHBOURS))
-        tree = cKDTree(points)
-        near: Callable[[int], Sites] = lambda at: tree.query(points[at : at + step], NEIGHBOURS + 1)[1]  # noqa: E731
+        points = travel.coordinates[ends]
+        tree, step = cKDTree(points), max(1, STRIP // (20 * NEIGHBOURS))
     else:
         step = max(1, STRIP // n)
-        near = lambda at: np.argpartition(  # noqa: E731
-            travel.distance(ends[at : at + step, None], ends[None, :]), NEIGHBOURS, axis=1
-        )[:, : NEIGHBOURS + 1]
     for at in range(0, n, step):
         if stop.reached():
             break
-        others = near(at)
+        if tree is not None:
+            others = tree.query(points[at : at + step], NEIGHBOURS + 1)[1]
+        else:
+            lengths = travel.distance(ends[at : at + step, None], ends[None, :])
+            others = np.argpartition(lengths, NEIGHBOURS, axis=1)[:, : NEIGHBOURS + 1]
         mine = np.repeat(np.arange(at, at + len(others)), others.shape[1])
         theirs = others.ravel()
         if both_ways:

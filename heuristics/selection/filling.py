@@ -12,7 +12,9 @@ from .loops import sift
 
 @kernel()
 def fill(flag, costs, left, heap, keys, size, best, picks, count, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Add the element of largest gain per cost that still fits, until none does or the ``flag`` is set; ``keys`` on the heap are upper bounds of these rates.
+    """Add the element of largest gain per cost that still fits, until none does or the ``flag`` is set.
+
+    ``keys`` on the heap are upper bounds of these rates.
 
     Returns the gain of all and the number of picks; ``heap``, ``keys``, ``best`` and ``picks`` are changed in place.
     """

@@ -85,7 +85,9 @@ def value(flag, count, steps, data):  # type: ignore[no-untyped-def] # pragma: n
 
 @kernel()
 def climb(flag, rounds, bounds, groups, room, most, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """``rounds`` steps of the continuous greedy, as far as the ``flag`` lets it: each adds 1 / steps to every element of a base, picked one by one by the slope.
+    """``rounds`` steps of the continuous greedy, as far as the ``flag`` lets it.
+
+    Each adds 1 / steps to every element of a base, picked one by one by the slope.
 
     Slopes never rise, so old ones (``bounds``) are upper bounds, and a heap finds the largest with few evaluations.
     """

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.selection import Coverage, DenseFacilityLocation, FacilityLocation
-from ...formulations.stop import Stop
 from .limits import Limits
 from .sets import UserSet
 

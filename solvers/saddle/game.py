@@ -187,7 +187,18 @@ class Game:
         while size > 0 and limits.work < end and not limits.reached():
             block = max(1.0, min(BLOCK, end - limits.work, limits.most_work - limits.work))
             head, size, work = descend(
-                limits.stop.flag, self.layout, self._scratch, shares, cover, level, negligible, self._queue, self._queued, head, size, int(block)
+                limits.stop.flag,
+                self.layout,
+                self._scratch,
+                shares,
+                cover,
+                level,
+                negligible,
+                self._queue,
+                self._queued,
+                head,
+                size,
+                int(block),
             )
             limits.work += work
         return bool(size == 0)

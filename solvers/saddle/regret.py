@@ -40,8 +40,8 @@ class RegretMatching:
         while steps > 0 and not limits.reached():
             count = min(steps, max(1, int(min(BLOCK, limits.most_work - limits.work) / one)))
             made = play(
-                limits.stop.flag, self._game.layout, self._shares, self._prices, self._regrets, self._grudges, self._mean_shares, self._mean_prices,
-                self._cover, self.steps + 1, count,
+                limits.stop.flag, self._game.layout, self._shares, self._prices, self._regrets, self._grudges, self._mean_shares,
+                self._mean_prices, self._cover, self.steps + 1, count,
             )  # fmt: skip
             self.steps += made
             steps -= count

@@ -33,6 +33,9 @@ LATE = 2.0
 
 NEVER_DONE = 300.0
 
+BUDGET = 6.0
+"""What bounding has where nothing else is said."""
+
 
 def graph(robots: int, actions: int, targets: int, degree: int, weights: Any = None) -> SensingGraph:
     rng = np.random.default_rng(1)
@@ -167,7 +170,7 @@ def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: 
     method.prepare()
     for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 12)).tolist():
         stop = Stop()
-        late, _ = lateness(lambda control: (control.on_stop(stop.ask), method.compute(problem, 60.0, lambda *_: None, stop)), seconds)  # noqa: B023
+        late, _ = lateness(lambda control: (control.on_stop(stop.ask), method.compute(problem, BUDGET, lambda *_: None, stop)), seconds)  # noqa: B023
         assert late < LATE
         tally["bounds that were asked to stop"] += 1
     began = time.perf_counter()
@@ -178,7 +181,7 @@ def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: 
 @pytest.mark.parametrize("kind", ["winner-takes-all", "bottleneck", "routing"])
 def test_bounding_ends(kind: str, share: Any, tally: Any) -> None:
     for seconds in np.random.default_rng(9).uniform(0.0, 0.4, share(1, 12)).tolist():
-        late, _ = lateness(lambda control: find_bounds(large(kind), 60.0, control=control), seconds)
+        late, _ = lateness(lambda control: find_bounds(large(kind), BUDGET, control=control), seconds)
         assert late < LATE
         tally["boundings that were asked to stop"] += 1
 
