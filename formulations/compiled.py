@@ -10,6 +10,8 @@ from typing import Any
 def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """``numba.njit`` with its cache on disk; without one where no folder for it can be written (containers, system installs).
 
+    Python's lock is released: a kernel that takes long looks at a flag that others set meanwhile (``stop_kernel.asked``).
+
     Parameters
     ----------
     signature : str, optional
@@ -18,6 +20,8 @@ def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Ca
         Further options of ``numba.njit``.
     """
     import numba
+
+    options.setdefault("nogil", True)
 
     def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         try:

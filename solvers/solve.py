@@ -19,6 +19,7 @@ from ..formulations.forms import relaxed
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
+from ..formulations.stop import Stop
 from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
@@ -221,15 +222,19 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
         def solve_program(program: Program, seconds: float) -> RawResult:
             backend = solver_named("highs")
             assert isinstance(backend, ProgramBackend)
-            return backend.run(program, Options(time_limit=seconds, seed=options.seed), Control())
+            inner = Control()
+            control.on_stop(inner.stop)
+            return backend.run(program, Options(time_limit=seconds, seed=options.seed), inner)
 
+        stop = Stop()
+        control.on_stop(stop.ask)
         setting = Setting(
             rng=np.random.default_rng(options.seed), seconds=options.time_limit, start=options.start,
-            publish=lambda answer: control.publish(answer), stopped=lambda: control.stopped, solve_program=solve_program,
+            publish=lambda answer: control.publish(answer), stop=stop, solve_program=solve_program,
         )  # fmt: skip
         outcome = method.run(problem, setting, **options.extra)
         outcomes.append(outcome)
-        return RawResult("unknown", answer=outcome.answer, statistics=outcome.statistics, message=outcome.message)
+        return RawResult("unknown", outcome.limit, outcome.answer, statistics=outcome.statistics, message=outcome.message)
 
     return _Run(name, None, Exactness.NEITHER, go, lambda a: a, None, {}, 0.0, outcomes, [])
 
