@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.checking.infeasible_site import check_infeasible_site, check_too_few_vehicles
+from waybound.formulations.checking.fleet_need import check_too_few_vehicles
+from waybound.formulations.checking.infeasible_site import check_infeasible_site, out_of_reach
 from waybound.formulations.objective import Reward
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.instances.errors import InputError
