@@ -118,7 +118,8 @@ def _ranges(problem: RoutingProblem) -> Iterator[Evidence]:
         return
     words = {"travel": "driving", "duration": "driving and service", "distance": "distance"}
     for resource, word in words.items():
-        why = f"the required sites take more {word} in total, each reached by the shortest move to it, than {_vehicles(problem.vehicle_limit)} can"
+        who = _vehicles(problem.vehicle_limit)
+        why = f"even by the shortest move to each, the required sites take more {word} in total than {who} may spend"
         yield _evidence(problem, "too-little-range", why, resource=resource)
 
 
@@ -139,7 +140,11 @@ def _sites_apart(problem: RoutingProblem) -> Iterator[Evidence]:
         apart = wanted[theirs[_largest_clique(~fits[np.ix_(theirs, theirs)])]]
         if len(apart) > count:
             names = [problem.sites.ids[k] for k in apart]
-            have = f"the fleet has {_vehicles(count)}" if kinds == everyone else f"only {_named(problem, kinds)}, of which there {'is 1' if count == 1 else f'are {count}'}, can serve any of them"
+            have = (
+                f"the fleet has {_vehicles(count)}"
+                if kinds == everyone
+                else f"only {_named(problem, kinds)}, of which there {'is 1' if count == 1 else f'are {count}'}, can serve any of them"
+            )
             why = f"no two of these {len(apart)} sites fit on one route, and {have}: {', '.join(names)}"
             yield _evidence(problem, "sites-apart", why, sites=names)
             return
@@ -228,12 +233,14 @@ def _compatible(problem: RoutingProblem, wanted: Indices) -> tuple[Flags, Flags]
             driven = out[:, None] + time[grid] + back[None, :]
             spent = driven + service[:, None] + service[None, :]
             far = length[v.start, wanted][:, None] + length[grid] + length[wanted, v.end][None, :]
-            ordered = (arrival <= _allowed(due)[None, :]) & (begin <= _allowed(due))[:, None] & (finish <= _allowed(sites.due[v.end]))
+            ordered = (arrival <= _allowed(due[None, :])) & (begin <= _allowed(due))[:, None] & (finish <= _allowed(sites.due[v.end]))
             ordered &= (spent <= _allowed(v.max_duration)) & (far <= _allowed(v.max_distance))
             if v.energy is not None:
                 used = {"travel": driven, "elapsed-fixed-start": finish - opens}.get(v.energy.charge, spent)
                 ordered &= v.energy.rate * used <= _allowed(v.energy.capacity)
-            single = (opens + out <= _allowed(due)) & (demand <= _allowed(v.capacity)) & (begin + service + back <= _allowed(sites.due[v.end]))
+            single = (
+                (opens + out <= _allowed(due)) & (demand <= _allowed(v.capacity)) & (begin + service + back <= _allowed(sites.due[v.end]))
+            )
             single &= (out + service + back <= _allowed(v.max_duration)) & (np.diag(far) <= _allowed(v.max_distance))
             if v.energy is not None and v.energy.charge == "travel":
                 single &= v.energy.rate * (out + back) <= _allowed(v.energy.capacity)

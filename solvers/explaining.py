@@ -118,12 +118,16 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
             return control.stopped or time.perf_counter() >= end
 
         if not _is_summable(problem):
-            return RawResult("unknown", answer=Explanation("undecided", message="numbers as large as these overflow when they are added up"))
+            return RawResult(
+                "unknown", answer=Explanation("undecided", message="numbers as large as these overflow when they are added up")
+            )
         reasons: list[Reason] = []
         for reason in reasons_from_data(problem, stop):
             reasons.append(reason)
             control.publish(Explanation("infeasible", "the data", tuple(reasons)))
-        return RawResult("unknown", answer=control.answer if reasons else _explain_by_rows(problem, form, end, control))
+        if reasons or control.stopped:
+            return RawResult("unknown", answer=control.answer)
+        return RawResult("unknown", answer=_explain_by_rows(problem, form, end, control))
 
     searched = search(work, Control(), time_limit, overtime=1.0)
     made: Explanation | None = searched.result.answer

@@ -1,4 +1,4 @@
-"""Bound ``fleet-need``: proofs that the fleet is too small, or too many routes are asked for, found before any search."""
+"""Bound ``too-small-fleet``: proofs that the fleet is too small, or too many routes are asked for, found before any search."""
 
 from __future__ import annotations
 
@@ -38,4 +38,4 @@ def fleet_need_evidence(problem: RoutingProblem, seconds: float, solve_program: 
     return next(fleet_conflicts(problem, lambda: time.perf_counter() >= end, MOST_ENUMERATED), None)
 
 
-BOUNDS.add("fleet-need", BoundMethod("fleet-need", lacks, fleet_need_evidence, order=0))
+BOUNDS.add("too-small-fleet", BoundMethod("too-small-fleet", lacks, fleet_need_evidence, order=0))

@@ -98,6 +98,7 @@ def _served_alone(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.b
 
 
 def lacks(problem: Problem) -> frozenset[str]:
+    """Nothing for routing problems, all else is of another family."""
     return frozenset() if problem.family == "routing" else frozenset({f"{problem.family} problems"})
 
 

@@ -117,9 +117,9 @@ def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> 
     moves = (problem.travel.distances if resource == "distance" else problem.travel.durations).copy()
     np.fill_diagonal(moves, math.inf)
     must = np.nonzero(sites.required)[0]
-    tails = np.union1d(customers, [v.start for v in problem.fleet])
+    tails = np.union1d(customers, np.array([v.start for v in problem.fleet], dtype=np.int64))
     used = moves[np.ix_(tails, must)].min(axis=0).tolist()
-    used.append(float(moves[np.ix_(customers, [v.end for v in problem.fleet])].min()))
+    used.append(min(float(moves[customers, v.end].min()) for v in problem.fleet))
     if resource == "duration":
         used.extend(sites.service[must].tolist())
     room = 0.0

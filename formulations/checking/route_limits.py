@@ -35,10 +35,9 @@ def allowed(limit: float, size: float = 0.0) -> float:
 def summable(problem: RoutingProblem) -> bool:
     """Whether no sum along a route can overflow, so that a sum that is infinite means what it says."""
     sites, fleet = problem.sites, problem.fleet
-    largest = max(
-        float(np.abs(a).max(initial=0.0))
-        for a in (problem.travel.distances, problem.travel.durations, sites.service, sites.demand, sites.ready, sites.due[np.isfinite(sites.due)])
-    )  # fmt: skip
+    closing = sites.due[np.isfinite(sites.due)]
+    arrays = (problem.travel.distances, problem.travel.durations, sites.service, sites.demand, sites.ready, closing)
+    largest = max(float(np.abs(a).max(initial=0.0)) for a in arrays)
     rate = max([1.0, *(v.energy.rate for v in fleet if v.energy is not None)])
     limits = [x for v in fleet for x in (v.capacity, v.max_duration, v.max_distance, v.energy.capacity if v.energy else 0.0)]
     most = max([0.0, *(x for x in limits if math.isfinite(x))])

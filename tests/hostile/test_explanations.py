@@ -19,6 +19,7 @@ from waybound.formulations.bounds.infeasible_site import infeasible_site_evidenc
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.program import Program, Rows, Variables
 from waybound.instances.instance import Energy, Sites, VehicleType
 from waybound.instances.travel import EXPLICIT, Travel
 from waybound.solvers.explaining import explain, reasons_from_data
@@ -41,7 +42,7 @@ def draw(seed: int) -> RoutingProblem:
     depot = np.zeros(n, dtype=bool)
     depot[rng.permutation(n)[:depots]] = True
     at = np.nonzero(depot)[0]
-    roomy = 12 if chance(0.6) else 0  # sites can be served alone, so that it is the fleet that fails
+    roomy = 16 if chance(0.6) else 0  # sites can be served alone, so that it is the fleet that fails
     step = float(rng.choice([1.0, 0.1, 7.0, 1000.0], p=[0.6, 0.2, 0.1, 0.1]))
     if chance(0.5):
         matrix = rng.choice([0, 0, 1, 2, 3, 5, 9], (n, n)) * step
@@ -61,19 +62,19 @@ def draw(seed: int) -> RoutingProblem:
             due[rng.random(n) < 0.3] = math.inf
         ready[depot], due[depot] = rng.integers(0, 3, depots) * step, (rng.choice([8, 15, 30, math.inf], depots) + roomy) * step
         due[depot] = np.maximum(due[depot], ready[depot])
-    demand = np.where(depot, 0, rng.integers(0, 7, n)) * step
+    demand = np.where(depot, 0, rng.integers(roomy // 4, 7 + roomy // 3, n)) * step
     required = ~depot & (rng.random(n) < 0.7 if chance(0.3) else True)
     fleet = []
     for kind in range(int(rng.choice([1, 2, 3], p=[0.65, 0.25, 0.1]))):
-        limit = lambda p, low, high: float(rng.integers(low, high) + roomy // 3) * step if chance(p) else math.inf  # noqa: B023, E731
+        limit = lambda p, low, high: float(rng.integers(low, high) + roomy // 2) * step if chance(p) else math.inf  # noqa: E731
         energy = None
         if chance(0.25):
             rate = float(rng.choice([0.5, 1.0, 2.0]))
             energy = Energy(float(rng.integers(2, 25) + roomy) * step * rate, rate, str(rng.choice(CHARGES)))
         fleet.append(
             VehicleType(
-                None if chance(0.25) else 1 if roomy else int(rng.integers(1, 4)), limit(0.6, 4, 14), int(rng.choice(at)), int(rng.choice(at)),
-                limit(0.25, 4, 30), limit(0.25, 3, 25), energy, name=f"kind{kind}",
+                None if chance(0.25) else 1 if roomy else int(rng.integers(1, 4)), limit(0.6, 4, 14),
+                int(rng.choice(at)), int(rng.choice(at)), limit(0.25, 4, 30), limit(0.25, 3, 25), energy, name=f"kind{kind}",
             )
         )  # fmt: skip
     counts = [v.count for v in fleet]
@@ -165,7 +166,8 @@ def feasible(problem: RoutingProblem, tables: list[set[frozenset[int]]] | None =
 def is_true(problem: RoutingProblem, tables: list[set[frozenset[int]]], found: Evidence) -> bool:
     """Whether the claim of ``found`` holds taken by itself."""
     index, every = problem.sites.index(), set().union(*tables)
-    counts = [math.inf if v.count is None else v.count for v in problem.fleet]
+    most = len(problem.customers)  # no more routes than sites
+    counts = [most if v.count is None else min(v.count, most) for v in problem.fleet]
     required = set(np.nonzero(problem.sites.required)[0].tolist())
     named = {index[name] for name in found.data.get("sites", [])}
     if found.kind == "infeasible-site":
@@ -200,7 +202,6 @@ def proves(problem: RoutingProblem, found: Evidence) -> bool:
 # -- the attacks -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.hostile
 @pytest.mark.parametrize("part", range(4))
 def test_reasons_of_random_routing_instances_are_true(share, tally, part):
     cases = share(300, 10_000) // 4
@@ -226,7 +227,6 @@ def test_reasons_of_random_routing_instances_are_true(share, tally, part):
                 tally["proofs before a search"] += 1
 
 
-@pytest.mark.hostile
 def test_no_evidence_whatever_it_names_proves_what_is_false(share, tally):
     for seed in range(share(150, 10_000)):
         problem = draw(10**6 + seed)
@@ -250,11 +250,59 @@ def test_no_evidence_whatever_it_names_proves_what_is_false(share, tally):
                 assert is_true(problem, tables, found), (seed, found)
 
 
-@pytest.mark.hostile
 def test_whole_explanations_of_random_routing_instances_are_true(share, tally):
-    for seed in range(share(8, 300)):
+    for seed in range(share(4, 300)):
         problem = draw(2 * 10**6 + seed)
         made = explain(problem, time_limit=4.0)
         tally[f"explanations: {made.verdict}" + (f", according to {made.according_to}" if made.according_to else "")] += 1
         if made.according_to == "the data":
             assert (made.verdict == "feasible") == feasible(problem), (seed, made)
+
+
+def test_explanations_of_other_families_are_true(share, tally):
+    """Nobody has to act, be chosen or take a share: max-min and selection problems always have an answer."""
+    for seed in range(share(2, 100)):
+        rng = np.random.default_rng([seed, 4711])
+        sata = {"robots": int(rng.integers(1, 5)), "actions": 2, "targets": int(rng.integers(1, 8)), "phi": 90.0}
+        asked = [wb.generate("sata", problem=name, seed=seed, **sata) for name in ("bottleneck", "bottleneck-lp", "winner-takes-all")]
+        constraint = str(rng.choice(["cardinality", "partition", "knapsack"]))
+        asked.append(wb.generate("coverage", elements=int(rng.integers(2, 9)), items=6, constraint=constraint, seed=seed))
+        scale = float(rng.choice([1.0, 1e-11, 1e9]))
+        packing, covering = (rng.integers(0, 4, (3, 4)) + np.eye(3, 4, k) for k in (0, 1))
+        asked.extend(wb.MaxMinLP(packing + (packing.sum(axis=0) == 0), (covering + np.eye(3, 4)) * scale, sense=s) for s in ("max", "min"))
+        for problem in asked:
+            made = explain(problem, time_limit=5.0)
+            tally[f"explanations of other families: {made.verdict}, according to {made.according_to or 'nobody'}"] += 1
+            assert made.verdict == "feasible", (seed, problem, made)
+
+
+def small_program(seed: int) -> Program:
+    """Three whole variables from 0 to 3 and up to five rows."""
+    rng = np.random.default_rng([seed, 99])
+    m = int(rng.integers(1, 6))
+    table, low = rng.integers(-3, 4, (m, 3)).astype(float), rng.integers(-4, 9, m).astype(float)
+    block = Rows(
+        "row", (np.arange(m),), indptr=np.arange(0, 3 * m + 1, 3).astype(np.int32), indices=np.tile(np.arange(3), m).astype(np.int32),
+        data=table.ravel(), lower=low, upper=low + rng.choice([0, 1, math.inf], m),
+    )  # fmt: skip
+    x = Variables("x", (np.arange(3),), lower=np.zeros(3), upper=np.full(3, 3.0), cost=np.ones(3), integer=True)
+    return Program("drawn", "min", (x,), (block,))
+
+
+def test_explanations_of_bare_programs_say_whose_word_they_are(share, tally):
+    grid = np.array(list(itertools.product(range(4), repeat=3)), dtype=float)
+    for seed in range(share(40, 2_000)):
+        program = small_program(seed)
+        values = grid @ program.matrix.toarray().T
+        held = (values >= program.row_lower) & (values <= program.row_upper)
+        made = explain(program, time_limit=5.0)
+        assert made.verdict in ("feasible", "infeasible")
+        tally[f"programs: {made.verdict}, according to {made.according_to}"] += 1
+        if made.according_to == "the data":
+            assert (made.verdict == "feasible") == bool(held.all(axis=1).any()), seed
+        elif (made.verdict == "feasible") != bool(held.all(axis=1).any()):
+            tally["programs: false words of a solver, said to be its own"] += 1
+        if made.reasons:
+            named = [int(r.where.split("[")[1][:-1]) for r in made.reasons]
+            assert set(named) <= set(range(program.num_rows))
+            tally["programs: rows named that have a whole point after all"] += bool(held[:, named].all(axis=1).any())
