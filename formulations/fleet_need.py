@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,7 +41,7 @@ def fleet_conflicts(
 ) -> Iterator[Evidence]:
     """Proofs that the fleet is too small for the required sites, or the number of routes asked for too large.
 
-    Each was checked. Only where no argument on all sites holds are small groups of sites tried.
+    Each was checked, and is looked for only where none of the simpler kinds was found.
 
     Parameters
     ----------
@@ -53,20 +54,20 @@ def fleet_conflicts(
     Notes
     -----
     Total load, the bin packing bound L2 (Martello and Toth 1990, *Knapsack Problems*, section 8.3), total range, a set of sites of which
-    no two fit on one route, and a few sites for which no choice of routes is left.
+    no two fit on one route; then a few sites for which no choice of routes is left; then the time between two moments.
     """
-    found = False
-    for argue in (_routes_asked_for, _loads, _ranges, _sites_apart):
-        for evidence in argue(problem):
-            if proves(problem, evidence):
-                found = True
-                yield evidence
+    small_groups = partial(_small_groups, stopped=stopped, most=most_enumerated)
+    for tier in ((_routes_asked_for, _loads, _ranges, _sites_apart), (small_groups,), (_hours,)):
+        found = False
+        for argue in tier:
+            for evidence in argue(problem):
+                if proves(problem, evidence):
+                    found = True
+                    yield evidence
             if stopped():
                 return
-        if stopped():
+        if found:
             return
-    if not found:
-        yield from _small_groups(problem, stopped, most_enumerated)
 
 
 def proves(problem: RoutingProblem, evidence: Evidence) -> bool:
@@ -85,6 +86,12 @@ def _evidence(problem: RoutingProblem, kind: str, why: str, **data: object) -> E
 
 def _allowed(limit: Floats | float) -> Floats | float:
     return limit + CHECK_TOLERANCE
+
+
+def suspicions(problem: RoutingProblem) -> Iterator[Evidence]:
+    """All that the arguments find but for small groups, confirmed or not."""
+    for argue in (_routes_asked_for, _loads, _ranges, _sites_apart, _hours):
+        yield from argue(problem)
 
 
 def _routes_asked_for(problem: RoutingProblem) -> Iterator[Evidence]:
@@ -121,6 +128,34 @@ def _ranges(problem: RoutingProblem) -> Iterator[Evidence]:
         who = _vehicles(problem.vehicle_limit)
         why = f"even by the shortest move to each, the required sites take more {word} in total than {who} may spend"
         yield _evidence(problem, "too-little-range", why, resource=resource)
+
+
+def _hours(problem: RoutingProblem) -> Iterator[Evidence]:
+    """The two moments between which the required sites ask for most more time than the fleet has."""
+    vehicles, sites, customers = problem.vehicle_limit, problem.sites, problem.customers
+    wanted = customers[sites.required[customers]]
+    if vehicles is None or len(wanted) <= vehicles:
+        return
+    times, worst, at = problem.travel.durations, 0.0, (0.0, 0.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        begin = np.min([np.maximum(sites.ready[wanted], sites.ready[v.start] + times[v.start, wanted]) for v in problem.fleet], axis=0)
+        close = [np.minimum(sites.due[wanted], sites.due[v.end] - sites.service[wanted] - times[wanted, v.end]) for v in problem.fleet]
+        end, moves = np.max(close, axis=0), times[np.ix_(customers, wanted)] + np.where(customers[:, None] == wanted, math.inf, 0.0)
+        work, reach = sites.service[wanted], moves.min(axis=0)
+        order = np.argsort(end, kind="stable")
+        for low in np.unique(begin).tolist():
+            inside = order[(begin[order] >= low) & np.isfinite(end[order])]
+            free = np.sort(work[inside])[-vehicles:].sum() + np.sort(reach[inside])[-vehicles:].sum()
+            excess = np.cumsum(work[inside] + reach[inside]) - free - vehicles * (end[inside] - low)
+            if len(inside) and excess.max() > worst:
+                worst, at = float(excess.max()), (float(low), float(end[inside[np.argmax(excess)]]))
+    if worst > 0.0:
+        low, high = at
+        names = [sites.ids[k] for k in wanted[(begin >= low) & (end <= high)].tolist()]
+        why = (
+            f"these {len(names)} sites can only be begun from {low:g} to {high:g}, and keep {_vehicles(vehicles)} busy for longer than that"
+        )
+        yield _evidence(problem, "too-little-time", f"{why}: {', '.join(names)}", sites=names, **{"from": low, "until": high})
 
 
 def _sites_apart(problem: RoutingProblem) -> Iterator[Evidence]:

@@ -12,7 +12,7 @@ from .infeasible_site import lacks
 if TYPE_CHECKING:
     from ..problems.routing import RoutingProblem
 
-MOST_SITES = 300
+MOST_SITES = 200
 """Sites up to which it is tried: solving bears this cost even where there is an answer."""
 
 MOST_ENUMERATED = 5

@@ -3,6 +3,7 @@
 ``too-few-vehicles``  the required demands exceed all capacities
 ``bin-packing``       the bound L2 on the vehicles for the required demands exceeds the fleet
 ``too-little-range``  driving, driving and service, or distance of all required sites exceed what the fleet has
+``too-little-time``   the named sites can only be begun between two moments, and keep the fleet busy for longer than that
 ``sites-apart``       no two of the named sites fit on one route, and there are fewer vehicles that can serve them
 ``sites-beyond-fleet``  no choice of routes serves the few sites named
 ``too-few-sites``     more routes are asked for than there are sites within reach
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 from ...instances.errors import InputError
 from ..evidence import CHECKERS
 from .infeasible_site import out_of_reach, verdict
-from .route_limits import Limits, Nodes, allowed, limits_of, named_customers, servable_sets, summable, within_reach
+from .route_limits import Limits, Nodes, allowed, clocks, limits_of, named_customers, servable_sets, summable, within_reach
 
 if TYPE_CHECKING:
     from ...instances.instance import VehicleType
@@ -132,6 +133,46 @@ def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> 
                 ends.append(allowed(vehicle.energy.capacity) / vehicle.energy.rate)
         room += count * max(0.0, min(ends))
     return verdict(problem, proved=math.fsum(used) * (1 - 1e-12) > room)
+
+
+@CHECKERS.register("too-little-time")
+def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Whether the required ``sites`` can only be begun between two moments, and ask for more time than all vehicles have between them.
+
+    Of a vehicle's sites among them, all but the last are served, and all but the first driven to, before the last one begins.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    data : dict
+        ``sites``; ``from``, ``until``: the two moments.
+    """
+    _refuse_others(problem)
+    moments = [data.get("from"), data.get("until")]
+    low, high = (float(x) if isinstance(x, int | float) and not isinstance(x, bool) else math.nan for x in moments)
+    if not math.isfinite(low) or not math.isfinite(high):
+        raise InputError("evidence names no two moments", expected="numbers from and until", found=str(moments)[:80])
+    named = np.array(named_customers(problem, data.get("sites"))) - 1
+    sites, at = problem.sites, problem.sites.customers
+    earliest, latest, size = np.full(len(at), math.inf), np.full(len(at), -math.inf), 0.0
+    if not summable(problem) or len(at) < 2:
+        return verdict(problem, proved=False)
+    for vehicle in _types(problem):
+        limits = limits_of(problem, vehicle)
+        reached, home = clocks(limits)
+        earliest = np.minimum(earliest, reached)
+        latest = np.maximum(latest, np.minimum(limits.due[1:-1], limits.due[-1] - home))
+        size = max(size, limits.horizon + float(home.max()))
+    if not (sites.required[at] & (earliest >= low) & (latest <= high))[named].all():
+        return verdict(problem, proved=False)
+    moves = problem.travel.durations[np.ix_(at, at)].copy()
+    np.fill_diagonal(moves, math.inf)
+    vehicles = min(sum(_types(problem).values()), len(named))
+    service, reach = np.sort(sites.service[at[named]]), np.sort(moves[:, named].min(axis=0))
+    kept = len(named) - vehicles
+    need = math.fsum([*service[:kept].tolist(), *reach[:kept].tolist()])
+    room = vehicles * max(0.0, allowed(high, size + abs(low)) - low)
+    return verdict(problem, proved=need * (1 - 1e-12) > room)
 
 
 @CHECKERS.register("sites-apart")

@@ -107,10 +107,7 @@ def within_reach(limits: Limits) -> NDArray[np.bool_]:
         mid = weight[inner, inner]
         need = _shortest(weight[0, inner], mid) + _shortest(weight[inner, -1], mid.T)
         good &= need <= np.array([allowed(limit, x) for x in need.tolist()])
-    busy = limits.busy
-    due = np.array([allowed(d, limits.horizon) for d in limits.due.tolist()])
-    reached = _earliest(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
-    home = _shortest(busy[inner, -1], busy[inner, inner].T)
+    reached, home = clocks(limits)
     finish = reached + home
     good &= np.isfinite(reached) & (finish <= np.array([allowed(float(limits.due[-1]), limits.horizon + h) for h in home.tolist()]))
     for rate, limit, fixed in limits.spans:
@@ -118,6 +115,14 @@ def within_reach(limits: Limits) -> NDArray[np.bool_]:
             size = rate * (limits.horizon + home)
             good &= rate * (finish - limits.ready[0]) <= np.array([allowed(limit, x) for x in size.tolist()])
     return good
+
+
+def clocks(limits: Limits) -> tuple[Floats, Floats]:
+    """Earliest begin of service at each customer, infinite where its window is missed, and the least time from there to the return."""
+    busy, inner = limits.busy, slice(1, -1)
+    due = np.array([allowed(d, limits.horizon) for d in limits.due.tolist()])
+    reached = _earliest(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
+    return reached, _shortest(busy[inner, -1], busy[inner, inner].T)
 
 
 def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> set[int]:

@@ -92,6 +92,16 @@ def test_work_beyond_the_hours_of_the_fleet_is_told():
     assert "driving and service" in reasons(replace(asked, fleet=(VehicleType(2, max_duration=12.0),)))[0]
 
 
+def test_too_many_sites_before_one_hour_are_told():
+    """Fourteen at one place, 10 away, served in 1 each and due at 21.5: the last would begin at 23."""
+    asked = problem([1] * 14, count=1, capacity=99.0, due=21.5, service=1.0, xy=[(0, 0), *[(10, 0)] * 14])
+    assert reasons(asked) == [
+        "these 14 sites can only be begun from 10 to 21.5, and keep 1 vehicle busy for longer than that: "
+        + ", ".join(map(str, range(1, 15)))
+    ]
+    assert reasons(replace(asked, fleet=(VehicleType(2),))) == []
+
+
 def three_at_once(**fleet):
     """Three customers of which any two, but not all three, fit on one route."""
     angles = np.deg2rad([0.0, 120.0, 240.0])

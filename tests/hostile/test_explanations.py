@@ -18,6 +18,7 @@ from waybound.formulations.bounds.fleet_need import fleet_need_evidence
 from waybound.formulations.bounds.infeasible_site import infeasible_site_evidence, too_few_vehicles_evidence
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
+from waybound.formulations.fleet_need import suspicions
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.program import Program, Rows, Variables
 from waybound.instances.instance import Energy, Sites, VehicleType
@@ -185,6 +186,9 @@ def is_true(problem: RoutingProblem, tables: list[set[frozenset[int]]], found: E
         return sum(problem.sites.demand[list(required)]) > sum(c * v.capacity for c, v in zip(counts, problem.fleet, strict=True))
     open_sites = replace(problem.sites, due=np.where(problem.sites.depot, problem.sites.due, math.inf))
     plain = [VehicleType(v.count, math.inf, v.start, v.end) for v in problem.fleet]
+    if found.kind == "too-little-time":
+        by_time = replace(problem, fleet=tuple(plain))
+        return not has_answer(by_time, [routes(by_time, v) for v in plain], required & named, 0)
     if found.kind == "bin-packing":
         alike = [replace(v, capacity=max(v.capacity for v in problem.fleet)) for v in plain]
         far_due = replace(open_sites, due=np.full(len(problem.sites), math.inf))
@@ -234,9 +238,14 @@ def test_no_evidence_whatever_it_names_proves_what_is_false(share, tally):
         solvable = feasible(problem, tables)
         rng = np.random.default_rng(seed)
         customers = [problem.sites.ids[k] for k in problem.customers]
-        tried = [Evidence(kind, "", math.inf, {}) for kind in ("too-few-vehicles", "too-few-sites")]
+        tried = list(suspicions(problem))
+        tried += [Evidence(kind, "", math.inf, {}) for kind in ("too-few-vehicles", "too-few-sites")]
         tried += [Evidence("too-little-range", "", math.inf, {"resource": r}) for r in ("travel", "duration", "distance")]
         tried += [Evidence("bin-packing", "", math.inf, {"threshold": float(k)}) for k in rng.choice([0, 0.1, 1, 2, 3, 1000], 3)]
+        moments = [
+            (float(a), float(a + b)) for a, b in zip(rng.choice([0, 1, 3, 1000], 3), rng.choice([0, 1, 2, 5, 20, 1000], 3), strict=True)
+        ]
+        tried += [Evidence("too-little-time", "", math.inf, {"sites": customers, "from": a, "until": b}) for a, b in moments]
         tried += [Evidence("infeasible-site", "", math.inf, {"site": name}) for name in customers]
         for kind in ("sites-apart", "sites-beyond-fleet"):
             for _ in range(3):
@@ -245,7 +254,7 @@ def test_no_evidence_whatever_it_names_proves_what_is_false(share, tally):
         for found in tried:
             tally["evidence tried on the checkers"] += 1
             if proves(problem, found):
-                tally["of it accepted"] += 1
+                tally[f"accepted: {found.kind}"] += 1
                 assert not solvable, (seed, found)
                 assert is_true(problem, tables, found), (seed, found)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from waybound.instances.errors import InputError
 from waybound.instances.instance import Energy, Sites, VehicleType
 from waybound.instances.travel import EXPLICIT, Travel
 
-KINDS = ("too-few-vehicles", "bin-packing", "too-little-range", "sites-apart", "sites-beyond-fleet", "too-few-sites")
+KINDS = ("too-few-vehicles", "bin-packing", "too-little-range", "too-little-time", "sites-apart", "sites-beyond-fleet", "too-few-sites")
 
 
 def unit(*vehicles: VehicleType, n: int = 3, min_vehicles: int = 0, **arrays) -> RoutingProblem:
@@ -77,6 +78,19 @@ def test_the_hours_of_a_depot_are_a_range_too():
     assert proved(asked, "too-little-range", resource="duration")
     assert not proved(asked, "too-little-range", resource="travel")
     assert not proved(replace(asked, sites=replace(sites, due=np.array([7.0, 9, 9]))), "too-little-range", resource="duration")
+
+
+def test_sites_that_fall_between_two_moments_ask_for_more_time_than_there_is():
+    """Four sites, each begun from 1 on: two a vehicle, served in 2 and driven to in 1, so that the last begins at 4."""
+    asked = unit(VehicleType(2), n=4, service=2.0, due=3.9)
+    moments: dict[str, Any] = {"from": 1.0, "until": 3.9, "sites": list("abcd")}
+    assert proved(asked, "too-little-time", **moments)
+    assert not proved(unit(VehicleType(2), n=4, service=2.0, due=4.0), "too-little-time", **moments | {"until": 4.0})
+    assert not proved(unit(VehicleType(3), n=4, service=2.0, due=3.9), "too-little-time", **moments)
+    assert not proved(unit(VehicleType(2), n=4, service=2.0, due=3.9, required=[True, True, True, False]), "too-little-time", **moments)
+    assert not proved(asked, "too-little-time", **moments | {"from": 1.1})  # they begin before
+    assert not proved(asked, "too-little-time", **moments | {"until": 3.8})  # or after
+    assert not proved(asked, "too-little-time", **moments | {"sites": ["a", "b"]})
 
 
 def test_sites_due_at_once_need_a_vehicle_each():
@@ -152,7 +166,7 @@ def test_too_much_to_try_proves_nothing(monkeypatch):
 
 
 def test_for_max_the_signs_change_places():
-    data = {"threshold": 0.5, "resource": "distance", "sites": ["a"]}
+    data = {"threshold": 0.5, "resource": "distance", "sites": ["a"], "from": 0, "until": 9}
     asked = replace(unit(VehicleType(1, 1), demand=9.0), objective=Reward())
     for kind in KINDS:
         bound = CHECKERS[kind](asked, data)
@@ -163,6 +177,8 @@ def test_for_max_the_signs_change_places():
     ("kind", "data"),
     [
         *(("bin-packing", data) for data in ({}, {"threshold": "a"}, {"threshold": math.nan}, {"threshold": True})),
+        ("too-little-time", {}), ("too-little-time", {"from": 0}), ("too-little-time", {"from": 0, "until": math.inf}),
+        ("too-little-time", {"from": 0, "until": 9}),
         ("too-little-range", {}), ("too-little-range", {"resource": ["distance"]}),
         *(
             (kind, {"sites": names})
@@ -181,4 +197,4 @@ def test_malformed_evidence_is_refused(kind, data):
 def test_sums_that_overflow_prove_nothing(kind):
     asked = unit(VehicleType(1, 5e307, max_distance=1e308), demand=5e307)
     asked = replace(asked, travel=Travel(EXPLICIT, matrix=np.full((4, 4), 5e307)))
-    assert not proved(asked, kind, threshold=1.0, resource="distance", sites=["a", "b"])
+    assert not proved(asked, kind, threshold=1.0, resource="distance", sites=["a", "b"], **{"from": 0, "until": 1})
