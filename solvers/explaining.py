@@ -1,20 +1,24 @@
-"""Why a problem has no answer: unreachable sites, a fleet too small, or else a smallest set of rows that contradict each other."""
+"""Why a problem has no answer: sites out of reach, a fleet too small, or else a smallest set of rows that contradict each other.
+
+Each reason from the data is evidence that a checker of ``formulations.checking`` confirms by itself; rows are a solver's word, said so.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..formulations.evidence import Evidence
 from ..formulations.forms import FORMS, relaxed
 from ..formulations.problem import Problem
 from ..formulations.program import Program, Rows
 from ..heuristics.heuristic import HEURISTICS
-from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
+from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from .backend import BACKENDS, Control, Options, ProgramBackend, RawResult
 from .search import search
 from .solve import solve
@@ -26,14 +30,19 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Reason:
-    """One part of an explanation: a ``site``, the ``fleet``, or a ``row`` of a form; ``where`` is its name."""
+    """One part of an explanation: a ``site``, the ``fleet``, or a ``row`` of a form; ``where`` is its name.
+
+    ``evidence`` is what the checker confirmed, a proof by itself that there is no answer; None for rows.
+    """
 
     kind: str
     where: str
     message: str
+    evidence: Evidence | None = None
 
-    def to_json(self) -> dict[str, str]:
-        return {"kind": self.kind, "where": self.where, "message": self.message}
+    def to_json(self) -> dict[str, Any]:
+        evidence = None if self.evidence is None else self.evidence.to_json()
+        return {"kind": self.kind, "where": self.where, "message": self.message, "evidence": evidence}
 
 
 @dataclass(frozen=True)
@@ -45,7 +54,8 @@ class Explanation:
     verdict : str
         ``infeasible``, ``feasible`` (there is nothing to explain), or ``undecided``.
     according_to : str
-        ``the data`` (each reason is a proof by itself), a solver's name (its word for it), or "" if undecided.
+        ``the data`` (each reason is a proof that a checker confirmed; or an answer passed every check), a solver's name (its word
+        for it), or "" if undecided.
     reasons : tuple of Reason
     minimal : bool
         For rows: whether leaving out any one of them was found to allow an answer.
@@ -53,6 +63,8 @@ class Explanation:
         The form whose rows are named.
     message : str
         What else a user should read.
+    interrupted : bool
+        Whether the user ended the search; what was found until then is kept.
     """
 
     verdict: str
@@ -61,6 +73,7 @@ class Explanation:
     minimal: bool = False
     form: str | None = None
     message: str = ""
+    interrupted: bool = False
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -99,34 +112,79 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
     if not time_limit > 0:
         raise UsageError(f"the time limit must be positive, not {time_limit!r}")
     end = time.perf_counter() + time_limit
-    if isinstance(problem, Problem):
-        reasons = reasons_from_data(problem)
-        if reasons:
-            return Explanation("infeasible", "the data", tuple(reasons))
 
     def work(control: Control) -> RawResult:
+        def stop() -> bool:
+            return control.stopped or time.perf_counter() >= end
+
+        if not _is_summable(problem):
+            return RawResult(
+                "unknown", answer=Explanation("undecided", message="numbers as large as these overflow when they are added up")
+            )
+        reasons: list[Reason] = []
+        for reason in reasons_from_data(problem, stop):
+            reasons.append(reason)
+            control.publish(Explanation("infeasible", "the data", tuple(reasons)))
+        if reasons or control.stopped:
+            return RawResult("unknown", answer=control.answer)
         return RawResult("unknown", answer=_explain_by_rows(problem, form, end, control))
 
     searched = search(work, Control(), time_limit, overtime=1.0)
     made: Explanation | None = searched.result.answer
-    return made or Explanation("undecided", message="interrupted" if searched.interrupted else f"undecided within {time_limit:g} s")
+    if searched.interrupted:
+        made = made or Explanation("undecided")
+        return replace(made, interrupted=True, message="; ".join(m for m in ("interrupted", made.message) if m))
+    return made or Explanation("undecided", message=f"undecided within {time_limit:g} s")
 
 
-def reasons_from_data(problem: Problem) -> list[Reason]:
-    """Reasons that are proofs by themselves: unreachable sites, or else a fleet too small."""
+def _is_summable(problem: Problem | Program) -> bool:
+    from ..formulations.checking.route_limits import summable
+    from ..formulations.problems.routing import RoutingProblem
+
+    if isinstance(problem, RoutingProblem):
+        return summable(problem)
+    return not isinstance(problem, Program) or bool(np.isfinite(problem.data).all())
+
+
+def reasons_from_data(problem: Problem | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
+    """Reasons that are proofs by themselves, each confirmed by its checker: sites out of reach, or else a fleet too small."""
     from ..formulations.problems.routing import RoutingProblem
 
     if not isinstance(problem, RoutingProblem):
-        return []
-    from ..formulations.fleet_need import fleet_conflicts
+        return
+    from ..formulations.fleet_need import fleet_conflicts, none
     from ..formulations.reachability import unreachable
 
     required, ids = problem.sites.required, problem.sites.ids
-    sites = [Reason("site", ids[k], why) for k, why in unreachable(problem).items() if required[k]]
-    return sites or [Reason("fleet", "fleet", why) for why in fleet_conflicts(problem)]
+    sites = [
+        Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(problem), {"site": ids[k]}))
+        for k, why in unreachable(problem).items() if required[k]
+    ]  # fmt: skip
+    yield from sites
+    if not sites and not stopped():
+        for found in fleet_conflicts(problem, stopped):
+            site = found.data.get("site")
+            yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
 
 
 def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, control: Control) -> Explanation:
+    if form is not None and isinstance(problem, Problem):
+        FORMS[form]  # a name that does not exist is refused before anything is tried
+    notes: list[str] = []
+    if isinstance(problem, Problem):
+        quick = [name for name in _QUICK if not HEURISTICS[name].missing(problem)]
+        if _has_answer(problem, quick, (end - time.perf_counter()) / 4.0, notes):
+            return _FEASIBLE
+    if control.stopped:
+        return Explanation("undecided")
+    made = _explain_rows(problem, form, end, control, notes)
+    return replace(made, message="; ".join(m for m in (made.message, *notes) if m))
+
+
+_FEASIBLE = Explanation("feasible", "the data", message="there is an answer that passes every check")
+
+
+def _explain_rows(problem: Problem | Program, form: str | None, end: float, control: Control, notes: list[str]) -> Explanation:
     if not BACKENDS[FILTER_SOLVER].installed():
         return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].package}")
     try:
@@ -137,6 +195,8 @@ def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, c
         return Explanation("undecided", message=f"no form can write this problem down, so no rows can be named: {error}")
     if not program.exactness.infeasibility_is_valid:
         raise UsageError(f"form {program.form} is a {program.exactness.value}: that it has no point would prove nothing")
+    if any(_is_answer(problem, program, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
+        return _FEASIBLE
     plain = replace(
         program, sense="min", quadratic=None, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables)
     )
@@ -151,33 +211,54 @@ def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, c
         test = _Tester(relaxation, end, inner)
         if test(np.ones(plain.num_rows, dtype=bool)) is True:
             return _from_rows(relaxation, *deletion_filter(relaxation, test, stop))
-        if isinstance(problem, Problem) and _has_answer(problem, (end - time.perf_counter()) / 4.0):
-            return Explanation("feasible", "the data", message="there is an answer that passes every check")
+        if isinstance(problem, Problem):
+            slow = [name for name in HEURISTICS if name not in _QUICK and not HEURISTICS[name].missing(problem)]
+            if _has_answer(problem, [*slow, None], (end - time.perf_counter()) / 4.0, notes):
+                return _FEASIBLE
     test = _Tester(plain, end, inner)
     whole = test(np.ones(plain.num_rows, dtype=bool))
     if whole is True:
         return _from_rows(plain, *deletion_filter(plain, test, stop))
     if whole is False and program.exactness.answer_is_valid:
+        if _is_answer(problem, program, test.point):
+            return replace(_FEASIBLE, form=program.form)
         return Explanation("feasible", FILTER_SOLVER, form=program.form, message=f"{FILTER_SOLVER} finds a point that satisfies all rows")
     return Explanation("undecided", form=program.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
 
 
+def _is_answer(problem: Problem | Program, program: Program, point: Any) -> bool:
+    """Whether ``point`` of ``program`` satisfies all its rows, or stands for an answer that passes every check."""
+    if isinstance(problem, Program):
+        return point is not None and program.residual(point) == 0.0
+    try:
+        return point is not None and problem.evaluate(program.decode(point)).feasible
+    except InputError:
+        return False
+
+
 _TRIAL_SECONDS = 5.0
 
+_QUICK = ("savings", "random", "greedy")
+"""Heuristics that find an answer at once, if any, tried before all else; the others follow where the relaxation has a point."""
 
-def _has_answer(problem: Problem, seconds: float) -> bool:
-    """Whether a heuristic or the default solver finds a verified answer quickly; the MILP may take long to find one."""
+
+def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float, notes: list[str]) -> bool:
+    """Whether a heuristic or the default solver (None) finds a verified answer quickly; the MILP may take long to find one.
+
+    What a method says where it fails is noted, unless it is that it does not take the problem.
+    """
     end = time.perf_counter() + min(seconds, _TRIAL_SECONDS)
-    trials: list[str | None] = [*(name for name in HEURISTICS if not HEURISTICS[name].missing(problem)), None]
-    for heuristic in trials:
+    for heuristic in methods:
         left = end - time.perf_counter()
         if left <= 0:
             return False
         try:
             if solve(problem, heuristic=heuristic, time_limit=left, bound_time=0.0).answer is not None:
                 return True
-        except (UnsupportedError, MissingPackageError):
+        except (UsageError, UnsupportedError, MissingPackageError):
             continue
+        except WayboundError as fault:
+            notes.append(f"{heuristic or 'the default solver'} failed: {fault}")
     return False
 
 
@@ -201,7 +282,7 @@ class _Tester:
         self.matrix, self.calls = program.matrix, 0
         backend = BACKENDS[FILTER_SOLVER]()
         assert isinstance(backend, ProgramBackend)
-        self.backend = backend
+        self.backend, self.point = backend, None
 
     def __call__(self, keep: Flags) -> bool | None:
         left = self.end - time.perf_counter()
@@ -218,6 +299,7 @@ class _Tester:
         result = self.backend.run(trial, Options(time_limit=limit), self.control)
         if result.status in ("infeasible", "infeasible_or_unbounded"):  # without costs nothing is unbounded
             return True
+        self.point = result.answer
         return False if result.status in ("optimal", "feasible") else None
 
 
@@ -274,13 +356,14 @@ def deletion_filter(program: Program, test: Callable[[Flags], bool | None], stop
 def _from_rows(program: Program, kept: list[int], minimal: bool) -> Explanation:
     names = [program.row_name(row) for row in kept]
     reasons = tuple(Reason("row", name, _row_text(program, row)) for name, row in zip(names, kept, strict=True))
+    who, many = FILTER_SOLVER, "this row" if len(kept) == 1 else f"these {len(kept)} rows"
     if not kept:
-        message = "the bounds of the variables alone leave no answer"
+        message = f"{who} finds no answer even within the bounds of the variables alone"
     elif minimal:
-        message = f"these {len(kept)} rows contradict each other within the variables' bounds; the rest of them without any one does not"
+        message = f"{who} finds no point for {many} within the variables' bounds, and one wherever a row is left out"
     else:
-        message = f"these {len(kept)} rows contradict each other; time was up before the set was known to be smallest"
-    return Explanation("infeasible", FILTER_SOLVER, reasons, minimal, program.form, message)
+        message = f"{who} finds no point for {many} within the variables' bounds; the search ended before the set was known to be smallest"
+    return Explanation("infeasible", who, reasons, minimal, program.form, message)
 
 
 _SHOWN_TERMS = 6

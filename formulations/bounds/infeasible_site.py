@@ -101,9 +101,10 @@ def _served_alone(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.b
     return good
 
 
-def _lacks(problem: Problem) -> frozenset[str]:
+def lacks(problem: Problem) -> frozenset[str]:
+    """Nothing for routing problems, all else is of another family."""
     return frozenset() if problem.family == "routing" else frozenset({f"{problem.family} problems"})
 
 
-BOUNDS.add("infeasible-site", BoundMethod("infeasible-site", _lacks, infeasible_site_evidence, order=0))
-BOUNDS.add("too-few-vehicles", BoundMethod("too-few-vehicles", _lacks, too_few_vehicles_evidence, order=0))
+BOUNDS.add("infeasible-site", BoundMethod("infeasible-site", lacks, infeasible_site_evidence, order=0))
+BOUNDS.add("too-few-vehicles", BoundMethod("too-few-vehicles", lacks, too_few_vehicles_evidence, order=0))

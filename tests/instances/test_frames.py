@@ -65,6 +65,13 @@ def test_a_sparse_matrix_is_a_road_graph() -> None:
     assert made.sites.coordinates is None
 
 
+def test_a_road_of_length_0_is_a_road() -> None:
+    """Dense graph routines take 0 for no road; a sparse matrix that stores it says that there is one."""
+    stored = sp.csr_matrix((np.array([0.0, 0.0, 2.0, 2.0]), ([0, 1, 1, 2], [1, 0, 2, 1])), shape=(3, 3))
+    made = instance_from_frame(SITES[["id", "demand"]], travel=stored)
+    assert made.travel.distances.tolist() == [[0, 0, 2], [0, 0, 2], [2, 2, 0]]
+
+
 def test_roads_of_one_way_count_one_way() -> None:
     made = instance_from_frame(SITES, travel=sp.coo_matrix(np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]])))
     assert made.travel.distances.tolist() == [[0, 1, 2], [2, 0, 1], [1, 2, 0]]

@@ -26,6 +26,18 @@ NEAR = [[0, 5, 7], [5, 0, 5], [7, 5, 0]]
 DETOUR = [[0, 5, 90], [5, 0, 5], [90, 5, 0]]
 
 
+def test_rounding_puts_no_customer_out_of_reach() -> None:
+    """0.1 + 0.2 is 0.30000000000000004, and due at 0.3: the judge lets it pass, so the file is read."""
+    travel = Travel("EXPLICIT", matrix=np.ones((2, 2)), duration_matrix=[[0, 0.2], [0.2, 0]])
+    for due, read in ((0.3, True), (0.29, False)):
+        made = RoutingInstance("i", "test", Sites.of(range(2), ready=[0.1, 0], due=[math.inf, due]), travel, (VehicleType(),))
+        if read:
+            refuse_unreachable(made)
+        else:
+            with pytest.raises(InputError, match="customer 1: earliest arrival"):
+                refuse_unreachable(made)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

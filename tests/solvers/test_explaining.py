@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import _thread
+import math
+import time
+
 import numpy as np
 import pytest
 
 import waybound as wb
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.program import Program, Rows, Variables
 from waybound.solvers import explaining
 from waybound.solvers.explaining import deletion_filter, explain
@@ -104,28 +110,116 @@ def test_sites_come_before_the_fleet_and_the_fleet_before_rows():
     assert {r.kind for r in explain(wb.read("demo-c25", vehicles=2)).reasons} == {"fleet"}
 
 
-def three_at_once():
-    """One vehicle, and three customers of which any two, but not all three, fit on one route."""
+@pytest.fixture
+def three_at_once(monkeypatch):
+    """One vehicle, and three customers of which any two, but not all three, fit on one route; the data's arguments are left out."""
+    monkeypatch.setattr(explaining, "reasons_from_data", lambda problem, stopped: iter(()))
     angles = np.deg2rad([0.0, 120.0, 240.0])
     xy = np.vstack([[0.0, 0.0], 10.0 * np.column_stack([np.cos(angles), np.sin(angles)])])
     sites = wb.Sites.of(range(4), ready=[0, 10, 10, 10], due=[np.inf, 30, 30, 30], coordinates=xy)
     return wb.RoutingProblem(sites, wb.Travel("euclidean", xy), (wb.VehicleType(1),), name="three", problem="vrptw")
 
 
-def test_a_contradiction_that_no_argument_finds_is_told_by_rows_of_a_form():
-    made = explain(three_at_once(), time_limit=30, form="two-index-mtz")
-    assert (made.verdict, made.form, made.minimal) == ("infeasible", "two-index-mtz", True)
+def test_a_contradiction_that_no_argument_finds_is_told_by_rows_of_a_form_and_by_whom(three_at_once):
+    made = explain(three_at_once, time_limit=30, form="two-index-mtz")
+    assert (made.verdict, made.according_to, made.form, made.minimal) == ("infeasible", "highs", "two-index-mtz", True)
     assert {r.kind for r in made.reasons} == {"row"}
     named = {r.where.split("[")[0] for r in made.reasons}
     assert "fleet" in named
     assert any("time" in name for name in named)
+    assert made.message.startswith("highs finds no point for these")
+    assert {r.evidence for r in made.reasons} == {None}
 
 
-def test_without_a_form_that_can_write_the_problem_down_nothing_is_claimed(monkeypatch):
+def test_without_a_form_that_can_write_the_problem_down_nothing_is_claimed(monkeypatch, three_at_once):
     monkeypatch.setattr(wb.RoutingProblem, "forms", lambda self: [])
-    made = explain(three_at_once())
+    made = explain(three_at_once)
     assert made.verdict == "undecided"
     assert "form" in made.message
+
+
+def test_each_reason_from_the_data_carries_evidence_that_its_checker_confirms():
+    for problem in (wb.read("demo-tiny", capacity=9), wb.read("demo-c25", vehicles=2)):
+        made = explain(problem)
+        assert made.according_to == "the data"
+        for reason in made.reasons:
+            assert verified_bound(problem, reason.evidence) == math.inf
+            assert reason.to_json()["evidence"]["kind"] == reason.evidence.kind
+
+
+def test_two_customers_at_one_address_are_no_reason():
+    xy = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.0]])
+    sites = wb.Sites.of(range(3), due=[np.inf, 6, 6], coordinates=xy)
+    made = explain(wb.RoutingProblem(sites, wb.Travel("euclidean", xy), (wb.VehicleType(1),)), time_limit=10)
+    assert (made.verdict, made.according_to) == ("feasible", "the data")
+
+
+def test_what_the_checker_does_not_confirm_is_no_reason(monkeypatch):
+    assert "too-few-vehicles" in CHECKERS  # now all are registered
+    monkeypatch.setitem(CHECKERS._entries, "too-few-vehicles", lambda problem, data: -math.inf)
+    made = explain(wb.read("demo-c25", vehicles=2), time_limit=20)
+    assert "too-few-vehicles" not in {r.evidence.kind for r in made.reasons if r.evidence}
+
+
+def test_numbers_that_overflow_are_undecided():
+    xy = np.array([[0.0, 0.0], [1e200, 0.0], [0.0, 1e200]])
+    sites = wb.Sites.of(range(3), coordinates=xy)
+    travel = wb.Travel("euclidean", xy)
+    with np.errstate(over="ignore"):
+        assert np.isinf(travel.distances[0, 1])
+    made = explain(wb.RoutingProblem(sites, travel, (wb.VehicleType(2),)))
+    assert made.verdict == "undecided"
+    assert "overflow" in made.message
+
+
+def test_a_method_that_refuses_the_problem_is_no_hindrance():
+    """Too many sets for brute force, and an answer that any other heuristic finds."""
+    assert explain(wb.generate("coverage", elements=60, items=80, k=20, seed=1), time_limit=10).verdict == "feasible"
+
+
+def test_a_method_that_fails_is_told(monkeypatch, three_at_once):
+    def fails(problem, **options):
+        raise wb.CheckFailedError("two and two are five")
+
+    monkeypatch.setattr(explaining, "solve", fails)
+    assert "failed: two and two are five" in explain(three_at_once, time_limit=20).message
+
+
+def test_an_interrupt_keeps_the_reasons_found(monkeypatch):
+    problem = wb.read("demo-c25", vehicles=2)
+    whole = explaining.reasons_from_data
+
+    def slow(problem, stopped):
+        yield next(whole(problem, stopped))
+        time.sleep(0.3)
+        _thread.interrupt_main()
+        while not stopped():
+            time.sleep(0.01)
+
+    monkeypatch.setattr(explaining, "reasons_from_data", slow)
+    made = explain(problem, time_limit=30)
+    assert (made.verdict, made.according_to, made.interrupted, made.message) == ("infeasible", "the data", True, "interrupted")
+    assert len(made.reasons) == 1
+
+
+def test_an_interrupt_before_anything_is_found_is_undecided(monkeypatch):
+    def slow(problem, stopped):
+        time.sleep(0.3)
+        _thread.interrupt_main()
+        while not stopped():
+            time.sleep(0.01)
+        yield from ()
+
+    monkeypatch.setattr(explaining, "reasons_from_data", slow)
+    made = explain(wb.read("demo-tiny"), time_limit=30)
+    assert (made.verdict, made.interrupted) == ("undecided", True)
+
+
+def test_a_point_that_is_easily_found_is_no_word_of_a_solver():
+    """A coefficient that solvers drop as too small: x = 1e11 serves the covering row."""
+    tiny = wb.MaxMinLP([[1.0]], [[1e-11]], sense="min")
+    made = explain(tiny, time_limit=10)
+    assert (made.verdict, made.according_to) == ("feasible", "the data")
 
 
 def test_an_instance_with_an_answer_is_told_to_have_one():

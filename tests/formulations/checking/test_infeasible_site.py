@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.checking.infeasible_site import check_infeasible_site, check_too_few_vehicles
+from waybound.formulations.checking.fleet_need import check_too_few_vehicles
+from waybound.formulations.checking.infeasible_site import check_infeasible_site
 from waybound.formulations.objective import Reward
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.instances.errors import InputError
@@ -84,14 +85,6 @@ def test_sites_that_need_no_visit_prove_nothing():
     assert check_infeasible_site(problem, {"site": "a"}) == -math.inf
     assert check_infeasible_site(problem, {"site": "o"}) == -math.inf
     assert check_too_few_vehicles(problem, {}) == -math.inf
-
-
-def test_a_fleet_that_cannot_carry_the_total_is_too_small():
-    sites = Sites.of("oabc", demand=[0, 3, 3, 3])
-    travel = Travel(EXPLICIT, matrix=np.ones((4, 4)))
-    small, enough = VehicleType(count=2, capacity=4), VehicleType(count=3, capacity=3)
-    assert check_too_few_vehicles(RoutingProblem(sites, travel, (small,)), {}) == math.inf
-    assert check_too_few_vehicles(RoutingProblem(sites, travel, (enough,)), {}) == -math.inf
 
 
 def test_for_max_the_signs_change_places():
