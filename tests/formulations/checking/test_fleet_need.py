@@ -195,6 +195,6 @@ def test_malformed_evidence_is_refused(kind, data):
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("kind", KINDS)
 def test_sums_that_overflow_prove_nothing(kind):
-    asked = unit(VehicleType(1, 5e307, max_distance=1e308), demand=5e307)
-    asked = replace(asked, travel=Travel(EXPLICIT, matrix=np.full((4, 4), 5e307)))
+    asked = unit(VehicleType(1, 1e150, energy=Energy(1e150, rate=1e200)), demand=1e150)
+    asked = replace(asked, travel=Travel(EXPLICIT, matrix=np.full((4, 4), 1e150)))
     assert not proved(asked, kind, threshold=1.0, resource="distance", sites=["a", "b"], **{"from": 0, "until": 1})
