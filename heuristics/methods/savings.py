@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -44,8 +43,8 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
     at either end (reversed where needed), else last to first only. While there are more routes than vehicles, joins that save
     nothing are taken too, the least loss first. O(n^2 log n) plus one walk a join that is tried.
     """
-    if not (isinstance(shape, int | float) and shape > 0 and math.isfinite(shape)):
-        raise UsageError(f"shape must be a positive number, not {shape!r}")
+    if not (isinstance(shape, int | float) and 0 < shape <= 1e6):
+        raise UsageError(f"shape must be a positive number of at most 1e6, not {shape!r}")
     from ..savings_kernels import merge
 
     vehicle, sites = problem.fleet[0], problem.sites

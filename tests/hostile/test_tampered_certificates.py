@@ -186,7 +186,7 @@ def tampered(case: Case, others: list[Case], rng: random.Random) -> dict[str, An
 
 
 def _scaled(value: float, rng: random.Random) -> float:
-    return float(np.float64(min(max(value, -1e308), 1e308)) * rng.choice(FACTORS)) + rng.choice((0.0, 0.0, 0.0, 1e-3, -1e-3, 1.0))
+    return float(min(max(value, -1e308), 1e308)) * rng.choice(FACTORS) + rng.choice((0.0, 0.0, 0.0, 1e-3, -1e-3, 1.0))
 
 
 def _changed(data: Any, path: tuple[Any, ...], rng: random.Random) -> None:

@@ -72,7 +72,7 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
             raise UsageError(f"{option} {key} is given twice")
         found[key] = parse_value(value)
         if isinstance(found[key], int) and abs(found[key]) > MOST_WHOLE:
-            raise UsageError(f"{option} {key} must be a whole number of at most {MOST_WHOLE}, not {value}")
+            raise UsageError(f"{option} {key}={value}: whole numbers go up to {MOST_WHOLE}")
     return found
 
 
