@@ -90,7 +90,7 @@ def test_numbers_of_every_day_pass():
 def test_a_value_beyond_what_machines_count_is_refused():
     assert parse_pairs([f"k={MOST_WHOLE}"], "--set") == {"k": MOST_WHOLE}
     for value in (f"{MOST_WHOLE + 1}", "-99999999999999999999", "9" * 300):
-        with pytest.raises(UsageError, match="--set k=.*: whole numbers go up to 9223372036854775807"):
+        with pytest.raises(UsageError, match=r"--set k=.*: whole numbers go up to 9223372036854775807"):
             parse_pairs([f"k={value}"], "--set")
 
 
