@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import pytest
 import typer
@@ -170,3 +171,11 @@ def test_want_of_memory_is_told_as_such(capsys):
         handled(command)()
     assert caught.value.exit_code == 4
     assert capsys.readouterr().err == "error: not enough memory for this: Unable to allocate 55. GiB\n"
+
+
+def test_a_warning_is_one_line(capsys):
+    def command(verbose: bool = False) -> None:
+        warnings.warn("a\x1b[2J\nb", stacklevel=1)
+
+    handled(command)()
+    assert capsys.readouterr().err == "note: a [2J b\n"

@@ -6,6 +6,7 @@ import functools
 import math
 import re
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
@@ -160,7 +161,9 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            return command(*args, **kwargs)
+            with warnings.catch_warnings():
+                warnings.showwarning = lambda message, *_, **__: remark(str(message))  # of whatever package: one line, and no source
+                return command(*args, **kwargs)
         except WayboundError as error:
             complain(str(error))
             raise typer.Exit(error.exit_code) from None
