@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..instances.errors import CheckFailedError, InputError, in_words
+from ..instances.printable import printable
 from . import tolerance
 from .evaluation import Check, Evaluation, Violation
 from .evidence import CHECKERS, Evidence, Guarantee
@@ -249,7 +250,9 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
         ("problem", problem.problem), ("sense", problem.sense), ("convention", problem.convention), ("instance_hash", problem.digest()),
     ):  # fmt: skip
         if data.get(key) != own:
-            raise InputError(f"the certificate is for another instance: its {key} differs", expected=own, found=str(data.get(key))[:80])
+            raise InputError(
+                f"the certificate is for another instance: its {key} differs", expected=own, found=printable(data.get(key), 80)
+            )
     evidence = stated_evidence(data)
     made = certify(problem, evaluation, evidence)
     if data.get("infeasible") and not made.infeasible:

@@ -161,11 +161,10 @@ def stated_guarantee(data: Mapping[str, Any]) -> Guarantee | None:
     if given is None:
         return None
     parts = given if isinstance(given, Mapping) else {}
-    texts = (parts.get("statement"), parts.get("source"))
-    assumptions = parts.get("assumptions", [])
-    if not all(isinstance(text, str) for text in texts) or not isinstance(assumptions, list):
+    statement, source, assumptions = parts.get("statement"), parts.get("source"), parts.get("assumptions", [])
+    if not isinstance(assumptions, list) or not all(isinstance(text, str) for text in (statement, source, *assumptions)):
         raise InputError("the certificate's guarantee is malformed", expected="an object with ratio, statement, assumptions and source")
     ratio = math.inf if parts.get("ratio") is None else real(parts["ratio"], "guarantee's ratio")
     if ratio < 1.0:
         raise InputError("the certificate's guarantee is malformed", expected="a ratio of at least 1", found=f"{ratio:g}")
-    return Guarantee(ratio, str(texts[0]), tuple(str(a) for a in assumptions), str(texts[1]))
+    return Guarantee(ratio, str(statement), tuple(assumptions), str(source))

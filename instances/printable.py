@@ -25,7 +25,10 @@ def printable(text: object, most: int = LONGEST) -> str:
     Control characters, line ends, ANSI and bidirectional overrides, characters without width and lone surrogates become blanks; of a
     text that is too long the beginning and the end are kept.
     """
-    made = str(text)
+    try:
+        made = str(text)
+    except (ValueError, RecursionError):  # a number of thousands of digits, lists a thousand deep
+        made = f"too large to show: {type(text).__name__}"
     if len(made) > 2 * most:
         made = made[:most] + made[-most:]
     if not made.isascii():

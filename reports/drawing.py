@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from ..formulations.problem import Problem
 from ..formulations.rendering import number, percent
+from ..instances.printable import printable
 
 if TYPE_CHECKING:
     from ..formulations.solution import Solution
 
 COLOURS = ("#332288", "#DDAA33", "#117733", "#CC3377", "#33AADD", "#882255", "#44AA99", "#EE7733", "#777777")
 """Distinct for all common kinds of colour vision, after Tol (2021), "Colour schemes"; cycled with line styles."""
+
+
+SHOWN_TEXT = 120
+"""Characters of a line that are shown."""
 
 
 def new_axes() -> Any:
@@ -57,11 +62,12 @@ def entitle(ax: Any, head: str, detail: str) -> None:
 
 
 def literal(ax: Any) -> None:
-    """Show every text as it is: names out of files are no formulas, though they may hold dollar signs."""
+    """Show every text as it is: names out of files are no formulas, though they may hold dollar signs, and leave room for the drawing."""
     from matplotlib.text import Text
 
     for text in ax.findobj(Text):
         text.set_parse_math(False)
+        text.set_text("\n".join(printable(line, SHOWN_TEXT) for line in text.get_text().split("\n")))
 
 
 def bare(ax: Any) -> None:

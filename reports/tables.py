@@ -50,6 +50,9 @@ class Table:
         object.__setattr__(self, "total", cleaned(self.total) if self.total else ())
 
 
+SHOWN_ID = 60
+"""Characters of a site's id that are shown among others."""
+
 SHOWN_CELL = 200
 """Characters of an entry that are shown, where its column is not wide."""
 
@@ -88,7 +91,7 @@ def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
                 _short(plan.total_load),
                 _short(plan.total_distance),
                 _short(plan.duration),
-                " ".join(ids[i] for i in route.visits),
+                " ".join(printable(ids[i], SHOWN_ID) for i in route.visits),
             )
         )
         visits, load, distance = visits + len(route), load + plan.total_load, distance + plan.total_distance

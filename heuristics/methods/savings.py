@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -74,8 +73,8 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
     nothing are taken too, the least loss first. O(n^2 log n) up to ``ALL_PAIRS`` sites; with more, joins are tried between the
     ``NEIGHBOURS`` nearest sites, then between the nearest ends of the routes that are left, until little changes.
     """
-    if not (isinstance(shape, int | float) and shape > 0 and math.isfinite(shape)):
-        raise UsageError(f"shape must be a positive number, not {shape!r}")
+    if not (isinstance(shape, int | float) and 0 < shape <= 1e6):
+        raise UsageError(f"shape must be a positive number of at most 1e6, not {shape!r}")
     from ..savings_kernels import merge
 
     stop, vehicle, sites, travel = setting.begin(), problem.fleet[0], problem.sites, problem.travel

@@ -49,7 +49,7 @@ def stochastic_greedy(problem: SubmodularSelection, setting: Setting, *, eps: fl
         raise UsageError(f"eps must lie between 0 and 1 - 1/e = {most:.4f}, not {eps!r}")
     limits = Limits.of(problem)
     n, k = problem.num_elements, limits.most
-    size = math.ceil(n / max(k, 1) * math.log(1.0 / eps))
+    size = math.ceil(-n / max(k, 1) * math.log(eps))  # 1 / eps may overflow
     chosen, picks = empty_set(problem), []
     # The first ``left`` places hold what is not chosen; a chosen element changes places with the last of these.
     order, place, left = np.arange(n), np.arange(n), n

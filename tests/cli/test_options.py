@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import pytest
 import typer
@@ -90,7 +91,7 @@ def test_numbers_of_every_day_pass():
 def test_a_value_beyond_what_machines_count_is_refused():
     assert parse_pairs([f"k={MOST_WHOLE}"], "--set") == {"k": MOST_WHOLE}
     for value in (f"{MOST_WHOLE + 1}", "-99999999999999999999", "9" * 300):
-        with pytest.raises(UsageError, match="--set k must be a whole number of at most 9223372036854775807"):
+        with pytest.raises(UsageError, match=r"--set k=.*: whole numbers go up to 9223372036854775807"):
             parse_pairs([f"k={value}"], "--set")
 
 
@@ -170,3 +171,11 @@ def test_want_of_memory_is_told_as_such(capsys):
         handled(command)()
     assert caught.value.exit_code == 4
     assert capsys.readouterr().err == "error: not enough memory for this: Unable to allocate 55. GiB\n"
+
+
+def test_a_warning_is_one_line(capsys):
+    def command(verbose: bool = False) -> None:
+        warnings.warn("a\x1b[2J\nb", stacklevel=1)
+
+    handled(command)()
+    assert capsys.readouterr().err == "note: a [2J b\n"

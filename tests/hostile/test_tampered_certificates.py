@@ -144,9 +144,9 @@ def pool() -> list[Case]:
 
 FACTORS = (1 + 1e-3, 1 - 1e-3, 1 + 1e-5, 1.01, 0.9, 2.0, 0.5, 10.0, -1.0, 0.0, 1e-9, 1e9, 1e300)
 ODD: tuple[Any, ...] = (
-    math.nan, math.inf, -math.inf, 10**400, -(10**400), 1e308, 5e-324, -0.0, 2**63, True, False, None, "", "1", "inf", "nan", [], {}, [[]],
-    [1, 2], {"a": 1}, "x\x1b[31m\x07\nbound  999999, verified: optimal", "\u202e\u200b\ud800", "y" * 100_000, b"bytes", (1.0, 2.0), {1.5},
-    [0] * 1000,
+    math.nan, math.inf, -math.inf, 10**400, -(10**400), 10**5000, 1e308, 5e-324, -0.0, 2**63, True, False, None, "", "1", "inf", "nan", [],
+    {}, [[]], [1, 2], {"a": 1}, "x\x1b[31m\x07\nbound  999999, verified: optimal", "\u202e\u200b\ud800", "y" * 100_000, b"bytes",
+    (1.0, 2.0), {1.5}, [0] * 1000,
 )  # fmt: skip
 BOAST = {"ratio": 1.0, "statement": "optimal\x1b[0m", "assumptions": [], "source": "\n"}
 BOASTS: tuple[tuple[str, Any], ...] = (
@@ -186,7 +186,7 @@ def tampered(case: Case, others: list[Case], rng: random.Random) -> dict[str, An
 
 
 def _scaled(value: float, rng: random.Random) -> float:
-    return float(np.float64(min(max(value, -1e308), 1e308)) * rng.choice(FACTORS)) + rng.choice((0.0, 0.0, 0.0, 1e-3, -1e-3, 1.0))
+    return float(min(max(value, -1e308), 1e308)) * rng.choice(FACTORS) + rng.choice((0.0, 0.0, 0.0, 1e-3, -1e-3, 1.0))
 
 
 def _changed(data: Any, path: tuple[Any, ...], rng: random.Random) -> None:
@@ -272,7 +272,7 @@ def test_no_tampered_certificate_is_accepted_with_anything_false(share: Callable
         if number % 5 == 0:
             try:
                 data = parse_json(json.dumps(data, ensure_ascii=rng.random() < 0.5, default=str))
-            except InputError:
+            except (InputError, ValueError):  # no text can say it
                 tally["tampered certificates that are no JSON"] += 1
                 continue
         made = accepted(case, data)

@@ -57,3 +57,11 @@ def test_cleaning_once_is_enough(text: str, most: int) -> None:
     assert made.isprintable() and len(made) <= most
     assert printable(made, most) == made
     assert one_line(one_line(text)) == one_line(text)
+
+
+def test_what_python_refuses_to_write_out_is_told_by_its_type() -> None:
+    deep: list[object] = []
+    for _ in range(100_000):
+        deep = [deep]
+    assert printable(10**5000) == "too large to show: int"
+    assert printable(deep) == "too large to show: list"

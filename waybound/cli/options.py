@@ -7,6 +7,7 @@ import math
 import os
 import re
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
@@ -74,7 +75,7 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
             raise UsageError(f"{option} {key} is given twice")
         found[key] = parse_value(value)
         if isinstance(found[key], int) and abs(found[key]) > MOST_WHOLE:
-            raise UsageError(f"{option} {key} must be a whole number of at most {MOST_WHOLE}, not {value}")
+            raise UsageError(f"{option} {key}={value}: whole numbers go up to {MOST_WHOLE}")
     return found
 
 
@@ -160,7 +161,9 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            return command(*args, **kwargs)
+            with warnings.catch_warnings():
+                warnings.showwarning = lambda message, *_, **__: remark(str(message))  # of whatever package: one line, and no source
+                return command(*args, **kwargs)
         except WayboundError as error:
             complain(str(error))
             raise typer.Exit(error.exit_code) from None

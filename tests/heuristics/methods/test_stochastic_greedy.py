@@ -61,3 +61,7 @@ def test_an_eps_out_of_range_is_refused(eps: object) -> None:
 def test_it_is_for_cardinality_limits() -> None:
     problem = random_problem(np.random.default_rng(1), "coverage", "partition")
     assert HEURISTICS["stochastic-greedy"].missing(problem) == {"constraint:partition"}
+
+
+def test_the_smallest_eps_draws_everything() -> None:
+    assert run("stochastic-greedy", cover_tight(), eps=5e-324).statistics["sample"] > 1000
