@@ -24,8 +24,9 @@ from ..instances.errors import InputError, MissingPackageError, UnsupportedError
 from . import claims, interrupts
 from .backend import BACKENDS, Backend, Control, Engine, Options, ProgramBackend, RawResult, takers
 from .bounding import find_bounds
+from .goal import SECONDS, Goal, first_evidence
 from .listing import missing_features
-from .search import Searched, search
+from .search import BOUND_OVERTIME, Searched, in_time, search
 
 PREFERENCE = ("pyvrp", "ortools", "highs", "scip", "mathopt", "cpsat", "pulp", "cvxpy")
 """Order in which ``solve`` looks for a solver when none is named: by measured quality on routing files, then by measured speed on the
@@ -51,6 +52,7 @@ class _Run:
     compile_seconds: float
     outcome: list[Outcome]
     notes: list[str]
+    routes: bool = False
 
 
 def solve(
@@ -145,8 +147,18 @@ def solve(
 
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
+        began = time.perf_counter()
+        first: list[Evidence] = []
+        if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            first = first_evidence(problem, min(SECONDS, budget))  # type: ignore[arg-type]
+            control.goal = goal = Goal(problem, first)
+            if goal.infeasible:
+                run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
+        spent = time.perf_counter() - began
         searched = search(run.go, control, time_limit)
-        return _conclude(problem, run, searched, control, chosen, budget, progress)
+        if control.goal is not None and goal.reached and not searched.interrupted:
+            searched = replace(searched, result=replace(searched.result, limit="none"))
+        return _conclude(problem, run, searched, control, chosen, budget, progress, first, spent)
 
 
 def _check_number(name: str, value: Any, above: float | None = None) -> None:
@@ -219,7 +231,7 @@ def _solver_run(
             raise UnsupportedError(solver, missing, _able(problem))
         engine = backend
         go = _isolated(solver, problem, options) if isolate else (lambda control: engine.run(problem, options, control))
-        return _Run(solver, None, Exactness.RESTRICTION, go, lambda a: a, None, versions, 0.0, [], notes)
+        return _Run(solver, None, Exactness.RESTRICTION, go, lambda a: a, None, versions, 0.0, [], notes, engine.family == "routing")
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
@@ -288,7 +300,15 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
 
 
 def _conclude(
-    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None
+    problem: Problem,
+    run: _Run,
+    searched: Searched,
+    control: Control,
+    options: Options,
+    budget: float,
+    progress: Progress | None,
+    first: list[Evidence],
+    spent: float,
 ) -> Solution:
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended."""
     result = searched.result
@@ -300,7 +320,7 @@ def _conclude(
 
     began = time.perf_counter()
     outcome = run.outcome[0] if run.outcome else None
-    evidence: list[Evidence] = list(outcome.evidence) if outcome is not None else []
+    evidence = [*first, *(outcome.evidence if outcome is not None else ())]
     if run.program is not None and result.row_duals is not None and run.program.dual_evidence is not None:
         evidence.append(run.program.dual_evidence(result.row_duals))
     evidence.extend(result.evidence)
@@ -310,16 +330,18 @@ def _conclude(
             lambda c: RawResult("unknown", answer=find_bounds(problem, budget, target=best, known=known, control=c, progress=progress)),
             Control(),
             budget,
-            overtime=1.0,
+            overtime=BOUND_OVERTIME,
         )
         evidence.extend(found.result.answer or [])
-    bound_seconds = time.perf_counter() - began
+    bound_seconds = spent + time.perf_counter() - began
 
     began = time.perf_counter()
     guarantee: Guarantee | None = outcome.guarantee if outcome is not None and evaluation is not None else None
     if outcome is not None and guarantee is None:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
-    certificate = certify(problem, evaluation, evidence, guarantee)
+    certificate = in_time(
+        lambda: certify(problem, evaluation, evidence, guarantee), lambda: _unproved(problem, evaluation, guarantee, run.notes)
+    )
     claims.check_verified(run.name, problem.sense, result, certificate.bound, run.exactness)
     check_seconds += time.perf_counter() - began
 
@@ -350,6 +372,11 @@ def _conclude(
         statistics=dict(result.statistics),
         message="; ".join(messages),
     )
+
+
+def _unproved(problem: Problem, evaluation: Evaluation | None, guarantee: Guarantee | None, notes: list[str]) -> Certificate:
+    notes.append("interrupted before the evidence of the bounds was verified")
+    return certify(problem, evaluation, (), guarantee)
 
 
 def _best_answer(problem: Problem, run: _Run, result: RawResult, control: Control, options: Options) -> tuple[Any, Evaluation | None]:

@@ -115,13 +115,14 @@ def bound(
     output_path("--certificate", certificate, (".json",), unlike=file)
 
     from ..formulations.certificate import certify
+    from ..solvers.search import in_time
     from .output import print_json, print_lines, stdout_is_ours
     from .progress import Progress
 
     interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
         evidence, seconds = _bounded(asked, bound_time, progress)
-    made = certify(asked, None, evidence)
+    made = in_time(lambda: certify(asked, None, evidence), lambda: certify(asked, None))
     if certificate is not None:
         from ..formulations.answers import json_text
         from ..instances.atomic import atomic_write
@@ -161,11 +162,11 @@ def _bounded(problem: Problem, seconds: float, progress: Any) -> tuple[list[Any]
     """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
     from ..solvers.backend import Control, RawResult
     from ..solvers.bounding import find_bounds
-    from ..solvers.search import search
+    from ..solvers.search import BOUND_OVERTIME, search
 
     searched = search(
         lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress)), Control(), seconds,
-        overtime=1.0,
+        overtime=BOUND_OVERTIME,
     )  # fmt: skip
     return searched.result.answer or [], searched.seconds
 
