@@ -108,11 +108,12 @@ def unserved_sites(problem: RoutingProblem, answer: Routes | None) -> dict[str, 
     """Sites that the answer does not visit (all that are unreachable without one), each with the reason."""
     from ..formulations.reachability import unreachable
 
-    reasons, ids = unreachable(problem), problem.sites.ids
+    ids = problem.sites.ids
     if answer is None:
-        return {ids[i]: why for i, why in reasons.items()}
+        return {ids[i]: why for i, why in unreachable(problem).items()}
     visited = {i for route in answer for i in route.visits}
     left = [int(i) for i in problem.customers if int(i) not in visited]
+    reasons = unreachable(problem) if left else {}  # which takes long where there are thousands
     return {ids[i]: reasons.get(i, "optional, and left out of this answer") for i in left}
 
 

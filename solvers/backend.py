@@ -106,6 +106,7 @@ class Control:
         self.objective: float | None = None
         self.bound: float | None = None
         self.evidence: tuple[Evidence, ...] = ()
+        self.goal: Callable[[Any, float | None], bool] | None = None
 
     @property
     def stopped(self) -> bool:
@@ -142,6 +143,8 @@ class Control:
             event = {"seconds": time.perf_counter() - self.started, "objective": self.objective, "bound": self.bound}
         if self._progress is not None:
             self._progress(event)
+        if answer is not None and self.goal is not None and not self.stopped and self.goal(answer, objective):
+            self.stop()
 
 
 class _Rescaled(Control):

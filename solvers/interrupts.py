@@ -20,6 +20,9 @@ PATIENCE = 2.0
 GRACE = 1.2
 """Seconds an engine has to come back once it was asked to stop; after that its published incumbents count."""
 
+LAST = 0.5
+"""Seconds of ``PATIENCE`` that are left for showing and writing what was found."""
+
 CHILD_GRACE = 1.0
 """Seconds a process of our own has for the same, so that its parent hears of it in time."""
 
@@ -48,6 +51,11 @@ _ours = False
 def exit_code() -> int:
     """The exit code of an end on a signal that left no answer: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP."""
     return 128 + (received or signal.SIGINT)
+
+
+def out_of_time() -> bool:
+    """Whether a signal has left no time but for the last."""
+    return insisted or (received != 0 and time.monotonic() - _since > PATIENCE - LAST)
 
 
 def note(number: int = signal.SIGINT) -> None:

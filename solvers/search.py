@@ -6,15 +6,20 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from ..instances.errors import in_words
 from . import interrupts
 from .backend import Control, RawResult
 from .interrupts import GRACE
 
+T = TypeVar("T")
+
 OVERTIME = 10.0
 """Seconds past its time limit after which an engine is asked to stop from outside."""
+
+BOUND_OVERTIME = 5.0
+"""The same for bounding: what its methods prepare once a process, such as compiled kernels, is not counted."""
 
 ENGINE_THREAD = "waybound-engine"
 """Name of the thread that runs an engine."""
@@ -86,6 +91,38 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
     if interrupted and result.limit != "interrupt" and result.status not in ("optimal", "infeasible", "unbounded"):
         result = replace(result, limit="interrupt")
     return Searched(result, interrupted, seconds)
+
+
+def in_time(work: Callable[[], T], otherwise: Callable[[], T]) -> T:
+    """What ``work`` returns; after a signal, and once its time is out, what ``otherwise`` returns, which must be quick.
+
+    Raises
+    ------
+    Exception
+        Whatever either raises.
+    """
+    outcome: list[T] = []
+    faults: list[BaseException] = []
+    done = threading.Event()
+
+    def attempt() -> None:
+        try:
+            outcome.append(work())
+        except BaseException as fault:
+            faults.append(fault)
+        finally:
+            done.set()
+
+    with interrupts.waiting():
+        threading.Thread(target=attempt, name=ENGINE_THREAD, daemon=True).start()
+        try:
+            while not done.wait(_TICK) and not interrupts.out_of_time():
+                pass
+        except KeyboardInterrupt:  # from a handler that is not ours
+            return otherwise()
+        if faults:
+            raise faults[0]
+        return outcome[0] if outcome else otherwise()
 
 
 def _from_incumbents(control: Control, interrupted: bool, fault: BaseException | None) -> RawResult:

@@ -28,8 +28,9 @@ from . import claims, interrupts
 from .backend import Control, Engine, Options, ProgramBackend, RawResult, takers
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_program, solver_named
+from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
-from .search import Searched, search
+from .search import BOUND_OVERTIME, Searched, in_time, search
 
 Progress = Callable[[dict[str, Any]], None]
 
@@ -48,6 +49,7 @@ class _Run:
     compile_seconds: float
     outcome: list[Outcome]
     notes: list[str]
+    routes: bool = False
 
 
 def solve(
@@ -144,6 +146,11 @@ def solve(
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
+        began = time.perf_counter()
+        first, goal = _look_ahead(problem, run, control, min(SECONDS, budget) if iterations is None else 0.0)
+        spent = time.perf_counter() - began
+        if goal is not None and goal.infeasible:
+            run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
         try:
             searched = search(run.go, control, time_limit)
         except WayboundError:
@@ -152,7 +159,23 @@ def solve(
             crash = fault
             message = f"the engine failed: {in_words(fault)}"
             searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
-        return _conclude(problem, run, searched, control, chosen, budget, progress, crash)
+        if goal is not None and goal.reached and not searched.interrupted:
+            searched = replace(searched, result=replace(searched.result, limit="none"))
+        made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first)
+        made.seconds["bound"] += spent
+        return made
+
+
+def _look_ahead(problem: Problem, run: _Run, control: Control, seconds: float) -> tuple[list[Evidence], Goal | None]:
+    """Cheap evidence for a search of routes, and what ends it where that proves that nothing is left to gain."""
+    if not run.routes or seconds <= 0:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+        return [], None
+    found = first_evidence(problem, seconds)  # type: ignore[arg-type]
+    try:
+        control.goal = goal = Goal(problem, found)
+    except Exception:  # a checker that fails is told when the certificate is made
+        return [], None
+    return found, goal
 
 
 def _problem_of(program: Program) -> Problem:
@@ -179,7 +202,7 @@ def _solver_run(
             raise UnsupportedError(solver, missing, able_solvers(problem))
         engine = backend
         go = _isolated(solver, problem, options) if isolate else (lambda control: engine.run(problem, options, control))
-        return _Run(solver, None, Exactness.RESTRICTION, go, lambda a: a, None, versions, 0.0, [], notes)
+        return _Run(solver, None, Exactness.RESTRICTION, go, lambda a: a, None, versions, 0.0, [], notes, engine.family == "routing")
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
@@ -241,7 +264,7 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
 
 def _conclude(
     problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
-    crash: Exception | None,
+    crash: Exception | None, first: list[Evidence],
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
@@ -254,12 +277,12 @@ def _conclude(
         judge, found = _verdict(problem, run, searched.result, control, options, crash)
     spent = time.perf_counter() - began
     try:
-        return _certified(judge, run, searched, options, found, spent, budget, progress)
+        return _certified(judge, run, searched, options, found, spent, budget, progress, first)
     except CheckFailedError:  # and no answer
         raise
     except (Exception, KeyboardInterrupt) as fault:
         run.notes.append(f"no bound was verified: {in_words(fault)}")
-        return _certified(judge, run, searched, options, found, spent, None, None)
+        return _certified(judge, run, searched, options, found, spent, None, None, [])
 
 
 def _verdict(
@@ -276,7 +299,7 @@ def _verdict(
 
 def _certified(
     judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
-    budget: float | None, progress: Progress | None,
+    budget: float | None, progress: Progress | None, first: list[Evidence],
 ) -> Solution:  # fmt: skip
     """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
     result, problem = searched.result, judge.problem
@@ -285,7 +308,7 @@ def _certified(
     judge.hear(claims.check_bound, run.name, problem.sense, result, best, run.exactness)
 
     began = time.perf_counter()
-    evidence: list[Evidence] = []
+    evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
             _gather(evidence, problem, run, searched, budget, best, progress)
@@ -301,7 +324,9 @@ def _certified(
     certificate: Certificate | None = None
     if budget is not None:
         try:
-            certificate = certify(problem, evaluation, evidence, guarantee, run.notes)
+            certificate = in_time(lambda: certify(problem, evaluation, evidence, guarantee, run.notes), lambda: None)
+            if certificate is None:
+                run.notes.append("interrupted before the evidence of the bounds was verified")
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
@@ -363,7 +388,7 @@ def _gather(
         found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes)
         return RawResult("unknown", answer=found)
 
-    found = search(find, Control(), budget, overtime=1.0)
+    found = search(find, Control(), budget, overtime=BOUND_OVERTIME)
     evidence.extend(found.result.answer or [])
     if found.interrupted or found.result.message:
         run.notes.append(f"bounding ended early: {found.result.message or 'interrupted'}")

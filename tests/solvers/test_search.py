@@ -5,8 +5,9 @@ import time
 
 import pytest
 
+from waybound.solvers import interrupts
 from waybound.solvers.backend import Control, RawResult
-from waybound.solvers.search import search
+from waybound.solvers.search import in_time, search
 
 
 def test_the_engines_last_word_is_returned() -> None:
@@ -74,3 +75,27 @@ def test_ctrl_c_stops_the_engine_and_keeps_its_answer() -> None:
     assert searched.interrupted
     assert searched.result.limit == "interrupt"
     assert searched.result.answer == "incumbent"
+
+
+def test_after_a_signal_nothing_is_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(interrupts, "received", 15)
+    monkeypatch.setattr(interrupts, "_ours", True)
+    with pytest.raises(KeyboardInterrupt):
+        search(lambda control: pytest.fail("begun"), Control(), 1.0)
+
+
+def test_what_takes_longer_than_a_signal_leaves_is_done_without() -> None:
+    import _thread
+
+    release = threading.Event()
+    threading.Timer(0.2, _thread.interrupt_main).start()
+    began = time.perf_counter()
+    assert in_time(lambda: "all" if release.wait(60) else "", lambda: "less") == "less"
+    release.set()
+    assert time.perf_counter() - began < 10
+
+
+def test_what_is_done_in_time_is_taken_and_its_faults_are_raised() -> None:
+    assert in_time(lambda: 1, lambda: 2) == 1
+    with pytest.raises(ZeroDivisionError):
+        in_time(lambda: 1 // 0, lambda: 2)

@@ -117,6 +117,7 @@ def bound(
     from ..formulations.answers import json_text
     from ..formulations.certificate import certify
     from ..instances.atomic import atomic_write
+    from ..solvers.search import in_time
     from .delivery import Delivery
     from .output import lines_text, stdout_is_ours
     from .progress import Progress
@@ -125,7 +126,7 @@ def bound(
     interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
         evidence, seconds = _bounded(asked, bound_time, progress, unable)
-    made = certify(asked, None, evidence, unproved=unable)
+    made = in_time(lambda: certify(asked, None, evidence, unproved=unable), lambda: certify(asked, None))
     for line in unable:
         remark(line)
     figures = {
@@ -164,12 +165,12 @@ def _bounded(problem: Problem, seconds: float, progress: Any, unable: list[str])
     """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
     from ..solvers.backend import Control, RawResult
     from ..solvers.bounding import find_bounds
-    from ..solvers.search import search
+    from ..solvers.search import BOUND_OVERTIME, search
 
     def find(control: Control) -> RawResult:
         return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress, unable=unable))
 
-    searched = search(find, Control(), seconds, overtime=1.0)
+    searched = search(find, Control(), seconds, overtime=BOUND_OVERTIME)
     return searched.result.answer or [], searched.seconds
 
 
