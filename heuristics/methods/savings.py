@@ -124,6 +124,8 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
     cut = bool(stop.reached())
     if cut:
         messages.append(f"{len(answer):,} routes were left: {CUT_SHORT}")
+        if limit == 1 and not bounded and sites.demand.sum() <= vehicle.capacity:  # a lone vehicle drives them one after the other
+            answer = Routes((Route(tuple(site for route in answer for site in route.visits)),))
     elif limit is not None and len(answer) > limit:
         messages.append(f"savings found no way to join its {len(answer)} routes for a fleet of {limit}")
     statistics = {"routes": len(answer), "savings": saving}

@@ -66,7 +66,7 @@ def with_waybound(problem: SubmodularSelection, heuristic: str, **options: Any) 
 
 def picking_alone(problem: SubmodularSelection) -> tuple[float, list[int], dict[str, Any]]:
     began = time.process_time()
-    taken = pick(problem, Limits.of(problem), NEVER)
+    taken = pick(problem, Limits.of(problem), setting().begin())
     return time.process_time() - began, taken.elements, {"evaluation": taken.evaluation}
 
 

@@ -133,3 +133,10 @@ def test_cut_short_it_has_joined_fewer_routes(n: int) -> None:
     outcome = HEURISTICS["savings"].run(problem, replace(SETTING, seconds=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert outcome.limit == "time" and "routes were left" in outcome.message
+
+
+def test_cut_short_a_lone_vehicle_still_drives_a_tour() -> None:
+    problem = scattered(3_000, count=1)
+    outcome = HEURISTICS["savings"].run(problem, replace(SETTING, seconds=0.0))
+    assert problem.evaluate(outcome.answer).feasible
+    assert len(outcome.answer) == 1 and outcome.limit == "time"
