@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ..instances.errors import CheckFailedError, InputError
-from .evaluation import CHECK_TOLERANCE, Check, Evaluation, Violation
+from ..instances.errors import CheckFailedError, InputError, in_words
+from . import tolerance
+from .evaluation import Check, Evaluation, Violation
 from .evidence import CHECKERS, Evidence, Guarantee
 from .problem import Problem
+from .stated import compare_answer, compare_figures, real, stated_evidence, stated_guarantee
 
 SCHEMA = 1
 """Version of the certificate's JSON."""
-
-CLOSED_GAP = 1e-9
-"""A level of the objective with no larger gap counts as closed."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +44,12 @@ class Certificate:
         What proves ``bound`` or ``infeasible``; best first.
     guarantee : Guarantee or None
         The ratio stated for the heuristic that made the answer.
+    stated_guarantee : Guarantee or None
+        One that a certificate file states; nothing verifies it.
     observed_ratio : float or None
         Worse over better of objective and verified bound: no smaller than the true ratio. None where their signs differ.
+    from_file : bool
+        Whether the names of sources are those of a file, and shown as such.
     """
 
     instance_hash: str
@@ -64,6 +67,8 @@ class Certificate:
     evidence: tuple[Evidence, ...] = field(default=())
     guarantee: Guarantee | None = None
     observed_ratio: float | None = None
+    stated_guarantee: Guarantee | None = None
+    from_file: bool = False
 
     def to_json(self, *, with_evidence: bool = False) -> dict[str, Any]:
         """The certificate's keys in the JSON of ``solve``; ``with_evidence`` makes it a certificate file."""
@@ -79,6 +84,8 @@ class Certificate:
             "guarantee": None if self.guarantee is None else self.guarantee.to_json(),
             "observed_ratio": self.observed_ratio,
         }
+        if self.stated_guarantee is not None:
+            data["stated_guarantee"] = self.stated_guarantee.to_json()
         if with_evidence:
             data = {
                 "schema": SCHEMA,
@@ -113,10 +120,11 @@ def better_bound(sense: str, a: float, b: float) -> bool:
     return a > b if sense == "min" else a < b
 
 
-def beats_bound(sense: str, objective: float, bound: float) -> bool:
-    """Whether an objective is better than a bound says is possible, beyond the tolerance of either."""
-    slack = CHECK_TOLERANCE * max(1.0, abs(objective))
-    return objective < bound - slack if sense == "min" else objective > bound + slack
+def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0, concession: float = 0.0) -> bool:
+    """Whether an objective is better than a bound says is possible, beyond rounding and what its residuals are worth."""
+    if not better_bound(sense, bound, objective) or tolerance.same(objective, bound, size):
+        return False
+    return abs(objective - bound) > concession
 
 
 def verified_bound(problem: Problem, evidence: Evidence) -> float:
@@ -135,21 +143,40 @@ def certify(
     evaluation: Evaluation | None,
     evidence: Sequence[Evidence] = (),
     guarantee: Guarantee | None = None,
+    unproved: list[str] | None = None,
 ) -> Certificate:
     """Verify all evidence and put what holds into a certificate.
 
+    Parameters
+    ----------
+    problem : Problem
+    evaluation : Evaluation or None
+    evidence : sequence of Evidence
+    guarantee : Guarantee, optional
+    unproved : list of str, optional
+        Receives a line for each evidence whose checker fails, which is then left out; without it, that failure is raised.
+
     Raises
     ------
+    InputError
+        If evidence is malformed and there is no ``unproved``.
     CheckFailedError
         If a verified bound, or a proof that there is no answer, contradicts a feasible answer: both cannot be right.
     """
-    verified = [(verified_bound(problem, e), e) for e in evidence]
+    verified = []
+    for e in evidence:
+        try:
+            verified.append((verified_bound(problem, e), e))
+        except (Exception, KeyboardInterrupt) as fault:
+            if unproved is None:
+                raise
+            unproved.append(f"{e.source} is no bound: {in_words(fault)}")
     worst = math.inf if problem.sense == "min" else -math.inf
     refuting = [e for b, e in verified if b == worst]
     proved = [(b, e) for b, e in verified if math.isfinite(b)]
     proved.sort(key=lambda pair: pair[0], reverse=problem.sense == "min")
     bound = proved[0][0] if proved and not refuting else None
-    best = refuting[:1] or [e for _, e in proved[:1]]
+    best = refuting[:1] or [replace(e, value=b) for b, e in proved[:1]]  # whatever its finder claims of it
     gap = ratio = None
     if evaluation is not None and evaluation.feasible:
         value = evaluation.values[0]
@@ -159,15 +186,15 @@ def certify(
                 "one of the two checks is wrong; please report this"
             )
         if bound is not None:
-            if beats_bound(problem.sense, value, bound):
+            if beats_bound(problem.sense, value, bound, evaluation.size, problem.concession(best[0], evaluation)):
                 raise CheckFailedError(
                     f"the answer's value {value!r} is better than the bound {bound!r} derived from {best[0].source}: "
                     "one of the two checks is wrong; please report this"
                 )
-            gap = abs(bound - value) / max(abs(value), 1e-9)
-            if len(evaluation.values) > 1 and gap <= CLOSED_GAP:
+            gap = tolerance.gap(value, bound, evaluation.size)
+            if len(evaluation.values) > 1 and tolerance.same(value, bound, evaluation.size):
                 gap = None
-            ratio = _observed_ratio(value, bound)
+            ratio = tolerance.ratio(value, bound, evaluation.size, evaluation.precision)
     return Certificate(
         instance_hash=problem.digest(),
         problem=problem.problem,
@@ -187,11 +214,17 @@ def certify(
     )
 
 
-def _observed_ratio(value: float, bound: float) -> float | None:
-    better, worse = sorted((abs(value), abs(bound)))
-    if worse - better <= CHECK_TOLERANCE and abs(value - bound) <= CHECK_TOLERANCE:
-        return 1.0
-    return worse / better if value * bound > 0 else None
+def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
+    """A certificate of what the judge found, where bounds could not be certified."""
+    try:
+        digest = problem.digest()
+    except Exception:  # of memory, say: the answer stands without it
+        digest = ""
+    made = Certificate(digest, problem.problem, problem.sense, problem.convention, None)
+    if evaluation is None:
+        return made
+    e = evaluation
+    return replace(made, feasible=e.feasible, checks=e.checks, violations=e.violations, objective=e.objective)
 
 
 def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Evaluation | None) -> Certificate:
@@ -200,9 +233,10 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     Raises
     ------
     InputError
-        If it is no certificate, or one for other data.
+        If it is no certificate, or one for other data, or a field is malformed.
     CheckFailedError
-        If what it states is not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, objective).
+        If what it states is not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, checks,
+        violations, objective, gap, ratio).
     """
     if (
         not isinstance(data, Mapping)
@@ -216,45 +250,30 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     ):  # fmt: skip
         if data.get(key) != own:
             raise InputError(f"the certificate is for another instance: its {key} differs", expected=own, found=str(data.get(key))[:80])
-    entries = data.get("evidence", [])
-    if not isinstance(entries, list):
-        raise InputError("the certificate's evidence is not a list")
-    try:
-        evidence = [Evidence.from_json(e) for e in entries]
-    except (KeyError, TypeError, ValueError, OverflowError) as fault:
-        raise InputError(f"the certificate's evidence is malformed: {type(fault).__name__} {fault}") from fault
+    evidence = stated_evidence(data)
     made = certify(problem, evaluation, evidence)
     if data.get("infeasible") and not made.infeasible:
         raise CheckFailedError("the certificate states that there is no answer, its evidence does not prove it")
-    if data.get("feasible") and evaluation is not None and not evaluation.feasible:
-        raise CheckFailedError(f"the certificate states a feasible answer, this one is not: {evaluation.violations[0].message}")
-    stated = data.get("bound")
-    if stated is not None and not made.infeasible:
-        if isinstance(stated, bool) or not isinstance(stated, int | float) or not math.isfinite(stated):
-            raise InputError("the certificate's bound is not a finite number", found=str(stated))
-        if made.bound is None or better_bound(problem.sense, stated, made.bound + _slack(problem.sense, stated)):
-            raise CheckFailedError(f"the certificate states the bound {stated!r}, its evidence proves {made.bound!r}")
-    value = data.get("objective")
-    if value is not None and evaluation is not None:
-        stated_values = value if isinstance(value, list) else [value]
-        if any(isinstance(v, bool) or not isinstance(v, int | float) for v in stated_values):
-            raise InputError("the certificate's objective is not a number", found=str(value))
-        if len(stated_values) != len(evaluation.values) or not all(
-            abs(a - b) <= CHECK_TOLERANCE * max(1.0, abs(b)) for a, b in zip(stated_values, evaluation.values, strict=True)
-        ):
-            raise CheckFailedError(f"the certificate states the objective {value!r}, the answer's is {evaluation.objective!r}")
-    if evaluation is not None:
-        for key, proved in (("gap", made.gap), ("observed_ratio", made.observed_ratio)):
-            better = data.get(key)
-            if better is None:
-                continue
-            if isinstance(better, bool) or not isinstance(better, int | float):
-                raise InputError(f"the certificate's {key} is not a number", found=str(better)[:80])
-            if proved is None or not better >= proved - CHECK_TOLERANCE:
-                raise CheckFailedError(f"the certificate states the {key} {better!r}, what it proves is {proved!r}")
-    return made
+    compare_answer(data, evaluation, infeasible=made.infeasible)
+    if data.get("bound") is not None and not made.infeasible:
+        _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
+    for piece in evidence:
+        _compare_evidence(problem, piece, made)
+    compare_figures(data, made)
+    return replace(made, from_file=True, stated_guarantee=stated_guarantee(data))
 
 
-def _slack(sense: str, value: float) -> float:
-    size = CHECK_TOLERANCE * max(1.0, abs(value))
-    return size if sense == "min" else -size
+def _compare_bound(problem: Problem, stated: float, proved: float | None, who: str) -> None:
+    if proved is None or (better_bound(problem.sense, stated, proved) and not tolerance.same(stated, proved)):
+        raise CheckFailedError(f"{who} states the bound {stated!r}, its evidence proves {proved!r}")
+
+
+def _compare_evidence(problem: Problem, piece: Evidence, made: Certificate) -> None:
+    """Raise CheckFailedError if the value that stands beside evidence is more than it proves."""
+    if made.infeasible:
+        return
+    proved = made.bound if piece in made.evidence else verified_bound(problem, piece)
+    if math.isfinite(piece.value):
+        _compare_bound(problem, piece.value, proved if proved is not None and math.isfinite(proved) else None, "a piece of evidence")
+    elif piece.value == (math.inf if problem.sense == "min" else -math.inf):
+        raise CheckFailedError("a piece of evidence states that there is no answer, and does not prove it")

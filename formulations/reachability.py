@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .evaluation import CHECK_TOLERANCE
+from .tolerance import LIMIT, widening
 
 if TYPE_CHECKING:
     from ..instances.instance import VehicleType
@@ -86,7 +86,7 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
 
 
 def _allowed(limit: Any) -> Any:
-    return limit + CHECK_TOLERANCE
+    return limit + widening(limit)
 
 
 def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
@@ -121,7 +121,7 @@ def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
     reasons: list[str | None] = [None] * len(at)
     for value, limit, text in tests:
         bounds = np.broadcast_to(np.asarray(limit, dtype=np.float64), len(at))
-        for k in np.nonzero(value > _allowed(bounds) + 1e-9 * np.abs(value))[0].tolist():
+        for k in np.nonzero(value > _allowed(bounds) + LIMIT * np.abs(value))[0].tolist():
             reasons[k] = reasons[k] or text.format(value[k], bounds[k])
     return reasons
 

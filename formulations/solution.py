@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from .certificate import Certificate
 from .evaluation import Evaluation
 from .problem import Problem
+from .tolerance import gap, same
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,20 +23,20 @@ PLOTTERS: dict[str, Callable[..., Any]] = {}
 """Plot functions by problem family; filled by the floor above."""
 
 
-def relative_gap(objective: Value | None, bound: Value | None) -> float | None:
-    """``|bound - objective| / max(|objective|, 1e-9)`` at the first level that is still open; None without a bound."""
+def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[float] = ()) -> float | None:
+    """``tolerance.gap`` at the first level of the objective that is still open; None without a bound."""
     if objective is None or bound is None:
         return None
     values = list(objective) if isinstance(objective, list) else [objective]
     bounds = list(bound) if isinstance(bound, list) else [bound]
-    gap: float | None = None
-    for value, limit in zip(values, bounds, strict=True):
+    found: float | None = None
+    for value, limit, size in zip(values, bounds, sizes or [0.0] * len(values), strict=True):
         if value is None or limit is None:
             return None
-        gap = abs(limit - value) / max(abs(value), 1e-9)
-        if gap > 1e-9:
-            return gap
-    return gap
+        found = gap(value, limit, size)
+        if not same(value, limit, size):
+            return found
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +67,9 @@ class Solution:
         Verified facts only.
     statistics : dict
     message : str
+    faults : tuple of str
+        Claims of the solver, and bounds, that contradict the answer. It passed every check all the same; nothing that the solver claims
+        is believed then, and a bound that contradicts it is withheld. Empty as it should be.
     """
 
     problem: Problem
@@ -86,6 +90,7 @@ class Solution:
     evaluation: Evaluation | None = None
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
+    faults: tuple[str, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:
         """The answer as a table (routing: one row a visit)."""
@@ -112,7 +117,7 @@ class Solution:
         return {
             "schema": SCHEMA,
             "instance": self.problem.name,
-            "instance_hash": self.problem.digest(),
+            "instance_hash": self.certificate.instance_hash or None,
             "problem": self.problem.problem,
             "sense": self.problem.sense,
             "convention": self.problem.convention,
@@ -130,13 +135,15 @@ class Solution:
             "versions": self.versions,
             "statistics": self.statistics,
             "message": self.message,
+            "faults": list(self.faults),
             "answer": None if self.answer is None else self.problem.answer_to_json(self.answer),
             "certificate": self.certificate.to_json(),
         }
 
     def __repr__(self) -> str:
         bound = "no bound" if self.bound is None else f"bound {self.bound} ({self.bound_kind})"
-        return f"<Solution of {self.problem.name} by {self.solver}: {self.status}, objective {self.objective}, {bound}>"
+        faults = f", {len(self.faults)} faults: {'; '.join(self.faults)}" if self.faults else ""
+        return f"<Solution of {self.problem.name} by {self.solver}: {self.status}, objective {self.objective}, {bound}{faults}>"
 
     def __str__(self) -> str:
         from .rendering import as_text, solution_lines, solution_title

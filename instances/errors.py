@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from os import PathLike
 
+from .printable import one_line
+
 
 class WayboundError(Exception):
-    """Base of all waybound errors: one line that says what is wrong, where, and what to do.
+    """Base of all waybound errors: one printable line that says what is wrong, where, and what to do.
 
     Attributes
     ----------
@@ -15,6 +17,9 @@ class WayboundError(Exception):
     """
 
     exit_code = 1
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(one_line(message))
 
 
 class InputError(WayboundError):
@@ -55,7 +60,7 @@ class InputError(WayboundError):
             text += f"; expected {expected}"
         if found is not None:
             text += f"; found {found}"
-        super().__init__(" ".join(text.split()))
+        super().__init__(text)
 
     def at(self, file: str | PathLike[str] | None = None, line: int | None = None) -> InputError:
         """The same error with a place, where it has none yet."""
@@ -117,3 +122,16 @@ class CheckFailedError(WayboundError):
     """A check failed: an answer, a bound or a solver's claim does not hold up."""
 
     exit_code = 5
+
+
+def in_words(fault: BaseException) -> str:
+    """What went wrong, in one line: the message of an error of ours, a name and a text for every other exception."""
+    if isinstance(fault, WayboundError):
+        return str(fault)
+    if isinstance(fault, KeyboardInterrupt):
+        return "interrupted"
+    if isinstance(fault, MemoryError):
+        return "out of memory"
+    if isinstance(fault, OSError) and fault.strerror:
+        return fault.strerror
+    return " ".join(f"{type(fault).__name__}: {fault}".split())

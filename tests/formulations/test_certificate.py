@@ -43,11 +43,12 @@ def says(monkeypatch):
 
 def test_a_bound_is_what_the_checker_derives_not_what_the_evidence_claims():
     problem = square()
-    evidence = spanning_tree_bound(problem, 1.0)
+    evidence = spanning_tree_bound(problem, 30.0)  # loading its kernel counts
     boast = Evidence(evidence.kind, evidence.source, 1e6, evidence.data)
     made = certify(problem, problem.evaluate(TOUR), [boast])
     assert made.bound == pytest.approx(14.0, abs=1e-6)
     assert made.bound_source == evidence.source
+    assert made.evidence[0].value == made.bound
     assert made.gap == pytest.approx(0.0, abs=1e-7)
     assert made.observed_ratio == pytest.approx(1.0, abs=1e-6)
     assert made.feasible
@@ -80,7 +81,7 @@ def test_an_answer_better_than_a_bound_is_an_error_that_tells_both(says):
     problem = square()
     with pytest.raises(CheckFailedError, match=r"14\.0.*15\.0"):
         certify(problem, problem.evaluate(TOUR), [says(15.0)])
-    certify(problem, problem.evaluate(TOUR), [says(14.0 + 1e-6)])  # within the tolerance of the check
+    certify(problem, problem.evaluate(TOUR), [says(14.0 + 1e-9)])  # but for rounding
     certify(problem, problem.evaluate(Routes.of([[1, 2]])), [says(15.0)])  # an infeasible answer contradicts nothing
 
 
@@ -127,7 +128,8 @@ def test_comparisons_follow_the_sense():
     assert better_bound("min", 2.0, 1.0)
     assert better_bound("max", 1.0, 2.0)
     assert beats_bound("min", 0.9, 1.0)
-    assert not beats_bound("min", 1.0 - 5e-7, 1.0)
+    assert beats_bound("min", 1.0 - 5e-7, 1.0) and not beats_bound("min", 1.0 - 5e-7, 1.0, concession=1e-6)
+    assert not beats_bound("min", 1.0 - 5e-10, 1.0) and beats_bound("min", 1e-12 - 5e-16, 1e-12)
     assert beats_bound("max", 1.1, 1.0)
 
 
