@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .certificate import verified_bound
 from .evidence import Evidence
 from .reachability import unreachable
-from .tolerance import LIMIT
+from .tolerance import widening
 
 if TYPE_CHECKING:
     from .problems.routing import RoutingProblem
@@ -85,7 +85,7 @@ def _evidence(problem: RoutingProblem, kind: str, why: str, **data: object) -> E
 
 
 def _allowed(limit: Floats | float) -> Floats | float:
-    return limit + LIMIT * np.abs(limit)
+    return limit + widening(limit)
 
 
 def suspicions(problem: RoutingProblem) -> Iterator[Evidence]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .tolerance import LIMIT
+from .tolerance import LIMIT, widening
 
 if TYPE_CHECKING:
     from ..instances.instance import VehicleType
@@ -97,7 +97,7 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
 
 
 def _allowed(limit: Any) -> Any:
-    return limit * (1.0 + LIMIT)
+    return limit + widening(limit)
 
 
 def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:

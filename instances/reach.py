@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,23 +41,23 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
     bounded = any(math.isfinite(v.max_duration) or math.isfinite(v.max_distance) for v in instance.fleet)
     if not bounded and not np.isfinite(sites.due).any():
         return
-    wanted = np.nonzero(sites.required)[0]
+    wanted, size = np.nonzero(sites.required)[0], float(np.abs(sites.ready).max())
     for legs in (_direct, _shortest):  # the direct way settles nearly all; only where it fails is a detour looked for
         verdicts = [_limits(instance, vehicle, legs) for vehicle in instance.fleet]
-        served = np.any([np.all([use <= _allowed(limit) for _, use, limit in verdict], axis=0) for verdict in verdicts], axis=0)
+        served = np.any([np.all([_within(use, limit, size) for _, use, limit in verdict], axis=0) for verdict in verdicts], axis=0)
         if served[wanted].all():
             return
     site = int(wanted[np.argmin(served[wanted])])
-    what, use, limit = next((w, u[site], lim[site]) for w, u, lim in verdicts[0] if u[site] > _allowed(lim[site]))
+    what, use, limit = next((w, u[site], lim[site]) for w, u, lim in verdicts[0] if not _within(u, lim, size)[site])
     raise InputError(
         f"no vehicle can reach customer {sites.ids[site]}: {what}", line=None if lines is None else int(lines[site]),
         expected=f"at most {plain(limit)}", found=f"at least {plain(use)}",
     )  # fmt: skip
 
 
-def _allowed(limit: Any) -> Any:
-    """The largest computed value that a judge of routes may let pass as ``limit``, rounding granted."""
-    return limit + 2e-6 + 1e-12 * np.where(np.isfinite(limit), np.abs(limit), 0.0)
+def _within(use: Floats, limit: Floats, size: float) -> NDArray[np.bool_]:
+    """Where ``use`` does not exceed ``limit``, rounding granted: more than any judge of routes lets pass."""
+    return np.asarray(use <= limit + 1e-9 * np.maximum(np.where(np.isfinite(limit), np.abs(limit), 0.0), size))
 
 
 def _limits(instance: RoutingInstance, vehicle: VehicleType, legs: Legs) -> list[tuple[str, Floats, Floats]]:

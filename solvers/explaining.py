@@ -117,10 +117,6 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
         def stop() -> bool:
             return control.stopped or time.perf_counter() >= end
 
-        if not _is_summable(problem):
-            return RawResult(
-                "unknown", answer=Explanation("undecided", message="numbers as large as these overflow when they are added up")
-            )
         reasons: list[Reason] = []
         for reason in reasons_from_data(problem, stop):
             reasons.append(reason)
@@ -135,15 +131,6 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
         made = made or Explanation("undecided")
         return replace(made, interrupted=True, message="; ".join(m for m in ("interrupted", made.message) if m))
     return made or Explanation("undecided", message=f"undecided within {time_limit:g} s")
-
-
-def _is_summable(problem: Problem | Program) -> bool:
-    from ..formulations.checking.route_limits import summable
-    from ..formulations.problems.routing import RoutingProblem
-
-    if isinstance(problem, RoutingProblem):
-        return summable(problem)
-    return not isinstance(problem, Program) or bool(np.isfinite(problem.data).all())
 
 
 def reasons_from_data(problem: Problem | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:

@@ -125,12 +125,11 @@ def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> 
         used.extend(sites.service[must].tolist())
     room = 0.0
     for vehicle, count in _types(problem).items():
-        ends = [allowed(vehicle.max_distance)] if resource == "distance" else [allowed(vehicle.max_duration)]
+        limits, ends = limits_of(problem, vehicle), [allowed(vehicle.max_distance)]
         if resource != "distance":
-            closing, opening = float(sites.due[vehicle.end]), float(sites.ready[vehicle.start])
-            ends.append(allowed(closing, abs(opening)) - opening)
+            ends = [allowed(vehicle.max_duration, 0.0, limits.rounding), limits.latest(float(limits.due[-1])) - float(limits.ready[0])]
             if vehicle.energy is not None and (resource == "travel" or vehicle.energy.charge != "travel"):
-                ends.append(allowed(vehicle.energy.capacity) / vehicle.energy.rate)
+                ends.append(allowed(vehicle.energy.capacity) / vehicle.energy.rate + limits.rounding)
         room += count * max(0.0, min(ends))
     return verdict(problem, proved=math.fsum(used) * (1 - 1e-12) > room)
 
@@ -154,7 +153,7 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
         raise InputError("evidence names no two moments", expected="numbers from and until", found=str(moments)[:80])
     named = np.array(named_customers(problem, data.get("sites"))) - 1
     sites, at = problem.sites, problem.sites.customers
-    earliest, latest, size = np.full(len(at), math.inf), np.full(len(at), -math.inf), 0.0
+    earliest, latest, size, rounding = np.full(len(at), math.inf), np.full(len(at), -math.inf), 0.0, 0.0
     if not summable(problem) or len(at) < 2:
         return verdict(problem, proved=False)
     for vehicle in _types(problem):
@@ -162,7 +161,7 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
         reached, home = clocks(limits)
         earliest = np.minimum(earliest, reached)
         latest = np.maximum(latest, np.minimum(limits.due[1:-1], limits.due[-1] - home))
-        size = max(size, limits.horizon + float(home.max()))
+        size, rounding = max(size, limits.horizon), max(rounding, limits.rounding)
     if not (sites.required[at] & (earliest >= low) & (latest <= high))[named].all():
         return verdict(problem, proved=False)
     moves = problem.travel.durations[np.ix_(at, at)].copy()
@@ -171,7 +170,7 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     service, reach = np.sort(sites.service[at[named]]), np.sort(moves[:, named].min(axis=0))
     kept = len(named) - vehicles
     need = math.fsum([*service[:kept].tolist(), *reach[:kept].tolist()])
-    room = vehicles * max(0.0, allowed(high, size + abs(low)) - low)
+    room = vehicles * max(0.0, allowed(high, size, rounding) - low)
     return verdict(problem, proved=need * (1 - 1e-12) > room)
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tolerance import LIMIT
+from ..tolerance import widening
 
 if TYPE_CHECKING:
     from ...instances.instance import VehicleType
@@ -23,25 +23,18 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Nodes = NDArray[np.int64]
 
-LARGEST_SUM = 1e300
-"""Data whose sums may come near the largest float prove nothing."""
+LARGEST_RATE = 1e100
+"""With a larger rate of energy sums may overflow, and nothing is proved."""
 
 
-def allowed(limit: float, size: float = 0.0) -> float:
-    """The largest computed value that may still be one within ``limit``; ``size`` is that of the numbers it was added up from."""
-    return limit + 2 * LIMIT * max(abs(size), abs(limit)) if math.isfinite(limit) else limit
+def allowed(limit: float, size: float = 0.0, rounding: float = 0.0) -> float:
+    """The largest computed value that may still be one within ``limit``, relative to ``size`` where that is larger."""
+    return limit + float(widening(limit, abs(size))) + rounding
 
 
 def summable(problem: RoutingProblem) -> bool:
-    """Whether no sum along a route can overflow, so that a sum that is infinite means what it says."""
-    sites, fleet = problem.sites, problem.fleet
-    closing = sites.due[np.isfinite(sites.due)]
-    arrays = (problem.travel.distances, problem.travel.durations, sites.service, sites.demand, sites.ready, closing)
-    largest = max(float(np.abs(a).max(initial=0.0)) for a in arrays)
-    rate = max([1.0, *(v.energy.rate for v in fleet if v.energy is not None)])
-    limits = [x for v in fleet for x in (v.capacity, v.max_duration, v.max_distance, v.energy.capacity if v.energy else 0.0)]
-    most = max([0.0, *(x for x in limits if math.isfinite(x))])
-    return bool(3.0 * (len(sites) + 2) * (largest + 1.0) * rate < LARGEST_SUM and most < LARGEST_SUM / (len(sites) + 2))
+    """Whether no sum along a route can overflow: an instance bounds all numbers that are added up but rates of energy."""
+    return all(v.energy is None or v.energy.rate <= LARGEST_RATE for v in problem.fleet)
 
 
 @dataclass(frozen=True)
@@ -54,11 +47,12 @@ class Limits:
     busy : array of shape (nodes, nodes)
         Service at the tail and the move.
     budgets : list of (weights of shape (nodes, nodes), limit)
-        Sums along a route that are limited.
+        Sums along a route that are limited; the limits are widened for good.
     spans : list of (rate, limit, fixed)
         ``rate`` times the time to the return is limited: from the opening of the depot (``fixed``), or from the latest departure.
-    capacity, horizon : float
-        ``horizon``: the largest of all times, for rounding.
+        Widened too.
+    capacity, horizon, rounding : float
+        ``horizon``: no earliest schedule runs longer; ``rounding``: what sums of times along any route may be wrong by.
     """
 
     ready: Floats
@@ -69,6 +63,11 @@ class Limits:
     spans: list[tuple[float, float, bool]]
     capacity: float
     horizon: float
+    rounding: float
+
+    def latest(self, due: float) -> float:
+        """The latest arrival that may count as one by ``due``."""
+        return allowed(due, float(self.ready[0]), self.rounding)
 
 
 def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
@@ -92,10 +91,14 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
             budgets.append((rate * (move if charge == "travel" else busy), store))
         if charge in ("elapsed", "elapsed-fixed-start"):
             spans.append((rate, store, charge == "elapsed-fixed-start"))
-    times = np.concatenate([ready[:-1], due[np.isfinite(due)]])
+    horizon = float(np.abs(ready[:-1]).max()) + float(busy.max(axis=0).sum())
+    ulps = 8.0 * (len(at) + 2) * float(np.finfo(np.float64).eps)
+    rounding = ulps * horizon
+    rate = 1.0 if vehicle.energy is None else max(1.0, vehicle.energy.rate)
+    wide = rate * rounding + ulps * float(far.max(axis=0).sum())
     return Limits(
-        ready, due, demand, busy, [b for b in budgets if math.isfinite(b[1])], [s for s in spans if math.isfinite(s[1])],
-        vehicle.capacity, float(np.abs(times).max(initial=0.0)),
+        ready, due, demand, busy, [(w, allowed(x, 0.0, wide)) for w, x in budgets if math.isfinite(x)],
+        [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed in spans if math.isfinite(x)], vehicle.capacity, horizon, rounding,
     )  # fmt: skip
 
 
@@ -106,21 +109,20 @@ def within_reach(limits: Limits) -> NDArray[np.bool_]:
     for weight, limit in limits.budgets:
         mid = weight[inner, inner]
         need = _shortest(weight[0, inner], mid) + _shortest(weight[inner, -1], mid.T)
-        good &= need <= np.array([allowed(limit, x) for x in need.tolist()])
+        good &= need <= limit
     reached, home = clocks(limits)
     finish = reached + home
-    good &= np.isfinite(reached) & (finish <= np.array([allowed(float(limits.due[-1]), limits.horizon + h) for h in home.tolist()]))
+    good &= np.isfinite(reached) & (finish <= limits.latest(float(limits.due[-1])))
     for rate, limit, fixed in limits.spans:
         if fixed:
-            size = rate * (limits.horizon + home)
-            good &= rate * (finish - limits.ready[0]) <= np.array([allowed(limit, x) for x in size.tolist()])
+            good &= rate * (finish - limits.ready[0]) <= limit
     return good
 
 
 def clocks(limits: Limits) -> tuple[Floats, Floats]:
     """Earliest begin of service at each customer, infinite where its window is missed, and the least time from there to the return."""
     busy, inner = limits.busy, slice(1, -1)
-    due = np.array([allowed(d, limits.horizon) for d in limits.due.tolist()])
+    due = np.array([limits.latest(d) for d in limits.due.tolist()])
     reached = _earliest(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
     return reached, _shortest(busy[inner, -1], busy[inner, inner].T)
 
@@ -142,25 +144,25 @@ def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> se
     end = len(nodes) - 1
     busy = _ways(limits.busy, nodes, through).tolist()
     budgets = [(_ways(weight, nodes, through).tolist(), limit) for weight, limit in limits.budgets]
-    ready, due, demand = (a[nodes].tolist() for a in (limits.ready, limits.due, limits.demand))
-    opening: float = ready[0]
+    ready, demand = limits.ready[nodes].tolist(), limits.demand[nodes].tolist()
+    due = [limits.latest(d) for d in limits.due[nodes].tolist()]
+    opening, capacity = float(limits.ready[0]), allowed(limits.capacity)
     found: set[int] = set()
 
     def spends(clock: float, latest: float) -> bool:
-        size = limits.horizon + clock
-        return all(rate * (clock - (opening if fixed else latest)) <= allowed(limit, rate * size) for rate, limit, fixed in limits.spans)
+        return all(rate * (clock - (opening if fixed else latest)) <= limit for rate, limit, fixed in limits.spans)
 
     def extend(last: int, mask: int, size: int, clock: float, spent: float, latest: float, load: float, sums: list[float]) -> None:
         for node in range(1, end + 1):
             if (mask >> node) & 1 or (node == end and not mask) or (node < end and size == most):
                 continue
             arrival, total = clock + busy[last][node], spent + busy[last][node]
-            if arrival > allowed(due[node], limits.horizon + arrival) or load + demand[node] > allowed(limits.capacity, load):
+            if arrival > due[node] or (load + demand[node]) * (1.0 - 1e-13) > capacity:
                 continue
             begin = max(arrival, ready[node])
-            leave = min(latest, allowed(due[node], limits.horizon + total) - total)
+            leave = min(latest, due[node] - total)
             used = [s + way[last][node] for s, (way, _) in zip(sums, budgets, strict=True)]
-            if any(u > allowed(limit, u) for u, (_, limit) in zip(used, budgets, strict=True)) or not spends(begin, leave):
+            if any(u > limit for u, (_, limit) in zip(used, budgets, strict=True)) or not spends(begin, leave):
                 continue
             if node == end:
                 found.add(mask >> 1)

@@ -125,6 +125,23 @@ def test_the_few_sites_to_blame_are_found_among_many():
     ]
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e9, 1e20, 1e300, 1.7e308])
+def test_large_numbers_meant_as_unlimited_hide_no_reason_and_make_none(size):
+    fleet = (VehicleType(1, size, max_duration=size, max_distance=size),)
+    apart = problem([1, 1, 1], count=1, due=[11, 11, size], xy=[(0, 0), (10, 0), (-10, 0), (0, 10)])
+    assert reasons(replace(apart, fleet=fleet)) == ["no two of these 2 sites fit on one route, and the fleet has 1 vehicle: 1, 2"]
+    assert reasons(replace(problem([1, 1, 1], count=1, due=[size, size, 11]), fleet=fleet)) == []
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_as_large_as_an_instance_takes_are_added_up():
+    xy = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * 1e150
+    assert reasons(problem([1, 1, 1], count=1, xy=xy)) == []
+    too_much = reasons(problem([1e150] * 4, count=2, capacity=1e150))
+    assert too_much[0] == "the required sites demand 4e+150 in total, 2 vehicles can carry 2e+150"
+
+
 def fits(demand, bins, capacity):
     """Whether the demands fit, by trying every assignment."""
     return any(

@@ -25,8 +25,8 @@ from waybound.instances.instance import Energy, Sites, VehicleType
 from waybound.instances.travel import EXPLICIT, Travel
 from waybound.solvers.explaining import explain, reasons_from_data
 
-LET_PASS = 1e-6 * (1 + 1e-6)
-"""What the judge lets pass, and rounding."""
+LET_PASS = 1e-8
+"""More than the judge lets pass for rounding; no sum of the numbers drawn exceeds a limit by so little without meeting it."""
 
 CHARGES = ("travel", "elapsed", "elapsed-fixed-start", "windows")
 

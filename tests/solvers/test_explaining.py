@@ -161,14 +161,6 @@ def test_what_the_checker_does_not_confirm_is_no_reason(monkeypatch):
     assert "too-few-vehicles" not in {r.evidence.kind for r in made.reasons if r.evidence}
 
 
-def test_numbers_that_overflow_are_undecided():
-    xy = np.array([[0.0, 0.0], [1e149, 0.0], [0.0, 1e149]])
-    fleet = (wb.VehicleType(2, energy=wb.Energy(1.0, rate=1e200)),)
-    made = explain(wb.RoutingProblem(wb.Sites.of(range(3), coordinates=xy), wb.Travel("euclidean", xy), fleet))
-    assert made.verdict == "undecided"
-    assert "overflow" in made.message
-
-
 def test_a_method_that_refuses_the_problem_is_no_hindrance():
     """Too many sets for brute force, and an answer that any other heuristic finds."""
     assert explain(wb.generate("coverage", elements=60, items=80, k=20, seed=1), time_limit=10).verdict == "feasible"

@@ -193,8 +193,7 @@ def test_malformed_evidence_is_refused(kind, data):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("kind", KINDS)
-def test_sums_that_overflow_prove_nothing(kind):
-    asked = unit(VehicleType(1, 1e150, energy=Energy(1e150, rate=1e200)), demand=1e150)
-    asked = replace(asked, travel=Travel(EXPLICIT, matrix=np.full((4, 4), 1e150)))
-    assert not proved(asked, kind, threshold=1.0, resource="distance", sites=["a", "b"], **{"from": 0, "until": 1})
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "too-few-sites"])
+def test_sums_that_may_overflow_prove_nothing(kind):
+    asked = unit(VehicleType(1, 1.0, energy=Energy(1.0, 1e300)), demand=5.0)
+    assert not proved(asked, kind, threshold=0.5, resource="distance", sites=["a", "b"], **{"from": 0, "until": 1})
