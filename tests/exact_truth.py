@@ -1,0 +1,387 @@
+"""Brute force in exact arithmetic for tiny problems of every family, written from the definitions.
+
+Doubles are taken for the fractions that they are. It shares no code with the package's judges, forms, checkers or heuristics, and reads
+nothing of a problem but its data. ``best`` is the optimum over the answers that keep every limit exactly, ``lenient`` over those
+that exceed none by more than 1e-9 of what is added up and compared there: sums of doubles cannot be told apart more finely for sure.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from exact_simplex import Tableau, bounded
+
+from waybound.formulations.problem import Problem
+from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.formulations.problems.max_min_lp import MaxMinLP
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.problems.submodular_selection import SubmodularSelection
+from waybound.formulations.routes import Route, Routes
+from waybound.formulations.selections import Selection
+from waybound.instances.instance import VehicleType
+from waybound.instances.selection import Cardinality, Knapsack
+
+Values = tuple[Fraction, ...]
+
+PARTS = 10**9
+"""One over what an answer may exceed a limit by, as a share of it, and still count for ``lenient``."""
+
+
+@dataclass
+class Truth:
+    """``best`` and ``lenient`` are None where there is no answer; ``samples`` are answers that keep every limit exactly, an optimal one first.
+
+    ``continuous`` tells whether answers are vectors, so that solvers end near an optimum and not at one.
+    """
+
+    senses: tuple[str, ...]
+    best: Values | None = None
+    lenient: Values | None = None
+    samples: list[Any] = field(default_factory=list)
+    continuous: bool = False
+    unbounded: bool = False
+
+    def better(self, a: Values, b: Values | None) -> bool:
+        signs = [1 if s == "min" else -1 for s in self.senses]
+        return b is None or [s * v for s, v in zip(signs, a, strict=False)] < [s * v for s, v in zip(signs, b, strict=False)]
+
+    def meet(self, values: Values, strict: bool, answer: Any) -> None:
+        """One answer that keeps the limits exactly (``strict``) or nearly."""
+        if self.better(values, self.lenient):
+            self.lenient = values
+        if strict and self.better(values, self.best):
+            self.best = values
+            self.samples.insert(0, answer)
+        elif strict and len(self.samples) < 40:
+            self.samples.append(answer)
+
+    def value(self, answer: Any) -> Values | None:
+        """Exact value of an answer; None where it breaks a limit by more than doubles can."""
+        raise NotImplementedError
+
+
+def truth(problem: Problem) -> Truth:
+    """All there is to know about a tiny problem."""
+    if isinstance(problem, RoutingProblem):
+        return RoutingTruth(problem)
+    if isinstance(problem, SubmodularSelection):
+        return SelectionTruth(problem)
+    if isinstance(problem, BottleneckSATA):
+        return SharesTruth(problem) if problem.fractional else BottleneckTruth(problem)
+    if isinstance(problem, MaxMinLP):
+        return SharesTruth(problem)
+    return ProgramTruth(problem)
+
+
+def scale_of(*arrays: Any) -> int:
+    """The least power of two of which all finite numbers, times it, are whole."""
+    flat = [float(v) for a in arrays for v in np.asarray(a, dtype=np.float64).ravel().tolist()]
+    return max((v.as_integer_ratio()[1] for v in flat if math.isfinite(v)), default=1)
+
+
+def ints(values: Any, scale: int) -> Any:
+    """As nested lists of whole numbers; None for infinity."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    if isinstance(values, list):
+        return [ints(v, scale) for v in values]
+    return None if math.isinf(values) else int(Fraction(values) * scale)
+
+
+# -- routing -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Driven:
+    """What one route adds up to, in whole units; ``strict`` tells whether it keeps every limit exactly."""
+
+    strict: bool
+    cost: int
+    reward: int
+    distance: int
+    duration: int
+
+
+class RoutingTruth(Truth):
+    """All routes of all vehicle types, and all ways to put them together."""
+
+    def __init__(self, problem: RoutingProblem) -> None:
+        super().__init__(problem.senses)
+        self.problem = problem
+        s, fleet = problem.sites, problem.fleet
+        d, t = problem.travel.distances, problem.travel.durations
+        weights = [w for level in problem.objective.levels() for w, _ in level.terms]
+        limits = [(v.capacity, v.max_duration, v.max_distance, v.fixed_cost, v.unit_cost) for v in fleet]
+        stores = [(v.energy.capacity, v.energy.rate) for v in fleet if v.energy]
+        self.unit = scale_of(s.demand, s.ready, s.due, s.service, s.reward, d, t, weights, limits, stores)
+        self.d, self.t = ints(d, self.unit), ints(t, self.unit)
+        self.demand, self.reward, self.service = (ints(a, self.unit) for a in (s.demand, s.reward, s.service))
+        self.ready, self.due = ints(s.ready, self.unit), ints(s.due, self.unit)
+        customers = [k for k in range(len(s)) if not s.depot[k]]
+        self.driven: dict[tuple[int, tuple[int, ...]], _Driven] = {}
+        for kind, size in itertools.product(range(len(fleet)), range(1, len(customers) + 1)):
+            for visits in itertools.permutations(customers, size):
+                found = self._drive(fleet[kind], visits)
+                if found is not None:
+                    self.driven[kind, visits] = found
+        self._extend(frozenset(customers), {c for c in customers if s.required[c]}, [], [0] * len(fleet))
+
+    def _drive(self, vehicle: VehicleType, visits: tuple[int, ...]) -> _Driven | None:
+        stops = (vehicle.start, *visits, vehicle.end)
+        legs = list(itertools.pairwise(stops))
+        distance, moving = sum(self.d[i][j] for i, j in legs), [self.t[i][j] for i, j in legs]
+        busy = [m + (self.service[i] if k else 0) for k, ((i, _), m) in enumerate(zip(legs, moving, strict=True))]
+        tests = [(sum(self.demand[i] for i in visits), ints(vehicle.capacity, self.unit), 0)]
+        tests.append((distance, ints(vehicle.max_distance, self.unit), 0))
+        opens = clock = self.ready[vehicle.start]
+        largest = abs(opens)
+        for k, j in enumerate(stops[1:]):
+            clock += busy[k]
+            largest = max(largest, abs(clock))
+            tests.append((clock, self.due[j], largest))
+            if k < len(visits):
+                clock = max(clock, self.ready[j])
+                largest = max(largest, abs(clock))
+        # The latest departure that keeps the windows; a route that misses one leaves at once.
+        latest = self.due[vehicle.end]
+        for k in range(len(stops) - 2, -1, -1):
+            ends = [v for v in (self.due[stops[k]], None if latest is None else latest - busy[k]) if v is not None]
+            latest = min(ends) if ends else None
+        elapsed = clock - opens
+        shortest = sum(busy) if latest is None else max(clock - max(latest, opens), sum(busy))
+        tests.append((shortest, ints(vehicle.max_duration, self.unit), largest))
+        if vehicle.energy is not None:
+            waits = [b if k == len(visits) else max(b, self.ready[j] - self.ready[i]) for k, ((i, j), b) in enumerate(zip(legs, busy, strict=True))]
+            drawn = {"travel": sum(moving), "elapsed": shortest, "elapsed-fixed-start": elapsed, "windows": sum(waits)}[vehicle.energy.charge]
+            rate = ints(vehicle.energy.rate, self.unit)
+            tests.append((rate * drawn, ints(vehicle.energy.capacity, self.unit) * self.unit, rate * largest))
+        over = [(value - limit, max(abs(limit), size)) for value, limit, size in tests if limit is not None and value > limit]
+        if any(excess * PARTS > size for excess, size in over):
+            return None
+        cost = ints(vehicle.fixed_cost, self.unit) * self.unit + ints(vehicle.unit_cost, self.unit) * distance
+        return _Driven(not over, cost, sum(self.reward[i] for i in visits), distance, shortest)
+
+    def _extend(self, rest: frozenset[int], must: set[int], routes: list[tuple[int, tuple[int, ...]]], used: list[int]) -> None:
+        if not rest:
+            if len(routes) >= self.problem.min_vehicles:
+                parts = [self.driven[r] for r in routes]
+                answer = Routes(tuple(Route(visits, kind) for kind, visits in routes))
+                self.meet(self._values(parts), all(p.strict for p in parts), answer)
+            return
+        first = min(rest)
+        if first not in must:
+            self._extend(rest - {first}, must, routes, used)
+        for kind, visits in self.driven:
+            limit = self.problem.fleet[kind].count
+            if first in visits and rest.issuperset(visits) and (limit is None or used[kind] < limit):
+                used[kind] += 1
+                self._extend(rest.difference(visits), must, [*routes, (kind, visits)], used)
+                used[kind] -= 1
+
+    def _values(self, parts: list[_Driven]) -> Values:
+        u = self.unit
+        terms = {
+            "total-cost": sum(p.cost for p in parts), "reward": sum(p.reward for p in parts) * u, "vehicles": len(parts) * u * u,
+            "longest-route": max((p.distance for p in parts), default=0) * u, "makespan": max((p.duration for p in parts), default=0) * u,
+        }  # fmt: skip
+        levels = self.problem.objective.levels()
+        return tuple(sum((Fraction(w) * Fraction(terms[t.name], u * u) for w, t in level.terms), Fraction(0)) for level in levels)
+
+    def value(self, answer: Any) -> Values | None:
+        routes = [(r.vehicle, tuple(r.visits)) for r in answer if r.visits]
+        visited = [i for _, visits in routes for i in visits]
+        s, fleet = self.problem.sites, self.problem.fleet
+        must = {k for k in range(len(s)) if s.required[k] and not s.depot[k]}
+        if len(set(visited)) < len(visited) or must - set(visited) or any(r not in self.driven for r in routes):
+            return None
+        counts = [sum(kind == k for kind, _ in routes) for k in range(len(fleet))]
+        if any(v.count is not None and c > v.count for v, c in zip(fleet, counts, strict=True)) or len(routes) < self.problem.min_vehicles:
+            return None
+        return self._values([self.driven[r] for r in routes])
+
+
+# -- whole choices -------------------------------------------------------------------------------------------------------
+
+
+class SelectionTruth(Truth):
+    """All sets of elements; winner takes all is one of these problems."""
+
+    def __init__(self, problem: SubmodularSelection) -> None:
+        super().__init__(("max",))
+        self.problem, f = problem, problem.function
+        self.gives: list[list[Fraction]] | None = None
+        if f.name != "user":
+            self.gives = [[Fraction(float(v)) for v in row] for row in _dense(f).tolist()]
+        n = problem.num_elements
+        for size in range(n + 1):
+            for chosen in itertools.combinations(range(n), size):
+                excess = self._excess(chosen)
+                if excess is not None:
+                    self.meet(self._values(chosen), excess == 0, Selection(chosen))
+
+    def _excess(self, chosen: tuple[int, ...]) -> Fraction | None:
+        """By how much the constraint is exceeded, as a share; None where that is more than doubles can."""
+        c = self.problem.constraint
+        if isinstance(c, Knapsack):
+            over = sum((Fraction(float(c.costs[e])) for e in chosen), Fraction(0)) - Fraction(c.budget)
+            return Fraction(0) if over <= 0 else None if over * PARTS > Fraction(c.budget) else over
+        if isinstance(c, Cardinality):
+            return Fraction(0) if len(chosen) <= c.limit else None
+        counts = np.bincount(c.groups[list(chosen)], minlength=len(c.limits))
+        return Fraction(0) if (counts <= c.limits).all() else None
+
+    def _values(self, chosen: tuple[int, ...]) -> Values:
+        if self.gives is None:
+            mask = np.zeros((1, self.problem.num_elements), dtype=bool)
+            mask[0, list(chosen)] = True
+            return (Fraction(float(np.asarray(self.problem.function.evaluate(mask))[0])),)  # type: ignore[union-attr]
+        return (sum((max(column) for column in zip(*(self.gives[e] for e in chosen), strict=True)), Fraction(0)) if chosen else Fraction(0),)
+
+    def value(self, answer: Any) -> Values | None:
+        chosen = tuple(sorted(answer.elements))
+        if len(set(chosen)) < len(chosen) or any(not 0 <= e < self.problem.num_elements for e in chosen) or self._excess(chosen) is None:
+            return None
+        return self._values(chosen)
+
+
+def _dense(function: Any) -> Any:
+    if hasattr(function, "matrix"):
+        return function.matrix
+    made = np.zeros((function.num_elements, function.num_items))
+    element = np.repeat(np.arange(function.num_elements), np.diff(function.indptr))
+    made[element, function.indices] = function.item_weights[function.indices] if function.name == "coverage" else function.weights
+    return made
+
+
+class BottleneckTruth(Truth):
+    """All ways to give each robot one of its actions, or none."""
+
+    def __init__(self, problem: BottleneckSATA) -> None:
+        super().__init__(("max",))
+        g = self.graph = problem.graph
+        self.sees = [_edges(g, a) for a in range(g.num_actions)]
+        own = [[a for a in range(g.num_actions) if g.robot_of_action[a] == r] for r in range(g.num_robots)]
+        for chosen in itertools.product(*([None, *actions] for actions in own)):
+            answer = tuple(a for a in chosen if a is not None)
+            self.meet(self._values(answer), True, Selection(answer))
+
+    def _values(self, chosen: tuple[int, ...]) -> Values:
+        cover = [Fraction(0)] * self.graph.num_targets
+        for a in chosen:
+            for target, weight in self.sees[a]:
+                cover[target] += weight
+        return (min(cover),)
+
+    def value(self, answer: Any) -> Values | None:
+        robots = [int(self.graph.robot_of_action[a]) for a in answer.elements if 0 <= a < self.graph.num_actions]
+        return None if len(set(robots)) < len(answer.elements) else self._values(tuple(answer.elements))
+
+
+def _edges(graph: Any, action: int) -> list[tuple[int, Fraction]]:
+    at = range(graph.indptr[action], graph.indptr[action + 1])
+    return [(int(graph.indices[e]), Fraction(float(graph.weights[e]))) for e in at]
+
+
+# -- vectors -------------------------------------------------------------------------------------------------------------
+
+
+class SharesTruth(Truth):
+    """Packing and covering rows: the linear program of either sense, solved exactly."""
+
+    def __init__(self, problem: BottleneckSATA | MaxMinLP) -> None:
+        super().__init__(problem.senses, continuous=True)
+        if isinstance(problem, BottleneckSATA):
+            g = problem.graph
+            self.size = g.num_actions
+            pack = [[Fraction(int(g.robot_of_action[a] == r)) for a in range(self.size)] for r in range(g.num_robots)]
+            cover = [[Fraction(0)] * self.size for _ in range(g.num_targets)]
+            for a in range(self.size):
+                for target, weight in _edges(g, a):
+                    cover[target][a] = weight
+        else:
+            self.size = problem.num_variables
+            pack, cover = (_matrix(m, self.size) for m in (problem.packing, problem.covering))
+        self.pack, self.cover = [r for r in pack if any(r)], cover
+        one, zero = Fraction(1), Fraction(0)
+        if self.senses[0] == "max":
+            rows = [[*row, zero] for row in self.pack] + [[*(-v for v in row), one] for row in cover]
+            found = Tableau([zero] * self.size + [one], rows, [one] * len(self.pack) + [zero] * len(cover))
+        else:
+            rows = [[*row, -one] for row in self.pack] + [[*(-v for v in row), zero] for row in cover]
+            found = Tableau([zero] * self.size + [-one], rows, [zero] * len(self.pack) + [-one] * len(cover))
+        assert found.status == "optimal"
+        self.best = self.lenient = (abs(found.value),)
+        self.samples = _vectors(found.point[: self.size])
+
+    def value(self, answer: Any) -> Values | None:
+        x = [Fraction(float(v)) for v in answer]
+        slack = Fraction(1, PARTS)
+        packed, covered = ([sum((v * s for v, s in zip(row, x, strict=True) if v), Fraction(0)) for row in m] for m in (self.pack, self.cover))
+        sound = all(p <= 1 + slack for p in packed) if self.senses[0] == "max" else all(c >= 1 - slack for c in covered)
+        if not sound or any(v < 0 for v in x):
+            return None
+        return (min(covered),) if self.senses[0] == "max" else (max(packed, default=Fraction(0)),)
+
+
+def _vectors(x: list[Fraction]) -> list[Any]:
+    """The point as a vector of doubles, where it has one."""
+    return [np.array([float(v) for v in x])] if max(map(abs, x), default=0) < 10**300 else []
+
+
+def _matrix(matrix: Any, columns: int) -> list[list[Fraction]]:
+    made = [[Fraction(0)] * columns for _ in range(matrix.rows)]
+    for row in range(matrix.rows):
+        for e in range(matrix.indptr[row], matrix.indptr[row + 1]):
+            made[row][matrix.indices[e]] = Fraction(float(matrix.data[e]))
+    return made
+
+
+class ProgramTruth(Truth):
+    """A linear program whose integer variables have few values each: one exact simplex for each choice of those."""
+
+    def __init__(self, problem: Any) -> None:
+        p = self.program = problem.program
+        super().__init__((p.sense,), continuous=True)
+        sign = 1 if p.sense == "min" else -1
+        self.rows = [[Fraction(0)] * p.num_variables for _ in range(p.num_rows)]
+        for row in range(p.num_rows):
+            for e in range(p.indptr[row], p.indptr[row + 1]):
+                self.rows[row][int(p.indices[e])] += Fraction(float(p.data[e]))
+        at = np.nonzero(p.integer)[0].tolist()
+        for chosen in itertools.product(*_values_of(p, at)):
+            lower, upper = p.lower.tolist(), p.upper.tolist()
+            for j, v in zip(at, chosen, strict=True):
+                lower[j] = upper[j] = v
+            status, value, x = bounded([sign * c for c in p.cost.tolist()], self.rows, p.row_lower.tolist(), p.row_upper.tolist(), lower, upper)
+            self.unbounded |= status == "unbounded"
+            if status == "optimal":
+                found = (sign * value + Fraction(float(p.offset)),)
+                if self.better(found, self.best):
+                    self.best, self.samples = found, _vectors(x)
+        self.best = self.lenient = None if self.unbounded else self.best
+
+    def value(self, answer: Any) -> Values | None:
+        p, x = self.program, [Fraction(float(v)) for v in answer]
+        tests: list[tuple[Fraction, float, float, Fraction]] = []
+        for v, a, b in zip(x, p.lower.tolist(), p.upper.tolist(), strict=True):
+            tests.append((v, a, b, abs(v)))
+        for row, a, b in zip(self.rows, p.row_lower.tolist(), p.row_upper.tolist(), strict=True):
+            terms = [c * v for c, v in zip(row, x, strict=True)]
+            tests.append((sum(terms, Fraction(0)), a, b, sum((abs(t) for t in terms), Fraction(0))))
+        for v, a, b, size in tests:
+            for side, sign in ((a, -1), (b, 1)):
+                if math.isfinite(side) and sign * (v - Fraction(side)) * 10**6 > max(size, abs(Fraction(side))):
+                    return None
+        if any(k and v.denominator != 1 and abs(v - round(v)) * 10**6 > 1 for k, v in zip(p.integer.tolist(), x, strict=True)):
+            return None
+        return (sum((Fraction(c) * v for c, v in zip(p.cost.tolist(), x, strict=True)), Fraction(float(p.offset))),)
+
+
+def _values_of(p: Any, at: list[int]) -> Iterator[range]:
+    return (range(math.ceil(p.lower[j]), math.floor(p.upper[j]) + 1) for j in at)
