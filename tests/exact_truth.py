@@ -46,6 +46,8 @@ class Truth:
     samples: list[Any] = field(default_factory=list)
     continuous: bool = False
     unbounded: bool = False
+    size: Fraction = Fraction(0)
+    """The largest value, of either sign, that any answer has: values that are equal but for rounding differ by less than 1e-12 of it."""
 
     def better(self, a: Values, b: Values | None) -> bool:
         signs = [1 if s == "min" else -1 for s in self.senses]
@@ -53,6 +55,7 @@ class Truth:
 
     def meet(self, values: Values, strict: bool, answer: Any) -> None:
         """One answer that keeps the limits exactly (``strict``) or nearly."""
+        self.size = max(self.size, abs(values[0]))
         if self.better(values, self.lenient):
             self.lenient = values
         if strict and self.better(values, self.best):
@@ -298,26 +301,27 @@ class SharesTruth(Truth):
         super().__init__(problem.senses, continuous=True)
         if isinstance(problem, BottleneckSATA):
             g = problem.graph
-            self.size = g.num_actions
-            pack = [[Fraction(int(g.robot_of_action[a] == r)) for a in range(self.size)] for r in range(g.num_robots)]
-            cover = [[Fraction(0)] * self.size for _ in range(g.num_targets)]
-            for a in range(self.size):
+            self.columns = g.num_actions
+            pack = [[Fraction(int(g.robot_of_action[a] == r)) for a in range(self.columns)] for r in range(g.num_robots)]
+            cover = [[Fraction(0)] * self.columns for _ in range(g.num_targets)]
+            for a in range(self.columns):
                 for target, weight in _edges(g, a):
                     cover[target][a] = weight
         else:
-            self.size = problem.num_variables
-            pack, cover = (_matrix(m, self.size) for m in (problem.packing, problem.covering))
+            self.columns = problem.num_variables
+            pack, cover = (_matrix(m, self.columns) for m in (problem.packing, problem.covering))
         self.pack, self.cover = [r for r in pack if any(r)], cover
         one, zero = Fraction(1), Fraction(0)
         if self.senses[0] == "max":
             rows = [[*row, zero] for row in self.pack] + [[*(-v for v in row), one] for row in cover]
-            found = Tableau([zero] * self.size + [one], rows, [one] * len(self.pack) + [zero] * len(cover))
+            found = Tableau([zero] * self.columns + [one], rows, [one] * len(self.pack) + [zero] * len(cover))
         else:
             rows = [[*row, -one] for row in self.pack] + [[*(-v for v in row), zero] for row in cover]
-            found = Tableau([zero] * self.size + [-one], rows, [zero] * len(self.pack) + [-one] * len(cover))
+            found = Tableau([zero] * self.columns + [-one], rows, [zero] * len(self.pack) + [-one] * len(cover))
         assert found.status == "optimal"
         self.best = self.lenient = (abs(found.value),)
-        self.samples = _vectors(found.point[: self.size])
+        self.size = abs(found.value)
+        self.samples = _vectors(found.point[: self.columns])
 
     def value(self, answer: Any) -> Values | None:
         x = [Fraction(float(v)) for v in answer]
@@ -364,6 +368,7 @@ class ProgramTruth(Truth):
                 found = (sign * value + Fraction(float(p.offset)),)
                 if self.better(found, self.best):
                     self.best, self.samples = found, _vectors(x)
+                    self.size = sum((abs(Fraction(c) * v) for c, v in zip(p.cost.tolist(), x, strict=True)), abs(Fraction(float(p.offset))))
         self.best = self.lenient = None if self.unbounded else self.best
 
     def value(self, answer: Any) -> Values | None:

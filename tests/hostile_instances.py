@@ -217,9 +217,9 @@ def max_min(rng: Rng, units: Units, sense: str) -> MaxMinLP:
     a[rng.integers(0, rows, n)[idle], np.nonzero(idle)[0]] = 1.0 + rng.integers(0, 3, int(idle.sum()))
     empty = ~(c > 0).any(axis=1)
     c[np.nonzero(empty)[0], rng.integers(0, n, covers)[empty]] = 1.0
-    # ``weight`` is the unit of what is covered, ``load`` that of what is packed; a vanished number counts as none.
-    a, c = a * units.load, c * units.weight
-    c[:, ~(a > 0).any(axis=0)] = 0.0
+    # ``weight`` is the unit of what is covered, ``load`` that of what is packed; where a number would vanish they are 1.
+    if all(((m * unit > 0) == (m > 0)).all() for m, unit in ((a, units.load), (c, units.weight))):
+        a, c = a * units.load, c * units.weight
     return MaxMinLP(a, c, sense=sense, name="drawn")
 
 
