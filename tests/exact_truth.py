@@ -37,7 +37,8 @@ PARTS = 10**9
 class Truth:
     """``best`` and ``lenient`` are None where there is no answer; ``samples`` are answers that keep every limit exactly, an optimal one first.
 
-    ``continuous`` tells whether answers are vectors, so that solvers end near an optimum and not at one.
+    ``continuous`` tells whether answers are vectors, so that solvers end near an optimum and not at one; ``parts`` is what of a vector
+    may be outside, as one over a share.
     """
 
     senses: tuple[str, ...]
@@ -46,8 +47,11 @@ class Truth:
     samples: list[Any] = field(default_factory=list)
     continuous: bool = False
     unbounded: bool = False
+    parts: int = PARTS
     size: Fraction = Fraction(0)
     """The largest value, of either sign, that any answer has: values that are equal but for rounding differ by less than 1e-12 of it."""
+    mixed: bool = False
+    """Whether terms of both signs are added up to a value."""
 
     def better(self, a: Values, b: Values | None) -> bool:
         signs = [1 if s == "min" else -1 for s in self.senses]
@@ -117,6 +121,7 @@ class RoutingTruth(Truth):
     def __init__(self, problem: RoutingProblem) -> None:
         super().__init__(problem.senses)
         self.problem = problem
+        self.mixed = any(w < 0 for level in problem.objective.levels() for w, _ in level.terms)
         s, fleet = problem.sites, problem.fleet
         d, t = problem.travel.distances, problem.travel.durations
         weights = [w for level in problem.objective.levels() for w, _ in level.terms]
@@ -324,13 +329,17 @@ class SharesTruth(Truth):
         self.samples = _vectors(found.point[: self.columns])
 
     def value(self, answer: Any) -> Values | None:
-        x = [Fraction(float(v)) for v in answer]
-        slack = Fraction(1, PARTS)
-        packed, covered = ([sum((v * s for v, s in zip(row, x, strict=True) if v), Fraction(0)) for row in m] for m in (self.pack, self.cover))
-        sound = all(p <= 1 + slack for p in packed) if self.senses[0] == "max" else all(c >= 1 - slack for c in covered)
-        if not sound or any(v < 0 for v in x):
+        given, slack = [Fraction(float(v)) for v in answer], Fraction(1, self.parts)
+        x = [max(v, Fraction(0)) for v in given]  # an answer is worth what its nonnegative part is, scaled into the rows
+        packed, covered = (
+            [sum((v * s for v, s in zip(row, x, strict=True) if v), Fraction(0)) for row in m] for m in (self.pack, self.cover)
+        )
+        heaviest = [max(column, default=Fraction(0)) for column in zip(*(self.pack if self.senses[0] == "max" else self.cover), strict=True)]
+        negative = any(-v * max(h, Fraction(1)) > slack for v, h in zip(given, heaviest, strict=True))
+        most, least = max(packed, default=Fraction(0)), min(covered)
+        if negative or (most > 1 + slack if self.senses[0] == "max" else least < 1 - slack):
             return None
-        return (min(covered),) if self.senses[0] == "max" else (max(packed, default=Fraction(0)),)
+        return (least / max(most, Fraction(1)),) if self.senses[0] == "max" else (most / min(least, Fraction(1)),)
 
 
 def _vectors(x: list[Fraction]) -> list[Any]:
@@ -352,7 +361,7 @@ class ProgramTruth(Truth):
     def __init__(self, problem: Any) -> None:
         p = self.program = problem.program
         super().__init__((p.sense,), continuous=True)
-        sign = 1 if p.sense == "min" else -1
+        sign, self.mixed = 1 if p.sense == "min" else -1, True
         self.rows = [[Fraction(0)] * p.num_variables for _ in range(p.num_rows)]
         for row in range(p.num_rows):
             for e in range(p.indptr[row], p.indptr[row + 1]):
@@ -373,12 +382,12 @@ class ProgramTruth(Truth):
 
     def value(self, answer: Any) -> Values | None:
         p, x = self.program, [Fraction(float(v)) for v in answer]
-        tests: list[tuple[Fraction, float, float, Fraction]] = []
-        for v, a, b in zip(x, p.lower.tolist(), p.upper.tolist(), strict=True):
-            tests.append((v, a, b, abs(v)))
+        ends = [Fraction(v) for v in [*p.lower.tolist(), *p.upper.tolist()] if math.isfinite(v)]
+        unit = max([abs(v) for v in (*x, *ends)] or [Fraction(1)]) or Fraction(1)
+        tests = [(v, a, b, unit) for v, a, b in zip(x, p.lower.tolist(), p.upper.tolist(), strict=True)]
         for row, a, b in zip(self.rows, p.row_lower.tolist(), p.row_upper.tolist(), strict=True):
-            terms = [c * v for c, v in zip(row, x, strict=True)]
-            tests.append((sum(terms, Fraction(0)), a, b, sum((abs(t) for t in terms), Fraction(0))))
+            total = sum((c * v for c, v in zip(row, x, strict=True)), Fraction(0))
+            tests.append((total, a, b, sum((abs(c) for c in row), Fraction(0)) * unit))
         for v, a, b, size in tests:
             for side, sign in ((a, -1), (b, 1)):
                 if math.isfinite(side) and sign * (v - Fraction(side)) * 10**6 > max(size, abs(Fraction(side))):

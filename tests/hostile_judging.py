@@ -72,15 +72,16 @@ def of_bound(truth: Truth, bound: float | None, source: str) -> Iterator[str]:
         yield f"false bound: {bound!r} by {source}, the optimum is {float(truth.best[0])!r}"
 
 
-def of_answer(truth: Truth, answer: Any, shown: Sequence[float], who: str, terms: Fraction | None = None) -> Iterator[str]:
+def of_answer(truth: Truth, answer: Any, shown: Sequence[float], who: str, close: float = SAME) -> Iterator[str]:
     """What is false about a feasible answer and its value."""
     exact = truth.value(answer)
     if exact is None:
         yield f"infeasible answer shown by {who}: {answer}"
         return
     for told, value in zip(shown, exact, strict=True):
-        size = abs(value) if terms is None else max(abs(value), terms)
-        if not math.isfinite(told) or abs(Fraction(told) - value) > size * Fraction(SAME) + Fraction(VANISHING):
+        # Sums of terms of both signs are known as closely as the terms.
+        size = max(abs(value), truth.size) if truth.mixed else abs(value)
+        if not math.isfinite(told) or abs(Fraction(told) - value) > size * Fraction(close) + Fraction(VANISHING):
             yield f"false value: {told!r} shown by {who}, it is {float(value)!r}"
 
 
@@ -146,7 +147,7 @@ def of_solution(truth: Truth, s: Solution, *, ours: bool = True) -> Iterator[str
             yield f"false infeasibility: {who}, optimum {float(truth.best[0])!r}"
         return
     shown = s.objective if isinstance(s.objective, list) else [s.objective]
-    yield from of_answer(truth, s.answer, shown, who)
+    yield from of_answer(truth, s.answer, shown, who, 10 * ENDED if truth.continuous and not ours else SAME)
     bound = s.bound[0] if isinstance(s.bound, list) else s.bound
     if s.status == "infeasible":
         yield f"infeasible with an answer: {who}"

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from exact_truth import Truth, truth
 from hostile_instances import FAMILIES, Units
-from hostile_judging import of_bound, of_samples, of_solution
+from hostile_judging import ENDED, away, of_bound, of_samples, of_solution
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.problem import Problem
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import InputError
+from waybound.instances.errors import CheckFailedError, InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS
 from waybound.solvers.bounding import find_bounds
 
@@ -63,3 +64,46 @@ def test_no_false_word_of_ours(family: str, share: Callable[[int, int], int], ta
     found = {case: faults for case in range(cases) if (faults := faults_of(family, case))}
     tally[f"random problems against brute force: {family}"] += cases
     assert not found, f"{len(found)} of {cases}: {dict(list(found.items())[:5])}"
+
+
+SOLVERS = {
+    "highs": 300, "scip": 120, "cpsat": 120, "pulp": 60, "pulp:HiGHS": 120, "mathopt:highs": 120, "mathopt:gscip": 120, "mathopt:glop": 60,
+    "mathopt:cp-sat": 60, "mathopt:pdlp": 20, "cvxpy": 12, "cvxpy:HIGHS": 12, "cvxpy:SCS": 12, "pyvrp": 100, "ortools": 30,
+}  # fmt: skip
+"""Solvers of others, and how many problems of each family they get."""
+
+
+def claim_faults(family: str, case: int, solver: str, tally: Any) -> list[str]:
+    """What is false though we verified it. A solver's own false claim is counted only, and one that was seen and said is none."""
+    rng = np.random.default_rng([SEED, case])
+    problem = FAMILIES[family](rng, Units.drawn(rng))
+    limits = {"iterations": 30} if solver in ("pyvrp", "ortools") else {}
+    try:
+        solution = wb.solve(problem, solver, time_limit=10.0, bound_time=5.0, **limits)  # type: ignore[arg-type]
+    except UnsupportedError:
+        return []
+    except CheckFailedError:
+        tally[f"claims of {solver} that were refuted, and said to be"] += 1
+        return []
+    except InputError:
+        tally[f"problems that {solver} refuses"] += 1
+        return []
+    exact = truth(problem)
+    exact.parts = 10**6
+    tally[f"random problems given to {solver}"] += 1
+    best, told = exact.best, solution.evaluation
+    wrong = solution.status in ("infeasible", "unbounded") and (best is not None) and not solution.certificate.infeasible
+    if solution.status == "optimal" and best is not None and told is not None:
+        wrong = exact.better(best, tuple(map(Fraction, told.values))) and any(away(a, b) > ENDED for a, b in zip(told.values, best, strict=True))
+    tally[f"false claims of {solver} beside what was verified"] += wrong
+    return [f"{family} {case} {solver}: {word}" for word in of_solution(exact, solution, ours=False)]
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("solver", [pytest.param(s, marks=[] if s == "highs" else pytest.mark.hostile) for s in SOLVERS])
+def test_what_is_verified_beside_the_claims_of_others(solver: str, share: Callable[[int, int], int], tally: Any) -> None:
+    if not BACKENDS[solver.partition(":")[0]].installed():
+        pytest.skip(f"{solver} is not installed")
+    cases = share(6, SOLVERS[solver])
+    found = [fault for family in FAMILIES for case in range(cases) for fault in claim_faults(family, case, solver, tally)]
+    assert not found, f"{len(found)}: {found[:5]}"
