@@ -10,11 +10,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from exact_base import PARTS, Truth, Values
+from exact_routing import RoutingTruth
 from exact_simplex import Tableau, bounded
 
 from waybound.formulations.problem import Problem
@@ -22,55 +23,8 @@ from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problems.max_min_lp import MaxMinLP
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.problems.submodular_selection import SubmodularSelection
-from waybound.formulations.routes import Route, Routes
 from waybound.formulations.selections import Selection
-from waybound.instances.instance import VehicleType
 from waybound.instances.selection import Cardinality, Knapsack
-
-Values = tuple[Fraction, ...]
-
-PARTS = 10**9
-"""One over what an answer may exceed a limit by, as a share of it, and still count for ``lenient``."""
-
-
-@dataclass
-class Truth:
-    """``best`` and ``lenient`` are None where there is no answer; ``samples`` are answers that keep every limit exactly, an optimal one first.
-
-    ``continuous`` tells whether answers are vectors, so that solvers end near an optimum and not at one; ``parts`` is what of a vector
-    may be outside, as one over a share.
-    """
-
-    senses: tuple[str, ...]
-    best: Values | None = None
-    lenient: Values | None = None
-    samples: list[Any] = field(default_factory=list)
-    continuous: bool = False
-    unbounded: bool = False
-    parts: int = PARTS
-    size: Fraction = Fraction(0)
-    """The largest value, of either sign, that any answer has: values that are equal but for rounding differ by less than 1e-12 of it."""
-    mixed: bool = False
-    """Whether terms of both signs are added up to a value."""
-
-    def better(self, a: Values, b: Values | None) -> bool:
-        signs = [1 if s == "min" else -1 for s in self.senses]
-        return b is None or [s * v for s, v in zip(signs, a, strict=False)] < [s * v for s, v in zip(signs, b, strict=False)]
-
-    def meet(self, values: Values, strict: bool, answer: Any) -> None:
-        """One answer that keeps the limits exactly (``strict``) or nearly."""
-        self.size = max(self.size, abs(values[0]))
-        if self.better(values, self.lenient):
-            self.lenient = values
-        if strict and self.better(values, self.best):
-            self.best = values
-            self.samples.insert(0, answer)
-        elif strict and len(self.samples) < 40:
-            self.samples.append(answer)
-
-    def value(self, answer: Any) -> Values | None:
-        """Exact value of an answer; None where it breaks a limit by more than doubles can."""
-        raise NotImplementedError
 
 
 def truth(problem: Problem) -> Truth:
@@ -84,134 +38,6 @@ def truth(problem: Problem) -> Truth:
     if isinstance(problem, MaxMinLP):
         return SharesTruth(problem)
     return ProgramTruth(problem)
-
-
-def scale_of(*arrays: Any) -> int:
-    """The least power of two of which all finite numbers, times it, are whole."""
-    flat = [float(v) for a in arrays for v in np.asarray(a, dtype=np.float64).ravel().tolist()]
-    return max((v.as_integer_ratio()[1] for v in flat if math.isfinite(v)), default=1)
-
-
-def ints(values: Any, scale: int) -> Any:
-    """As nested lists of whole numbers; None for infinity."""
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    if isinstance(values, list):
-        return [ints(v, scale) for v in values]
-    return None if math.isinf(values) else int(Fraction(values) * scale)
-
-
-# -- routing -----------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Driven:
-    """What one route adds up to, in whole units; ``strict`` tells whether it keeps every limit exactly."""
-
-    strict: bool
-    cost: int
-    reward: int
-    distance: int
-    duration: int
-
-
-class RoutingTruth(Truth):
-    """All routes of all vehicle types, and all ways to put them together."""
-
-    def __init__(self, problem: RoutingProblem) -> None:
-        super().__init__(problem.senses)
-        self.problem = problem
-        self.mixed = any(w < 0 for level in problem.objective.levels() for w, _ in level.terms)
-        s, fleet = problem.sites, problem.fleet
-        d, t = problem.travel.distances, problem.travel.durations
-        weights = [w for level in problem.objective.levels() for w, _ in level.terms]
-        limits = [(v.capacity, v.max_duration, v.max_distance, v.fixed_cost, v.unit_cost) for v in fleet]
-        stores = [(v.energy.capacity, v.energy.rate) for v in fleet if v.energy]
-        self.unit = scale_of(s.demand, s.ready, s.due, s.service, s.reward, d, t, weights, limits, stores)
-        self.d, self.t = ints(d, self.unit), ints(t, self.unit)
-        self.demand, self.reward, self.service = (ints(a, self.unit) for a in (s.demand, s.reward, s.service))
-        self.ready, self.due = ints(s.ready, self.unit), ints(s.due, self.unit)
-        customers = [k for k in range(len(s)) if not s.depot[k]]
-        self.driven: dict[tuple[int, tuple[int, ...]], _Driven] = {}
-        for kind, size in itertools.product(range(len(fleet)), range(1, len(customers) + 1)):
-            for visits in itertools.permutations(customers, size):
-                found = self._drive(fleet[kind], visits)
-                if found is not None:
-                    self.driven[kind, visits] = found
-        self._extend(frozenset(customers), {c for c in customers if s.required[c]}, [], [0] * len(fleet))
-
-    def _drive(self, vehicle: VehicleType, visits: tuple[int, ...]) -> _Driven | None:
-        stops = (vehicle.start, *visits, vehicle.end)
-        legs = list(itertools.pairwise(stops))
-        distance, moving = sum(self.d[i][j] for i, j in legs), [self.t[i][j] for i, j in legs]
-        busy = [m + (self.service[i] if k else 0) for k, ((i, _), m) in enumerate(zip(legs, moving, strict=True))]
-        tests = [(sum(self.demand[i] for i in visits), ints(vehicle.capacity, self.unit), 0)]
-        tests.append((distance, ints(vehicle.max_distance, self.unit), 0))
-        opens = clock = self.ready[vehicle.start]
-        largest = abs(opens)
-        for k, j in enumerate(stops[1:]):
-            clock += busy[k]
-            largest = max(largest, abs(clock))
-            tests.append((clock, self.due[j], largest))
-            if k < len(visits):
-                clock = max(clock, self.ready[j])
-                largest = max(largest, abs(clock))
-        # The latest departure that keeps the windows; a route that misses one leaves at once.
-        latest = self.due[vehicle.end]
-        for k in range(len(stops) - 2, -1, -1):
-            ends = [v for v in (self.due[stops[k]], None if latest is None else latest - busy[k]) if v is not None]
-            latest = min(ends) if ends else None
-        elapsed = clock - opens
-        shortest = sum(busy) if latest is None else max(clock - max(latest, opens), sum(busy))
-        tests.append((shortest, ints(vehicle.max_duration, self.unit), largest))
-        if vehicle.energy is not None:
-            waits = [b if k == len(visits) else max(b, self.ready[j] - self.ready[i]) for k, ((i, j), b) in enumerate(zip(legs, busy, strict=True))]
-            drawn = {"travel": sum(moving), "elapsed": shortest, "elapsed-fixed-start": elapsed, "windows": sum(waits)}[vehicle.energy.charge]
-            rate = ints(vehicle.energy.rate, self.unit)
-            tests.append((rate * drawn, ints(vehicle.energy.capacity, self.unit) * self.unit, rate * largest))
-        over = [(value - limit, max(abs(limit), size)) for value, limit, size in tests if limit is not None and value > limit]
-        if any(excess * PARTS > size for excess, size in over):
-            return None
-        cost = ints(vehicle.fixed_cost, self.unit) * self.unit + ints(vehicle.unit_cost, self.unit) * distance
-        return _Driven(not over, cost, sum(self.reward[i] for i in visits), distance, shortest)
-
-    def _extend(self, rest: frozenset[int], must: set[int], routes: list[tuple[int, tuple[int, ...]]], used: list[int]) -> None:
-        if not rest:
-            if len(routes) >= self.problem.min_vehicles:
-                parts = [self.driven[r] for r in routes]
-                answer = Routes(tuple(Route(visits, kind) for kind, visits in routes))
-                self.meet(self._values(parts), all(p.strict for p in parts), answer)
-            return
-        first = min(rest)
-        if first not in must:
-            self._extend(rest - {first}, must, routes, used)
-        for kind, visits in self.driven:
-            limit = self.problem.fleet[kind].count
-            if first in visits and rest.issuperset(visits) and (limit is None or used[kind] < limit):
-                used[kind] += 1
-                self._extend(rest.difference(visits), must, [*routes, (kind, visits)], used)
-                used[kind] -= 1
-
-    def _values(self, parts: list[_Driven]) -> Values:
-        u = self.unit
-        terms = {
-            "total-cost": sum(p.cost for p in parts), "reward": sum(p.reward for p in parts) * u, "vehicles": len(parts) * u * u,
-            "longest-route": max((p.distance for p in parts), default=0) * u, "makespan": max((p.duration for p in parts), default=0) * u,
-        }  # fmt: skip
-        levels = self.problem.objective.levels()
-        return tuple(sum((Fraction(w) * Fraction(terms[t.name], u * u) for w, t in level.terms), Fraction(0)) for level in levels)
-
-    def value(self, answer: Any) -> Values | None:
-        routes = [(r.vehicle, tuple(r.visits)) for r in answer if r.visits]
-        visited = [i for _, visits in routes for i in visits]
-        s, fleet = self.problem.sites, self.problem.fleet
-        must = {k for k in range(len(s)) if s.required[k] and not s.depot[k]}
-        if len(set(visited)) < len(visited) or must - set(visited) or any(r not in self.driven for r in routes):
-            return None
-        counts = [sum(kind == k for kind, _ in routes) for k in range(len(fleet))]
-        if any(v.count is not None and c > v.count for v, c in zip(fleet, counts, strict=True)) or len(routes) < self.problem.min_vehicles:
-            return None
-        return self._values([self.driven[r] for r in routes])
 
 
 # -- whole choices -------------------------------------------------------------------------------------------------------
@@ -249,7 +75,9 @@ class SelectionTruth(Truth):
             mask = np.zeros((1, self.problem.num_elements), dtype=bool)
             mask[0, list(chosen)] = True
             return (Fraction(float(np.asarray(self.problem.function.evaluate(mask))[0])),)  # type: ignore[union-attr]
-        return (sum((max(column) for column in zip(*(self.gives[e] for e in chosen), strict=True)), Fraction(0)) if chosen else Fraction(0),)
+        return (
+            sum((max(column) for column in zip(*(self.gives[e] for e in chosen), strict=True)), Fraction(0)) if chosen else Fraction(0),
+        )
 
     def value(self, answer: Any) -> Values | None:
         chosen = tuple(sorted(answer.elements))
@@ -334,7 +162,9 @@ class SharesTruth(Truth):
         packed, covered = (
             [sum((v * s for v, s in zip(row, x, strict=True) if v), Fraction(0)) for row in m] for m in (self.pack, self.cover)
         )
-        heaviest = [max(column, default=Fraction(0)) for column in zip(*(self.pack if self.senses[0] == "max" else self.cover), strict=True)]
+        heaviest = [
+            max(column, default=Fraction(0)) for column in zip(*(self.pack if self.senses[0] == "max" else self.cover), strict=True)
+        ]
         negative = any(-v * max(h, Fraction(1)) > slack for v, h in zip(given, heaviest, strict=True))
         most, least = max(packed, default=Fraction(0)), min(covered)
         if negative or (most > 1 + slack if self.senses[0] == "max" else least < 1 - slack):
@@ -371,7 +201,9 @@ class ProgramTruth(Truth):
             lower, upper = p.lower.tolist(), p.upper.tolist()
             for j, v in zip(at, chosen, strict=True):
                 lower[j] = upper[j] = v
-            status, value, x = bounded([sign * c for c in p.cost.tolist()], self.rows, p.row_lower.tolist(), p.row_upper.tolist(), lower, upper)
+            status, value, x = bounded(
+                [sign * c for c in p.cost.tolist()], self.rows, p.row_lower.tolist(), p.row_upper.tolist(), lower, upper
+            )
             self.unbounded |= status == "unbounded"
             if status == "optimal":
                 found = (sign * value + Fraction(float(p.offset)),)

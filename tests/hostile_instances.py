@@ -6,6 +6,7 @@ are therefore the same problem, measured differently.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -24,7 +25,15 @@ from waybound.formulations.problems.submodular_selection import SubmodularSelect
 from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.program import Program, Rows, Variables
 from waybound.instances.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
-from waybound.instances.selection import Cardinality, Constraint, Coverage, DenseFacilityLocation, FacilityLocation, Knapsack, PartitionMatroid
+from waybound.instances.selection import (
+    Cardinality,
+    Constraint,
+    Coverage,
+    DenseFacilityLocation,
+    FacilityLocation,
+    Knapsack,
+    PartitionMatroid,
+)
 from waybound.instances.sensing import SensingGraph, graph_of_edges
 from waybound.instances.travel import Travel
 
@@ -120,15 +129,15 @@ def routing(rng: Rng, units: Units, *, most: int = 4, plain: bool | None = None)
         if rng.random() < 0.3:
             ready[0] = -float(rng.integers(1, 9))
         clock = ready[0]
-        for i, j in zip(tour, tour[1:], strict=False):
+        for i, j in itertools.pairwise(tour):
             clock = clock + (service[i] if i else 0.0) + moves[i, j]
             arrived, clock = clock, max(clock, ready[j])
             if j and rng.random() < 0.7:
                 due[j] = max(ready[j], near(rng, arrived))
         if rng.random() < 0.4:
             due[0] = max(ready[0], near(rng, clock))
-    driven = math.fsum(matrix[i, j] for i, j in zip(path, path[1:], strict=False))
-    moved = math.fsum(moves[i, j] for i, j in zip(path, path[1:], strict=False))
+    driven = math.fsum(matrix[i, j] for i, j in itertools.pairwise(path))
+    moved = math.fsum(moves[i, j] for i, j in itertools.pairwise(path))
     served = math.fsum(service[path[1:-1]])
 
     def vehicle(name: str) -> VehicleType:
@@ -206,7 +215,7 @@ def graph(rng: Rng, units: Units) -> SensingGraph:
 
 
 def max_min(rng: Rng, units: Units, sense: str) -> MaxMinLP:
-    """Small matrices; every variable of one stands in the other, so that the pattern allows an optimum. One packing row a variable often."""
+    """Small matrices whose pattern allows an optimum; one packing row a variable often."""
     n, rows, covers = (int(v) for v in rng.integers(1, 5, 3))
     a, c = numbers(rng, (rows, n), style(rng)), numbers(rng, (covers, n), style(rng))
     a *= rng.random((rows, n)) < 0.6
@@ -237,7 +246,9 @@ def selection(rng: Rng, units: Units) -> SubmodularSelection:
         with np.errstate(under="ignore", over="ignore"):
             return SubmodularSelection(DenseFacilityLocation(weights.astype(np.float32 if kind == "dense32" else np.float64)), constraint)
     if kind == "user":
-        f = UserFunction(lambda masks: (masks @ pattern.astype(float) > 0) @ worth, n, monotone=True, submodular=True, label="covered weight")
+        f = UserFunction(
+            lambda masks: (masks @ pattern.astype(float) > 0) @ worth, n, monotone=True, submodular=True, label="covered weight"
+        )
         return SubmodularSelection(f, constraint)
     kept = pattern if kind == "coverage" else weights > 0
     starts, indices = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]).astype(np.int32), np.nonzero(kept)[1].astype(np.int32)

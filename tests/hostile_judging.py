@@ -96,6 +96,8 @@ def of_certificate(truth: Truth, c: Certificate, who: str) -> Iterator[str]:
     if not math.isfinite(value):
         yield f"the value {value!r} has a certificate ({who})"
         return
+    if abs(value) <= VANISHING >= abs(c.bound):
+        return
     true, told = ratio(value, c.bound), c.observed_ratio
     true = 1.0 if away(value, c.bound) == 0 or (told == 1.0 and rounded(truth, value, c.bound)) else true
     if told is not None and away(told, true) > ENDED:

@@ -34,14 +34,14 @@ def own_methods(problem: Problem) -> list[dict[str, str]]:
 
 def own_faults(problem: Problem, exact: Truth, rng: np.random.Generator, methods: int) -> Iterator[str]:
     """False words of our own heuristics, engine, bounds and judge on one problem."""
-    evidence = find_bounds(problem, 5.0)  # no target: every method has its say
+    evidence = find_bounds(problem, 1.0)  # no target: every method has its say
     for e in evidence:
         yield from of_bound(exact, verified_bound(problem, e), f"{e.kind}: {e.source}")
     yield from of_samples(problem, exact, evidence)
     able = own_methods(problem)
     for k in rng.permutation(len(able))[:methods].tolist():
         start = exact.samples[int(rng.integers(len(exact.samples)))] if exact.samples and rng.random() < 0.25 else None
-        solution = wb.solve(problem, **able[k], time_limit=20.0, bound_time=5.0, seed=int(rng.integers(5)), start=start)  # type: ignore[arg-type]
+        solution = wb.solve(problem, **able[k], time_limit=20.0, bound_time=1.0, seed=int(rng.integers(5)), start=start)  # type: ignore[arg-type]
         yield from of_solution(exact, solution)
 
 
@@ -79,7 +79,7 @@ def claim_faults(family: str, case: int, solver: str, tally: Any) -> list[str]:
     problem = FAMILIES[family](rng, Units.drawn(rng))
     limits = {"iterations": 30} if solver in ("pyvrp", "ortools") else {}
     try:
-        solution = wb.solve(problem, solver, time_limit=10.0, bound_time=5.0, **limits)  # type: ignore[arg-type]
+        solution = wb.solve(problem, solver, time_limit=10.0, bound_time=1.0, **limits)  # type: ignore[arg-type]
     except UnsupportedError:
         return []
     except CheckFailedError:
@@ -94,7 +94,9 @@ def claim_faults(family: str, case: int, solver: str, tally: Any) -> list[str]:
     best, told = exact.best, solution.evaluation
     wrong = solution.status in ("infeasible", "unbounded") and (best is not None) and not solution.certificate.infeasible
     if solution.status == "optimal" and best is not None and told is not None:
-        wrong = exact.better(best, tuple(map(Fraction, told.values))) and any(away(a, b) > ENDED for a, b in zip(told.values, best, strict=True))
+        wrong = exact.better(best, tuple(map(Fraction, told.values))) and any(
+            away(a, b) > ENDED for a, b in zip(told.values, best, strict=True)
+        )
     tally[f"false claims of {solver} beside what was verified"] += wrong
     return [f"{family} {case} {solver}: {word}" for word in of_solution(exact, solution, ours=False)]
 

@@ -124,7 +124,7 @@ def gains_of(name: str, case: int) -> tuple[int, int, list[str]]:
     """Answers tried, those accepted though they break something by a hair, and those that beat a bound."""
     rng = np.random.default_rng([SEED, case])
     problem, answers = DRAWS[name](rng)
-    evidence = find_bounds(problem, 5.0) if answers else []
+    evidence = find_bounds(problem, 1.0) if answers else []
     bounds = [(verified_bound(problem, e), e) for e in evidence]
     sign, edge, found = 1.0 if problem.sense == "min" else -1.0, 0, []
     for answer in answers:
@@ -138,7 +138,9 @@ def gains_of(name: str, case: int) -> tuple[int, int, list[str]]:
             if name == "vectors":  # what a broken row is worth is conceded where bound and answer meet
                 beaten = _contradicts(problem, evaluation, e)
             if beaten:
-                found.append(f"case {case}: {value!r} beats the bound {bound!r} by {e.kind}, residuals {[c.residual for c in evaluation.checks]}")
+                found.append(
+                    f"case {case}: {value!r} beats the bound {bound!r} by {e.kind}, residuals {[c.residual for c in evaluation.checks]}"
+                )
     return len(answers), edge, found
 
 
@@ -151,7 +153,9 @@ def _contradicts(problem: Problem, evaluation: Any, evidence: Any) -> bool:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize(("name", "few", "full"), [("shares", 700, 40_000), ("vectors", 500, 20_000), ("choices", 400, 20_000), ("routes", 400, 24_000)])
+@pytest.mark.parametrize(
+    ("name", "few", "full"), [("shares", 700, 40_000), ("vectors", 500, 20_000), ("choices", 400, 20_000), ("routes", 400, 24_000)]
+)
 def test_no_accepted_answer_beats_a_bound(name: str, few: int, full: int, share: Callable[[int, int], int], tally: Any) -> None:
     goal, case, beaten = share(few, full), 0, []
     while tally["answers at the edge of the tolerance"] < goal:
