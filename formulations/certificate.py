@@ -8,15 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..instances.errors import CheckFailedError, InputError
-from .evaluation import CHECK_TOLERANCE, Check, Evaluation, Violation
+from . import tolerance
+from .evaluation import Check, Evaluation, Violation
 from .evidence import CHECKERS, Evidence, Guarantee
 from .problem import Problem
 
 SCHEMA = 1
 """Version of the certificate's JSON."""
-
-CLOSED_GAP = 1e-9
-"""A level of the objective with no larger gap counts as closed."""
 
 
 @dataclass(frozen=True)
@@ -113,10 +111,11 @@ def better_bound(sense: str, a: float, b: float) -> bool:
     return a > b if sense == "min" else a < b
 
 
-def beats_bound(sense: str, objective: float, bound: float) -> bool:
-    """Whether an objective is better than a bound says is possible, beyond the tolerance of either."""
-    slack = CHECK_TOLERANCE * max(1.0, abs(objective))
-    return objective < bound - slack if sense == "min" else objective > bound + slack
+def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0, concession: float = 0.0) -> bool:
+    """Whether an objective is better than a bound says is possible, beyond rounding and what its residuals are worth."""
+    if not better_bound(sense, bound, objective) or tolerance.same(objective, bound, size):
+        return False
+    return abs(objective - bound) > concession
 
 
 def verified_bound(problem: Problem, evidence: Evidence) -> float:
@@ -159,15 +158,15 @@ def certify(
                 "one of the two checks is wrong; please report this"
             )
         if bound is not None:
-            if beats_bound(problem.sense, value, bound):
+            if beats_bound(problem.sense, value, bound, evaluation.size, problem.concession(best[0], evaluation)):
                 raise CheckFailedError(
                     f"the answer's value {value!r} is better than the bound {bound!r} derived from {best[0].source}: "
                     "one of the two checks is wrong; please report this"
                 )
-            gap = abs(bound - value) / max(abs(value), 1e-9)
-            if len(evaluation.values) > 1 and gap <= CLOSED_GAP:
+            gap = tolerance.gap(value, bound, evaluation.size)
+            if len(evaluation.values) > 1 and tolerance.same(value, bound, evaluation.size):
                 gap = None
-            ratio = _observed_ratio(value, bound)
+            ratio = tolerance.ratio(value, bound, evaluation.size, evaluation.precision)
     return Certificate(
         instance_hash=problem.digest(),
         problem=problem.problem,
@@ -185,13 +184,6 @@ def certify(
         guarantee=guarantee,
         observed_ratio=ratio,
     )
-
-
-def _observed_ratio(value: float, bound: float) -> float | None:
-    better, worse = sorted((abs(value), abs(bound)))
-    if worse - better <= CHECK_TOLERANCE and abs(value - bound) <= CHECK_TOLERANCE:
-        return 1.0
-    return worse / better if value * bound > 0 else None
 
 
 def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Evaluation | None) -> Certificate:
@@ -232,7 +224,7 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     if stated is not None and not made.infeasible:
         if isinstance(stated, bool) or not isinstance(stated, int | float) or not math.isfinite(stated):
             raise InputError("the certificate's bound is not a finite number", found=str(stated))
-        if made.bound is None or better_bound(problem.sense, stated, made.bound + _slack(problem.sense, stated)):
+        if made.bound is None or (better_bound(problem.sense, stated, made.bound) and not tolerance.same(stated, made.bound)):
             raise CheckFailedError(f"the certificate states the bound {stated!r}, its evidence proves {made.bound!r}")
     value = data.get("objective")
     if value is not None and evaluation is not None:
@@ -240,7 +232,8 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
         if any(isinstance(v, bool) or not isinstance(v, int | float) for v in stated_values):
             raise InputError("the certificate's objective is not a number", found=str(value))
         if len(stated_values) != len(evaluation.values) or not all(
-            abs(a - b) <= CHECK_TOLERANCE * max(1.0, abs(b)) for a, b in zip(stated_values, evaluation.values, strict=True)
+            tolerance.same(a, b, size)
+            for a, b, size in zip(stated_values, evaluation.values, evaluation.sizes or [0.0] * len(stated_values), strict=True)
         ):
             raise CheckFailedError(f"the certificate states the objective {value!r}, the answer's is {evaluation.objective!r}")
     if evaluation is not None:
@@ -250,11 +243,6 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
                 continue
             if isinstance(better, bool) or not isinstance(better, int | float):
                 raise InputError(f"the certificate's {key} is not a number", found=str(better)[:80])
-            if proved is None or not better >= proved - CHECK_TOLERANCE:
+            if proved is None or not (better >= proved or tolerance.same(better, proved, 1.0)):
                 raise CheckFailedError(f"the certificate states the {key} {better!r}, what it proves is {proved!r}")
     return made
-
-
-def _slack(sense: str, value: float) -> float:
-    size = CHECK_TOLERANCE * max(1.0, abs(value))
-    return size if sense == "min" else -size

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-CHECK_TOLERANCE = 1e-6
-"""Largest residual, absolute and in the file's units, that a check lets pass."""
+from .tolerance import EQUAL
 
 
 @dataclass(frozen=True)
@@ -67,15 +66,26 @@ class Evaluation:
         One value a level of the objective, recomputed from the data.
     checks : tuple of Check
     violations : tuple of Violation
-        Residuals above ``CHECK_TOLERANCE``; empty for a feasible answer.
+        Residuals above what ``tolerance`` allows; empty for a feasible answer.
     quantities : dict
         Further totals worth showing (distance, vehicles, waiting, ...).
+    sizes : tuple of float
+        One a level: the sum of the absolute values of what was added up; without it that of the value itself.
+    precision : float
+        Relative: how closely a value of this kind can be known, ``tolerance.EQUAL`` or, for a solver's vector, ``tolerance.VECTOR``.
     """
 
     values: tuple[float, ...]
     checks: tuple[Check, ...]
     violations: tuple[Violation, ...]
     quantities: dict[str, float]
+    sizes: tuple[float, ...] = ()
+    precision: float = EQUAL
+
+    @property
+    def size(self) -> float:
+        """Of what was added up to the first value."""
+        return self.sizes[0] if self.sizes else abs(self.values[0])
 
     @property
     def feasible(self) -> bool:
@@ -95,24 +105,29 @@ class Checklist:
         self._tested: dict[str, int] = {}
         self.violations: list[Violation] = []
 
-    def test(self, check: str, excess: float, message: str, *, vehicle: str | None = None, site: str | None = None) -> None:
-        """Record that ``check`` was tested and exceeded by ``excess`` (at most 0 when it holds; NaN never holds)."""
+    def test(
+        self, check: str, excess: float, message: str, *, allowed: float = 0.0, vehicle: str | None = None, site: str | None = None
+    ) -> None:
+        """Record that ``check`` was tested and exceeded by ``excess`` (at most 0 when it holds; NaN never holds), ``allowed`` being let
+        pass."""
         self._tested[check] = self._tested.get(check, 0) + 1
         amount = math.inf if math.isnan(excess) else max(0.0, excess)
         self._residual[check] = max(self._residual.get(check, 0.0), amount)
-        if amount > CHECK_TOLERANCE:
+        if amount > allowed:
             self.violations.append(Violation(check, message, amount, vehicle, site))
 
     def checks(self, names: Sequence[str]) -> tuple[Check, ...]:
         """All checks in the given order, those that had nothing to test included."""
-        return tuple(
-            Check(n, self._residual.get(n, 0.0) <= CHECK_TOLERANCE, self._residual.get(n, 0.0), self._tested.get(n, 0)) for n in names
-        )
+        broken = {v.check for v in self.violations}
+        return tuple(Check(n, n not in broken, self._residual.get(n, 0.0), self._tested.get(n, 0)) for n in names)
 
 
-def judge(check: str, excess: NDArray[np.floating[Any]], message: Callable[[int], str]) -> tuple[Check, list[Violation]]:
-    """One check of many things at once: ``excess`` is at most 0 where it holds (NaN never holds), ``message`` tells the k-th fault."""
+def judge(
+    check: str, excess: NDArray[np.floating[Any]], message: Callable[[int], str], allowed: ArrayLike = 0.0
+) -> tuple[Check, list[Violation]]:
+    """One check of many things at once: ``excess`` is at most 0 where it holds (NaN never holds), ``allowed`` is let pass, ``message``
+    tells the k-th fault."""
     residual = np.where(np.isnan(excess), math.inf, np.maximum(excess, 0.0))
+    wrong = np.nonzero(residual > allowed)[0].tolist()
     worst = float(residual.max(initial=0.0))
-    wrong = np.nonzero(residual > CHECK_TOLERANCE)[0].tolist()
-    return Check(check, worst <= CHECK_TOLERANCE, worst, len(residual)), [Violation(check, message(k), float(residual[k])) for k in wrong]
+    return Check(check, not wrong, worst, len(residual)), [Violation(check, message(k), float(residual[k])) for k in wrong]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .evaluation import CHECK_TOLERANCE
+from .tolerance import LIMIT
 
 if TYPE_CHECKING:
     from .problems.routing import RoutingProblem
@@ -39,11 +39,11 @@ def fleet_conflicts(problem: RoutingProblem) -> list[str]:
         return found
     demand = sites.demand[wanted]
     total, room = float(math.fsum(demand)), math.fsum(v.capacity * (v.count or 0) for v in problem.fleet)
-    if total > room + CHECK_TOLERANCE * limit:
+    if total > room * (1.0 + LIMIT):
         found.append(f"the required sites demand {total:g} in total, {_vehicles(limit)} can carry {room:g}")
     else:
         largest = max(v.capacity for v in problem.fleet)
-        need = _bin_packing_bound(demand, largest + CHECK_TOLERANCE) if math.isfinite(largest) else 0
+        need = _bin_packing_bound(demand, largest * (1.0 + LIMIT)) if math.isfinite(largest) else 0
         if need > limit:
             found.append(f"the demands need at least {need} vehicles of capacity {largest:g} (bin packing bound L2), the fleet has {limit}")
     if len(sites) <= LARGEST_CLIQUE_DATA:
@@ -88,14 +88,14 @@ def _compatible(problem: RoutingProblem, wanted: NDArray[np.int64]) -> Flags:
         finish = np.maximum(arrival, ready[None, :]) + (service + back)[None, :]
         spent = (out + service)[:, None] + between_time + (service + back)[None, :]
         driven = length[v.start, wanted][:, None] + between_length + length[wanted, v.end][None, :]
-        slack = CHECK_TOLERANCE
+        wide = 1.0 + LIMIT
         ordered = (
-            (arrival <= due[None, :] + slack)
-            & (finish <= sites.due[v.end] + slack)
-            & (spent <= v.max_duration + slack)
-            & (driven <= v.max_distance + slack)
+            (arrival <= (due + LIMIT * np.abs(due))[None, :])
+            & (finish <= sites.due[v.end] * wide)
+            & (spent <= v.max_duration * wide)
+            & (driven <= v.max_distance * wide)
         )
-        fits |= (ordered | ordered.T) & (demand[:, None] + demand[None, :] <= v.capacity + slack)
+        fits |= (ordered | ordered.T) & (demand[:, None] + demand[None, :] <= v.capacity * wide)
     return fits
 
 

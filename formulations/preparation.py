@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .tolerance import LIMIT
+
 if TYPE_CHECKING:
     from ..instances.instance import VehicleType
     from .problems.routing import RoutingProblem
@@ -27,11 +29,8 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Nodes = NDArray[np.int32]
 
-COMPARISON_TOLERANCE = 1e-9
-"""Relative to a resource's range: a route of exactly its limit is feasible, whatever the rounding of its sum."""
-
-SHORT = 1e-4
-"""Moves of at most this weight may close a cycle within a solver's tolerances (1e-6 a row), so they count as zero."""
+SHORT = 1e-5
+"""Moves of at most this part of a resource's range may close a cycle within a solver's tolerances (1e-6 a row), so they count as zero."""
 
 _ROUNDS = 20
 
@@ -60,9 +59,14 @@ class Resource:
 
     @property
     def tolerance(self) -> float:
-        """By how much a level may exceed its range and still count as on it."""
+        """By how much a level may exceed its range and still count as on it: a route of exactly its limit is feasible."""
+        return LIMIT * self.size
+
+    @property
+    def size(self) -> float:
+        """The largest level of the range."""
         finite = np.concatenate([self.lower, self.upper])
-        return COMPARISON_TOLERANCE * max(1.0, float(np.abs(finite[np.isfinite(finite)]).max(initial=0.0)))
+        return float(np.abs(finite[np.isfinite(finite)]).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +180,7 @@ def leaves_cycles(prep: Preparation, resources: Iterable[Resource]) -> bool:
     """Whether some cycle of customers adds (almost) nothing to any resource, so that none of them forbids it."""
     short = (prep.tail != 0) & (prep.head != prep.end)
     for r in resources:
-        short &= r.weight <= SHORT
+        short &= r.weight <= SHORT * r.size
     if not short.any():
         return False
     import scipy.sparse as sp

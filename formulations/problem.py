@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ..instances.instance import Instance
+    from .evidence import Evidence
     from .program import Program
 
 
@@ -63,6 +64,13 @@ class Problem(ABC):
     @abstractmethod
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute objective and violations of ``answer`` from the data alone."""
+
+    def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
+        """By how much an answer may pass the bound that ``evidence`` proves: what the residuals of its checks are worth.
+
+        0 wherever the checker of the evidence widens all limits, or the judge prices answers within them.
+        """
+        return 0.0
 
     @abstractmethod
     def answer_to_json(self, answer: Any) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .evaluation import CHECK_TOLERANCE
+from .tolerance import LIMIT
 
 if TYPE_CHECKING:
     from ..instances.instance import VehicleType
@@ -64,7 +64,7 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
     total = math.fsum(sites.demand[must]) * (1.0 - 1e-12)
     room, routes = 0.0, 0
     for kind in sorted(problem.fleet, key=lambda v: -v.capacity):
-        capacity = kind.capacity + CHECK_TOLERANCE
+        capacity = kind.capacity * (1.0 + LIMIT)
         count = len(customers) if kind.count is None else kind.count
         needed = max(0, math.ceil((total - room) / capacity)) if math.isfinite(capacity) else int(room < total)
         if needed <= count:
@@ -105,7 +105,7 @@ def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
     reasons: list[str | None] = [None] * len(at)
     for value, limit, text in tests:
         bounds = np.broadcast_to(np.asarray(limit, dtype=np.float64), len(at))
-        for k in np.nonzero(value > bounds + CHECK_TOLERANCE + 1e-9 * np.abs(value))[0].tolist():
+        for k in np.nonzero(value > bounds + LIMIT * (np.abs(bounds) + np.abs(value)))[0].tolist():
             reasons[k] = reasons[k] or text.format(value[k], bounds[k])
     return reasons
 

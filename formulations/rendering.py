@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from .tolerance import EQUAL
+
 if TYPE_CHECKING:
     from .certificate import Certificate
     from .solution import Solution
@@ -40,7 +42,7 @@ def percent(gap: float | None) -> str:
     """A relative gap as a percentage."""
     if gap is None:
         return "-"
-    return "0 %" if gap <= 1e-9 else f"{100.0 * gap:.3g} %"
+    return "0 %" if gap <= EQUAL else f"{100.0 * gap:.3g} %"
 
 
 def certificate_lines(certificate: Certificate) -> list[Line]:
@@ -99,7 +101,8 @@ def status_line(solution: Solution) -> Line:
     s = solution
     stopped = "" if s.limit == "none" else f"; stopped by {_LIMIT_WORDS.get(s.limit, s.limit)}"
     if s.status == "optimal":
-        if s.bound_kind == "verified" and s.gap is not None and s.gap <= 1e-6:
+        precision = EQUAL if s.evaluation is None else s.evaluation.precision
+        if s.bound_kind == "verified" and s.gap is not None and s.gap <= precision:
             return Line("status", "optimal: the verified bound meets the objective", "good")
         return Line("status", f"optimal according to {s.solver}{stopped}", "good")
     if s.status == "feasible":

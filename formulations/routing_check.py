@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .evaluation import Checklist, Evaluation
 from .routes import Route, Routes
+from .tolerance import ROUNDING, allowance
 
 if TYPE_CHECKING:
     from .problems.routing import RoutingProblem
@@ -112,22 +113,27 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
                 judge.test("visits", 1.0, f"{name} visits the depot {sites.ids[site]} on its way", vehicle=name, site=sites.ids[site])
         plan = schedule(problem, route)
 
-        stops = [*zip(plan.arrival.tolist(), route.visits, strict=True), (plan.finish, vehicle.end)]
-        for reached, site in stops:
-            place, due = sites.ids[site], float(sites.due[site])
-            judge.test("time-windows", reached - due, f"{name} reaches {place} at {reached:.6f}, due {due:g}", vehicle=name, site=place)
-        judge.test(
-            "load", plan.total_load - vehicle.capacity, f"{name} carries {plan.total_load:g}, capacity {vehicle.capacity:g}", vehicle=name
-        )
-        for check, value, limit in (
-            ("duration", plan.duration, vehicle.max_duration),
-            ("distance", plan.total_distance, vehicle.max_distance),
-        ):
-            judge.test(check, value - limit, f"{name} has {check} {value:.6f}, limit {limit:g}", vehicle=name)
+        places = [*route.visits, vehicle.end]
+        reached, due = np.append(plan.arrival, plan.finish), sites.due[places]
+        allowed = allowance(due, reached, abs(float(sites.ready[vehicle.start])))
+        for site, at, end, slack in zip(places, reached.tolist(), due.tolist(), allowed.tolist(), strict=True):
+            late = f"{name} reaches {sites.ids[site]} at {at:.10g}, due {end:.10g}"
+            judge.test("time-windows", at - end, late, allowed=slack, vehicle=name, site=sites.ids[site])
+        limits = [
+            ("load", plan.total_load, vehicle.capacity, "carries {:.10g}, capacity {:.10g}"),
+            ("duration", plan.duration, vehicle.max_duration, "has duration {:.10g}, limit {:.10g}"),
+            ("distance", plan.total_distance, vehicle.max_distance, "has distance {:.10g}, limit {:.10g}"),
+        ]
         if vehicle.energy is not None:
-            charge, limit = vehicle.energy.charge, vehicle.energy.capacity
+            charge = vehicle.energy.charge
             drawn = vehicle.energy.rate * plan.charged[charge]
-            judge.test("energy", drawn - limit, f"{name} draws {drawn:.6f} ({charge}), capacity {limit:g}", vehicle=name)
+            limits.append(("energy", drawn, vehicle.energy.capacity, f"draws {{:.10g}} ({charge}), capacity {{:.10g}}"))
+        rounding = ROUNDING * (len(places) + 2) * float(np.abs(reached).max())
+        for check, value, limit, words in limits:
+            slack = float(allowance(limit, value))
+            if slack > 0 and check in ("duration", "energy"):  # differences of times
+                slack += rounding * (vehicle.energy.rate if vehicle.energy is not None and check == "energy" else 1.0)
+            judge.test(check, value - limit, f"{name} {words.format(value, limit)}", allowed=slack, vehicle=name)
 
         cost.append(vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance)
         distance.append(plan.total_distance)
@@ -150,5 +156,6 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         "longest-route": longest, "makespan": makespan,
     }  # fmt: skip
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
+    sizes = tuple(math.fsum(abs(w * terms[t.name]) for w, t in level.terms) for level in problem.objective.levels())
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
-    return Evaluation(values, judge.checks(CHECKS), tuple(judge.violations), quantities)
+    return Evaluation(values, judge.checks(CHECKS), tuple(judge.violations), quantities, sizes)

@@ -34,7 +34,7 @@ def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
     Raises
     ------
     UnsupportedError
-        If a variable that covers stands in several packing rows, or the sense is ``min``.
+        If a variable that covers stands in several packing rows, the sense is ``min``, or a quotient overflows or vanishes.
 
     Notes
     -----
@@ -56,7 +56,10 @@ def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
     indptr = np.zeros(n + 1, dtype=np.int32)
     np.cumsum(np.bincount(c.indices, minlength=n), out=indptr[1:])
     targets = np.repeat(np.arange(c.rows, dtype=np.int32), np.diff(c.indptr))[order]
-    weights = (c.data / scale[c.indices])[order]
+    with np.errstate(over="ignore", under="ignore"):
+        weights = (c.data / scale[c.indices])[order]
+    if not (np.isfinite(weights) & (weights > 0)).all():
+        raise UnsupportedError("the reduction to robots", {"coefficients whose quotients no double holds"})
     return SensingGraph(robot, indptr, targets, weights, a.rows, c.rows, name=problem.name), scale
 
 

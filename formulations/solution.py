@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from .certificate import Certificate
 from .evaluation import Evaluation
 from .problem import Problem
+from .tolerance import gap, same
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,20 +23,20 @@ PLOTTERS: dict[str, Callable[..., Any]] = {}
 """Plot functions by problem family; filled by the floor above."""
 
 
-def relative_gap(objective: Value | None, bound: Value | None) -> float | None:
-    """``|bound - objective| / max(|objective|, 1e-9)`` at the first level that is still open; None without a bound."""
+def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[float] = ()) -> float | None:
+    """``tolerance.gap`` at the first level of the objective that is still open; None without a bound."""
     if objective is None or bound is None:
         return None
     values = list(objective) if isinstance(objective, list) else [objective]
     bounds = list(bound) if isinstance(bound, list) else [bound]
-    gap: float | None = None
-    for value, limit in zip(values, bounds, strict=True):
+    found: float | None = None
+    for value, limit, size in zip(values, bounds, sizes or [0.0] * len(values), strict=True):
         if value is None or limit is None:
             return None
-        gap = abs(limit - value) / max(abs(value), 1e-9)
-        if gap > 1e-9:
-            return gap
-    return gap
+        found = gap(value, limit, size)
+        if not same(value, limit, size):
+            return found
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.program import Program
+from ..formulations.scaling import Scaled, scaled
 from ..instances.errors import UsageError
 from ..instances.registry import Registry
 
@@ -143,6 +144,22 @@ class Control:
             self._progress(event)
 
 
+class _Rescaled(Control):
+    """What a backend publishes of a scaled program, handed on in the units of the program as it was."""
+
+    def __init__(self, outer: Control, made: Scaled) -> None:
+        super().__init__()
+        self._outer, self._made = outer, made
+        outer.on_stop(self.stop)
+
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        super().publish(answer, objective, bound, evidence)
+        vector = None if answer is None else self._made.vector(answer)
+        self._outer.publish(vector, self._made.value(objective), self._made.value(bound), evidence)
+
+
 class Backend(ABC):
     """Anything that can be named with ``--solver``.
 
@@ -208,9 +225,29 @@ class ProgramBackend(Backend):
         """Features of ``program``, beyond its kind, that the solver lacks; empty if it can take it."""
         return frozenset()
 
-    @abstractmethod
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """Search. ``RawResult.answer`` is a vector of shape (variables,); ``options.start`` is one too."""
+        """Search, with the program's numbers brought to ordinary sizes first and all results back to its own units.
+
+        ``RawResult.answer`` is a vector of shape (variables,); ``options.start`` is one too.
+        """
+        from .sanity import prepared
+
+        made = scaled(program := prepared(program))
+        if made.program is program:
+            return self.search(program, options, control)
+        start = None if options.start is None else made.scaled_vector(options.start)
+        result = self.search(made.program, replace(options, start=start), _Rescaled(control, made))
+        return replace(
+            result,
+            answer=None if result.answer is None else made.vector(result.answer),
+            objective=made.value(result.objective),
+            bound=made.value(result.bound),
+            row_duals=None if result.row_duals is None else made.duals(result.row_duals),
+        )
+
+    @abstractmethod
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        """Search a program whose numbers are of ordinary size. ``RawResult.answer`` is a vector of shape (variables,)."""
 
 
 class Engine(Backend):

@@ -13,6 +13,7 @@ from ..formulations.certificate import verified_bound
 from ..formulations.evidence import BOUNDS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.program import Program
+from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError
 from .backend import BACKENDS, Control, Options, ProgramBackend
 
@@ -85,4 +86,4 @@ def find_bounds(
 
 
 def _reaches(bound: float, target: float | None) -> bool:
-    return target is not None and abs(bound - target) <= 1e-9 * max(1.0, abs(target))
+    return target is not None and same(bound, target)

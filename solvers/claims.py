@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..formulations.certificate import beats_bound
 from ..formulations.evaluation import Evaluation
 from ..formulations.exactness import Exactness
+from ..formulations.tolerance import same
 from ..instances.errors import CheckFailedError
 from .backend import RawResult
 
@@ -12,13 +13,13 @@ CLAIM_TOLERANCE = 1e-5
 """Relative: engines accept points that are off by 1e-6 a row and a variable, so their own totals are off by more."""
 
 
-def _far(claimed: float, known: float) -> bool:
-    return abs(claimed - known) > CLAIM_TOLERANCE * max(1.0, abs(known))
+def _far(claimed: float, known: float, size: float = 0.0) -> bool:
+    return not same(claimed, known, size, CLAIM_TOLERANCE)
 
 
 def check_objective(solver: str, result: RawResult, evaluation: Evaluation) -> None:
     """Raise CheckFailedError if the objective that the solver claims for its answer is not the answer's."""
-    if result.objective is not None and len(evaluation.values) == 1 and _far(result.objective, evaluation.values[0]):
+    if result.objective is not None and len(evaluation.values) == 1 and _far(result.objective, evaluation.values[0], evaluation.size):
         raise CheckFailedError(
             f"{solver} claims the objective {result.objective!r}, the answer's value recomputed from the data is {evaluation.values[0]!r}"
         )

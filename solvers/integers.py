@@ -1,7 +1,8 @@
 """Routing data as integers, for engines that count in integers: one place, one rule of rounding.
 
-What can be written exactly with at most three decimals is scaled exactly. All else is scaled by 1e6, consumption up and
-limits down, so that whatever is feasible for the integers is feasible for the data.
+Data of extraordinary size are first brought to an ordinary one by a power of two. What can then be written exactly with at most three
+decimals is scaled exactly. All else is scaled by 1e6, consumption up and limits down, so that whatever is feasible for the integers is
+feasible for the data.
 """
 
 from __future__ import annotations
@@ -28,15 +29,17 @@ UNLIMITED = int(np.iinfo(np.int64).max)
 FINE = 1_000_000
 """Scale of data that three decimals cannot hold."""
 
-_EXACT = 1e-9
-_GUARD = 1e-3
+_ROUNDING = 4 * float(np.finfo(np.float64).eps)
+_SMALL, _WIDE, _BASE = -10, 40, 20
+"""Binary exponents: data below 2**-10, above 2**40, or above 2**20 and to be rounded become just less than 2**20; so do binary fractions,
+which that makes exact."""
 
 
 @dataclass(frozen=True)
 class Scale:
     """One unit of the data is ``factor`` integers; ``exact`` if nothing was rounded."""
 
-    factor: int
+    factor: float
     exact: bool
 
     def nearest(self, values: ArrayLike) -> Integers:
@@ -45,11 +48,13 @@ class Scale:
 
     def up(self, values: ArrayLike) -> Integers:
         """For what is consumed, and for earliest times."""
-        return _integers(np.ceil(self._scaled(values) - (0.0 if self.exact else _GUARD)))
+        scaled = self._scaled(values)
+        return _integers(np.ceil(scaled if self.exact else scaled - _ROUNDING * np.abs(scaled)))
 
     def down(self, values: ArrayLike) -> Integers:
         """For limits; infinite ones become ``UNLIMITED``."""
-        return _integers(np.floor(self._scaled(values) + (0.0 if self.exact else _GUARD)))
+        scaled = self._scaled(values)
+        return _integers(np.floor(scaled if self.exact else scaled + _ROUNDING * np.abs(scaled)))
 
     def _scaled(self, values: ArrayLike) -> Floats:
         scaled = np.asarray(values, dtype=np.float64) * self.factor
@@ -57,15 +62,28 @@ class Scale:
 
 
 def scale_of(*values: ArrayLike) -> Scale:
-    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers to 1e-9, else ``FINE``."""
+    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats; else ``FINE``.
+
+    Each times a power of two, where the largest value is very small or very large.
+    """
     parts = [np.asarray(v, dtype=np.float64).ravel() for v in values]
     every = np.concatenate(parts) if parts else np.zeros(0)
     every = every[np.isfinite(every)]
-    for factor in (1, 10, 100, 1000):
-        scaled = every * factor
-        if _whole(scaled).all():
-            return Scale(factor, True)
-    return Scale(FINE, False)
+    largest = float(np.abs(every).max(initial=0.0))
+    if largest == 0.0:
+        return Scale(1, True)
+    exponent = math.frexp(largest)[1]
+    other = math.ldexp(1.0, min(1000, _BASE - exponent))
+    for unit in (1.0, other) if _SMALL <= exponent <= _WIDE else (other,):
+        for factor in (1, 10, 100, 1000):
+            if _whole(every * unit * factor).all():
+                return Scale(_plain(unit * factor), True)
+    return Scale(_plain((1.0 if _SMALL <= exponent <= _BASE else other) * FINE), False)
+
+
+def _plain(factor: float) -> float:
+    """A whole number as one, for people to read."""
+    return int(factor) if factor == int(factor) else factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +106,9 @@ class IntegerRouting:
     travel_limit, charge_limit, latest_return : int arrays, one entry a vehicle type
         Energy as a limit on time: on the move, charged by windows, and as the latest return of a route that starts when
         its depot opens.
-    cost_factor : int
+    travel_reach : int array, one entry a vehicle type
+        ``travel_limit`` as a limit on distance, where moves take as long as they are.
+    cost_factor : float
         Integers in one unit of the objective.
     scales : dict
         For the report: scale of cost, distance, time and load.
@@ -109,9 +129,10 @@ class IntegerRouting:
     unit: Integers
     fixed: Integers
     travel_limit: Integers
+    travel_reach: Integers
     charge_limit: Integers
     latest_return: Integers
-    cost_factor: int
+    cost_factor: float
     scales: dict[str, Any]
 
 
@@ -178,6 +199,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         unit=per_unit.nearest(goal.unit),
         fixed=cost.nearest(goal.fixed),
         travel_limit=clock.down(budgets["travel"]),
+        travel_reach=length.down(budgets["travel"]),
         charge_limit=clock.down(budgets["windows"]),
         latest_return=clock.down(opens + budgets["elapsed-fixed-start"]),
         cost_factor=cost.factor,
@@ -216,7 +238,7 @@ def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) 
 def _whole(values: Floats) -> NDArray[np.bool_]:
     """Which values are integers but for the rounding of floats."""
     with np.errstate(invalid="ignore"):  # infinity less infinity
-        return np.asarray(np.abs(values - np.rint(values)) <= _EXACT + 4 * np.finfo(float).eps * np.abs(values))
+        return np.asarray(np.abs(values - np.rint(values)) <= _ROUNDING * np.abs(values))
 
 
 def _integers(values: Floats) -> Integers:

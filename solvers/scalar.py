@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..formulations.checking.granularity import grain
 from ..instances.errors import UnsupportedError
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def scalarised(problem: RoutingProblem) -> Scalar:
     """One sum whose optima are those of the objective.
 
     A level is weighed so that its smallest step outweighs all later levels together, which is exact: a vehicle counts 1,
-    and rewards count in steps of their last decimal.
+    and rewards count in steps of what they are all multiples of, or of a millionth of the largest where there is no such number.
 
     Raises
     ------
@@ -74,7 +75,8 @@ def scalarised(problem: RoutingProblem) -> Scalar:
     for level in reversed(levels[:-1]):
         first = _level(problem, level)
         step = abs(level.terms[0][0]) if level.terms[0][1].name == "vehicles" else _step(first.prize)
-        total = first * float(10.0 ** math.ceil(math.log10((_range(problem, total) + 1.0) / step))) + total
+        spread = _range(problem, total)
+        total = first * (2.0 ** (math.frexp(spread / step)[1] + 1) if spread > 0 else 1.0) + total
     return total
 
 
@@ -105,11 +107,8 @@ def _range(problem: RoutingProblem, goal: Scalar) -> float:
 
 
 def _step(prize: Floats) -> float:
-    for step in (1.0, 0.1, 0.01, 0.001):
-        steps = prize / step
-        if (np.abs(steps - np.rint(steps)) <= 1e-9 * np.maximum(1.0, steps)).all():
-            return step
-    return 1e-6
+    found = grain(prize)
+    return found.size if found is not None else 1e-6 * float(prize.max(initial=0.0)) or 1.0
 
 
 def claimed_objective(problem: RoutingProblem, value: float) -> float | None:

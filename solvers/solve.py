@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from ..formulations.certificate import Certificate, better_bound, certify
-from ..formulations.evaluation import CHECK_TOLERANCE, Evaluation
+from ..formulations.evaluation import Evaluation
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.exactness import Exactness
 from ..formulations.forms import FORMS, relaxed
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
+from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError
 from . import claims
@@ -322,11 +323,11 @@ def _conclude(
     claims.check_verified(run.name, problem.sense, result, certificate.bound, run.exactness)
     check_seconds += time.perf_counter() - began
 
-    bound, kind, source = _best_bound(problem, run, result, certificate)
+    bound, kind, source = _best_bound(problem, run, result, certificate, EQUAL if evaluation is None else evaluation.precision)
     objective = None if evaluation is None else evaluation.objective
     if isinstance(objective, list) and bound is not None:
         bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
-    gap = relative_gap(objective, bound)
+    gap = relative_gap(objective, bound, () if evaluation is None else evaluation.sizes)
     status = _status(problem, run, result, certificate, evaluation, bound)
     messages = [m for m in (result.message, *run.notes) if m]
     return Solution(
@@ -390,13 +391,15 @@ def _decoded(run: _Run, raw: Any) -> Any:
         return None
 
 
-def _best_bound(problem: Problem, run: _Run, result: RawResult, certificate: Certificate) -> tuple[Value | None, str | None, str | None]:
+def _best_bound(
+    problem: Problem, run: _Run, result: RawResult, certificate: Certificate, precision: float
+) -> tuple[Value | None, str | None, str | None]:
     """The best known bound of either kind; a verified one wins a tie."""
     verified = certificate.bound
     claimed = result.bound if run.exactness.bound_is_valid and len(problem.senses) == 1 else None
     if claimed is not None and math.isfinite(claimed):
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
-        if ahead and (verified is None or abs(claimed - verified) > CHECK_TOLERANCE * max(1.0, abs(claimed))):
+        if ahead and (verified is None or not same(claimed, verified, precision=precision)):
             return claimed, "claimed", f"{run.name} ({run.form})" if run.form else run.name
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
 
@@ -407,7 +410,7 @@ def _status(
     if evaluation is not None:
         if len(evaluation.values) == 1 and isinstance(bound, float):
             value = evaluation.values[0]
-            if abs(bound - value) <= CHECK_TOLERANCE * max(1.0, abs(value)):
+            if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
         if result.status == "optimal" and run.exactness is Exactness.EXACT:
             return "optimal"

@@ -187,14 +187,17 @@ class ExactLocal:
         return levels
 
     def secant_levels(self, eps: float) -> list[Fraction]:
-        """Between the last valid and the first invalid of the levels (1 + eps)^j, the least root of a red copy's secant."""
-        levels = []
+        """Between the last valid and the first invalid of the levels 2^(j/m), m the least with 2^(1/m) <= 1 + eps, the least root of a
+        red copy's secant."""
+        levels, m = [], 1
+        while 2.0 ** (1 / m) > 1 + eps:
+            m += 1
         for root in range(self.size):
-            j = math.floor(math.log(self.ceilings[root] / 2) / math.log1p(eps)) - 1
-            q = Fraction(math.pow(1 + eps, j))
+            j = math.floor(math.log2(self.ceilings[root] / 2) * m) - 1
+            q = Fraction(2.0 ** (j / m))
             here = self.recursion(lambda v, layer, q=q: q)
             while True:
-                q, p = Fraction(math.pow(1 + eps, j)), Fraction(math.pow(1 + eps, j + 1))
+                q, p = Fraction(2.0 ** (j / m)), Fraction(2.0 ** ((j + 1) / m))
                 there = self.recursion(lambda v, layer, p=p: p)
                 if not self.valid(root, there):
                     break

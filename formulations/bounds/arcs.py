@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import CHECK_TOLERANCE
+from ..tolerance import LIMIT
 
 if TYPE_CHECKING:
     from ..problem import Problem
@@ -82,9 +82,9 @@ def arc_costs(problem: RoutingProblem) -> Arcs:
     due = np.concatenate([[end], sites.due[at]])
     load = np.concatenate([[0.0], sites.demand[at]])
     capacity = max(v.capacity for v in fleet)
-    hopeless = ready[:, None] + time > due[None, :] + CHECK_TOLERANCE
-    hopeless |= load[:, None] + load[None, :] > capacity + CHECK_TOLERANCE
-    late = ready > due + CHECK_TOLERANCE
+    hopeless = ready[:, None] + time > due[None, :] + LIMIT * np.abs(due)[None, :]
+    hopeless |= load[:, None] + load[None, :] > capacity * (1.0 + LIMIT)
+    late = ready > due + LIMIT * np.abs(due)
     hopeless |= np.eye(len(cost), dtype=bool) | late[:, None] | late[None, :]
     cost[hopeless] = math.inf
 
@@ -92,5 +92,5 @@ def arc_costs(problem: RoutingProblem) -> Arcs:
     total = float(math.fsum(load))
     fewest = max(1, problem.min_vehicles)
     if 0 < capacity < math.inf:
-        fewest = max(fewest, math.ceil(total / capacity - 1e-9))
+        fewest = max(fewest, math.ceil(total / capacity * (1.0 - LIMIT)))
     return Arcs(at, cost, fewest, most)

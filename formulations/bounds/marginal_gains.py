@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.selection import Cardinality, DenseFacilityLocation, FacilityLocation, Knapsack, PartitionMatroid, SetFunction
+from ..certificate import verified_bound
 from ..evidence import BOUNDS, BoundMethod, Evidence
 
 if TYPE_CHECKING:
@@ -66,7 +68,8 @@ def best_prefix(problem: SubmodularSelection, picks: Sequence[int], until: float
             break
     assert best is not None  # the empty prefix is always looked at
     chosen = [int(e) for e in picks[: best[1]]]
-    return Evidence("marginal-gains", source_of(problem, len(chosen)), best[0], {"prefix": chosen}), looked
+    made = Evidence("marginal-gains", source_of(problem, len(chosen)), best[0], {"prefix": chosen})
+    return replace(made, value=verified_bound(problem, made)), looked
 
 
 def declared(problem: SubmodularSelection) -> bool:

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.errors import InputError
-from ..evaluation import CHECK_TOLERANCE
 from ..evidence import CHECKERS
+from ..tolerance import widening
 
 if TYPE_CHECKING:
     from ...instances.instance import VehicleType
@@ -65,7 +65,7 @@ def check_too_few_vehicles(problem: RoutingProblem, data: Mapping[str, Any]) -> 
     rooms = []
     for vehicle in problem.fleet:
         count = len(customers) if vehicle.count is None else min(vehicle.count, len(customers))
-        rooms.append(count * (vehicle.capacity + CHECK_TOLERANCE))
+        rooms.append(count * (vehicle.capacity + float(widening(vehicle.capacity))))
     return _verdict(problem, total * (1 - 8 * _EPS) > math.fsum(rooms))
 
 
@@ -78,7 +78,7 @@ def _can_serve(problem: RoutingProblem, vehicle: VehicleType, site: int) -> bool
     sites = problem.sites
     at = sites.customers
     here = int(np.nonzero(at == site)[0][0])
-    if sites.demand[site] > vehicle.capacity + CHECK_TOLERANCE:
+    if sites.demand[site] > vehicle.capacity + float(widening(vehicle.capacity)):
         return False
     inner = np.ix_(at, at)
     moves = {name: (m[vehicle.start, at], m[inner], m[at, vehicle.end]) for name, m in _matrices(problem).items()}
@@ -93,29 +93,28 @@ def _can_serve(problem: RoutingProblem, vehicle: VehicleType, site: int) -> bool
         store, rate, charge = vehicle.energy.capacity, vehicle.energy.rate, vehicle.energy.charge
         drawn = moves["duration"] if charge == "travel" else busy
         if charge == "elapsed-fixed-start":
-            closing = min(closing, opening + (store + CHECK_TOLERANCE) / rate)
+            closing = min(closing, opening + (store + float(widening(store))) / rate)
         if charge == "windows":
             drawn = (np.maximum(busy[0], ready - opening), np.maximum(busy[1], ready[None, :] - ready[:, None]), busy[2])
         budgets.append((charge, (rate * drawn[0], rate * drawn[1], rate * drawn[2]), store))
 
+    rounding = 8 * (len(at) + 2) * _EPS
     for _, (out, mid, back), limit in budgets:
         need = _shortest(out, mid)[here] + _shortest(back, mid.T)[here]
-        if need > limit + _allowance(need):
+        if need * (1.0 - rounding) > limit + float(widening(limit)):
             return False
-    horizon = max(float(np.abs(ready).max()), abs(opening), float(due[np.isfinite(due)].max(initial=0.0)))
-    slack = _allowance(horizon)
+    slack = widening(due, abs(opening)) + rounding * np.maximum(np.abs(due), abs(opening), where=np.isfinite(due), out=np.zeros(len(due)))
     reached = _earliest(opening, busy[0], busy[1], ready, due + slack)[here]
     homeward = _shortest(busy[2], busy[1].T)[here]
-    return bool(reached <= due[here] + slack and reached + homeward <= closing + _allowance(horizon + homeward))
+    if reached > due[here] + slack[here]:
+        return False
+    back = reached + homeward
+    late = max(abs(opening), abs(reached), homeward)
+    return bool(back <= closing + float(widening(closing, abs(opening))) + rounding * late)
 
 
 def _matrices(problem: RoutingProblem) -> dict[str, Floats]:
     return {"distance": problem.travel.distances, "duration": problem.travel.durations}
-
-
-def _allowance(size: float) -> float:
-    """The judge's tolerance and the rounding of a sum of that size."""
-    return 2 * CHECK_TOLERANCE + (1e-12 * abs(size) if math.isfinite(size) else 0.0)
 
 
 def _shortest(first: Floats, between: Floats) -> Floats:

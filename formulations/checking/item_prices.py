@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.errors import InputError
-from ..evaluation import CHECK_TOLERANCE
 from ..evidence import CHECKERS
+from ..tolerance import widening
 from .granularity import lift, value_grain
 from .multipliers import numbers
 
@@ -69,7 +69,7 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
             total = math.fsum(p) + math.fsum(parts)
         except OverflowError:
             return math.inf
-        return lift(total * (1.0 + (longest + 16) * _EPS) + _TINY, "max", value_grain(function))
+        return lift(total * (1.0 + (longest + 16) * _EPS) + (_TINY if total > 0 else 0.0), "max", value_grain(function))
 
 
 def _worths(function: Any, p: Floats) -> tuple[Floats, int]:
@@ -108,9 +108,9 @@ def _fractional_knapsack(costs: Floats, budget: float, worth: Floats) -> Floats:
 
     The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
     """
-    whole = bool((costs == np.floor(costs)).all()) and costs.sum() < 2.0**52
-    slack = CHECK_TOLERANCE + 4 * _EPS * budget  # evaluate lets that much pass
-    room = math.floor(budget + slack) if whole else budget + slack
+    room = budget + float(widening(budget)) + 4 * _EPS * budget  # evaluate lets that much pass
+    if bool((costs == np.floor(costs)).all()) and max(costs.sum(), budget) < 2.0**52:
+        room = budget if budget == math.floor(budget) else math.floor(room)
     fits = costs <= room
     costs, worth = costs[fits], worth[fits]
     paid = (costs > 0) & (worth > 0)

@@ -75,8 +75,9 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     if not math.isfinite(bound):
         return -sign * math.inf
     counted = program.cost[program.cost != 0]
-    if program.integer[program.cost != 0].all() and grain(counted, 1) == 1.0 and (counted == np.round(counted)).all():
-        bound = lift(bound, "min", 1.0)
+    step = grain(counted) if program.integer[program.cost != 0].all() else None
+    if step is not None and (np.rint(counted / step.size) * step.size == counted).all():  # exactly: terms of both signs may cancel
+        bound = lift(bound, "min", step)
     offset = float(program.offset)
     bound = sign * bound + offset
     return bound - sign * 4 * _EPS * abs(bound) if offset else bound

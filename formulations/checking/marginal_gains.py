@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.errors import InputError
-from ..evaluation import CHECK_TOLERANCE
 from ..evidence import CHECKERS
+from ..tolerance import EQUAL, widening
 from .granularity import lift, value_grain
 
 Floats = NDArray[np.float64]
@@ -106,7 +106,7 @@ def _of_user(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
     inside[chosen] = True
     value, everything = (float(v) for v in f.values(np.stack([inside, np.ones(n, dtype=bool)])))
     after = _after_each(f, inside)
-    slack = CHECK_TOLERANCE * max(1.0, float(np.abs(after).max(initial=0.0)), abs(value), abs(everything))
+    slack = EQUAL * max(float(np.abs(after).max(initial=0.0)), abs(value), abs(everything))
     broken = (after - value > alone + slack).any() or (after < value - slack).any() or everything > alone.sum() + slack * n
     gains = np.maximum(after - value, 0.0) + _EPS * (np.abs(after) + abs(value))
     return (math.inf if broken else value), gains
@@ -135,7 +135,7 @@ def _best_sum(constraint: Any, gains: Floats) -> float:
         place = np.arange(len(group)) - np.maximum.accumulate(np.where(starts, np.arange(len(group)), 0))
         return math.fsum(gains[order][place < constraint.limits[group]])
     costs = constraint.costs
-    room = (constraint.budget + CHECK_TOLERANCE) * (1.0 + 8 * _EPS)
+    room = (constraint.budget + float(widening(constraint.budget))) * (1.0 + 8 * _EPS)
     paid = (costs > 0) & (costs <= room)
     c, g = costs[paid], gains[paid]
     free = math.fsum(gains[costs == 0])

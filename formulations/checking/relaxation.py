@@ -1,7 +1,7 @@
 """What every set of routes obeys, written down for the checkers: one depot, one kind of vehicle, arcs with costs and resources.
 
 Depots are merged into one node, vehicle types into the best of all of them, which only adds routes and lowers costs: a bound for
-the merged fleet is one for the fleet. All limits are widened by what ``evaluate`` lets pass, so that a bound holds for
+the merged fleet is one for the fleet. All limits are widened by what ``evaluate`` lets pass (``tolerance``), so that a bound holds for
 every answer that it accepts. Plain numpy over full matrices; it shares nothing with the forms or their preparation.
 """
 
@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import CHECK_TOLERANCE
-from .granularity import grain, is_decimal
+from ..tolerance import widening
+from .granularity import Grain, grain, is_decimal
 
 if TYPE_CHECKING:
     from ...instances.instance import VehicleType
@@ -27,6 +27,8 @@ Flags = NDArray[np.bool_]
 
 _EPS = float(np.finfo(np.float64).eps)
 _ROUNDS = 10
+_LEAST_STEP = 1e-4
+"""What is let pass must be less than this for multiples of 0.001 to be compared exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +42,9 @@ class Resource:
     start : float
         Level on leaving the depot.
     lower, upper : arrays of shape (nodes,)
-        Levels at which a route can stand at a node; ``upper[0]`` on return. After ``narrowed``: reachable levels.
+        Levels at which a route of an accepted answer can stand at a node; ``upper[0]`` on return. After ``narrowed``: reachable levels.
     slack : float
-        By how much a level of an accepted answer may lie outside, from tolerances and rounding.
+        By how much a level may lie outside from rounding.
     size : float
         No level, limit or weight is larger than half of it.
     """
@@ -69,7 +71,7 @@ class Relaxation:
         Number of routes of any feasible answer; ``fewest > most`` if there is none.
     resources : dict
         By name: ``time, load, distance, duration, energy``; only those that are limited, and ``time`` always.
-    grain : float or None
+    grain : Grain or None
         Of which the objective of every answer is a multiple.
     """
 
@@ -78,7 +80,7 @@ class Relaxation:
     fewest: int
     most: int
     resources: dict[str, Resource]
-    grain: float | None
+    grain: Grain | None
 
     def cheapest_routes(self, depot: Floats, per_route: float) -> float:
         """Least sum of the ``k`` smallest of ``depot`` plus ``k per_route`` over all numbers k of routes; infinite if none fits."""
@@ -105,7 +107,7 @@ def relax(problem: RoutingProblem) -> Relaxation | None:
     cost[~allowed] = math.inf
     grains = [per_cost * v.unit_cost * between for v in problem.fleet]
     fixed = [per_cost * v.fixed_cost + per_vehicle for v in problem.fleet]
-    size = grain(np.concatenate([*(g.ravel() for g in grains), fixed]), 3 * nodes)
+    size = grain(np.concatenate([*(g.ravel() for g in grains), fixed]))
     fewest, most = _fleet(problem)
     return Relaxation(customers, cost, fewest, most, resources, size)
 
@@ -128,7 +130,8 @@ def _fleet(problem: RoutingProblem) -> tuple[int, int]:
     counts = [len(customers) if v.count is None else min(v.count, len(customers)) for v in problem.fleet]
     most = min(len(customers), sum(counts))
     total = math.fsum(problem.sites.demand[customers]) * (1.0 - 4 * _EPS)
-    room = np.sort(np.repeat([v.capacity for v in problem.fleet], counts))[::-1] + CHECK_TOLERANCE
+    capacities = np.array([v.capacity for v in problem.fleet])
+    room = np.sort(np.repeat(capacities + widening(capacities), counts))[::-1]
     enough = np.nonzero(np.cumsum(room) * (1.0 + 4 * len(room) * _EPS) >= total)[0]
     fewest = int(enough[0]) + 1 if len(enough) else most + 1
     return max(fewest, problem.min_vehicles), most
@@ -162,10 +165,13 @@ def _resources(problem: RoutingProblem) -> dict[str, Resource]:
     for v in fleet:
         end = float(sites.due[v.end])
         if v.energy is not None and v.energy.charge == "elapsed-fixed-start":
-            end = min(end, float(sites.ready[v.start]) + v.energy.capacity / v.energy.rate + CHECK_TOLERANCE / v.energy.rate)
+            store = v.energy.capacity + float(widening(v.energy.capacity))
+            end = min(end, float(sites.ready[v.start]) + store / v.energy.rate)
         ends.append(end)
     due[0] = max(ends)
-    found = {"time": _resource(busy, start, ready, due)}
+    clock = max(abs(float(sites.ready[v.start])) for v in fleet)
+    found = {"time": _resource(busy, start, ready, due, clock)}
+    clock = found["time"].size  # what the judge computes elapsed time from
 
     demand = np.concatenate([[0.0], sites.demand[at]])
     limits = {name: max(getattr(v, name) for v in fleet) for name in ("capacity", "max_distance", "max_duration")}
@@ -175,7 +181,7 @@ def _resources(problem: RoutingProblem) -> dict[str, Resource]:
     if math.isfinite(limits["max_distance"]):
         found["distance"] = _resource(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
     if math.isfinite(limits["max_duration"]):
-        found["duration"] = _resource(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]))
+        found["duration"] = _resource(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
     stores = [v.energy for v in fleet if v.energy is not None]
     if len(stores) == len(fleet):
         charges = {e.charge for e in stores}
@@ -188,7 +194,7 @@ def _resources(problem: RoutingProblem) -> dict[str, Resource]:
             first = 0 if len({float(sites.ready[v.start]) for v in fleet}) == 1 else 1
             weight[first:, 1:] = np.maximum(busy[first:, 1:], ready[None, 1:] - ready[first:, None])
         rate, capacity = min(e.rate for e in stores), max(e.capacity for e in stores)
-        found["energy"] = _resource(rate * weight, 0.0, zeros, np.minimum(free, capacity))
+        found["energy"] = _resource(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
     return found
 
 
@@ -203,17 +209,19 @@ def _with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floa
     return made
 
 
-def _resource(weight: Floats, start: float, lower: Floats, upper: Floats) -> Resource:
-    """Infinite limits are replaced by a level that no earliest schedule exceeds.
+def _resource(weight: Floats, start: float, lower: Floats, upper: Floats, clock: float = 0.0, rounded: float = 0.0) -> Resource:
+    """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds.
 
-    Where all data are multiples of 0.001, levels are, and none can exceed a limit by as little as the tolerance of the check.
+    ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels.
+    Where all data are multiples of 0.001, levels are, and none can exceed a limit by as little as what is let pass.
     """
     top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
-    exact = all(is_decimal(values) for values in (weight, start, lower, upper[np.isfinite(upper)]))
-    upper = np.where(np.isfinite(upper), upper, max(top, start))
-    size = max(1.0, abs(start), float(np.abs(lower).max()), float(np.abs(upper).max()), float(weight.max()))
-    slack = (0.0 if exact else CHECK_TOLERANCE) + 16 * len(lower) * _EPS * size
-    return Resource(weight, start, lower, upper, slack, 2.0 * (size + 1.0))
+    wider = widening(upper, clock)
+    if float(wider.max()) < _LEAST_STEP and all(is_decimal(values) for values in (weight, start, lower, upper[np.isfinite(upper)])):
+        wider = np.zeros(len(upper))
+    upper = np.minimum(upper + wider, max(top, start))
+    size = max(rounded, abs(start), float(np.abs(lower).max()), float(np.abs(upper).max()), float(weight.max()))
+    return Resource(weight, start, lower, upper, 16 * len(lower) * _EPS * size, 4.0 * size)
 
 
 def _narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:

@@ -22,6 +22,9 @@ from ..evidence import CHECKERS
 from .granularity import grain, lift
 
 _EPS = float(np.finfo(np.float64).eps)
+_TINY = 5e-324
+_SMALLEST = 1e-290
+"""Below it the rounding of a product or quotient may be larger than its relative error tells."""
 
 
 @CHECKERS.register("target-weights")
@@ -66,13 +69,18 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     y /= largest  # guards the products against overflow and against vanishing
     edges = np.nonzero(y[graph.indices])[0]
     actions = np.searchsorted(graph.indptr, edges, side="right") - 1
-    with np.errstate(over="ignore"):
-        worth = np.bincount(actions, graph.weights[edges] * y[graph.indices[edges]], minlength=graph.num_actions)
+    with np.errstate(over="ignore", under="ignore"):
+        products = graph.weights[edges] * y[graph.indices[edges]]
+        products += np.where((products < _SMALLEST) & (graph.weights[edges] > 0), _TINY, 0.0)  # what underflow took
+        worth = np.bincount(actions, products, minlength=graph.num_actions)
     best = np.zeros(graph.num_robots)
     np.maximum.at(best, graph.robot_of_action, worth)
-    total = math.fsum(best) / math.fsum(y)
+    try:
+        total = math.fsum(best) / math.fsum(y)
+    except OverflowError:
+        return math.inf
     # Longest sum of products: one rounding a term and a product, and a few for the quotient.
     longest = int(np.diff(graph.indptr).max(initial=0))
-    bound = total * (1.0 + (longest + 8) * _EPS)
+    bound = total * (1.0 + (longest + 8) * _EPS) + (2 * _TINY if 0.0 < total < _SMALLEST else 0.0)
     # A sum of whole actions' weights is a multiple of what all weights are multiples of.
-    return bound if problem.fractional else lift(bound, "max", grain(graph.weights, graph.num_robots))
+    return bound if problem.fractional else lift(bound, "max", grain(graph.weights))

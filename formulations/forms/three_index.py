@@ -45,6 +45,7 @@ from ..preparation import SHORT, Preparation, leaves_cycles, prepare
 from ..program import Floats, Program, Rows, Variables
 from ..reachability import minimum_vehicles
 from ..routes import Route, Routes
+from ..scaling import scaled
 from . import FORMS, Form
 from ._routes import ArcIndex, levels, routes_of, used
 from ._rows import Ints, rows
@@ -294,7 +295,7 @@ def _time(kind: _Type) -> Rows:
 def _order(kind: _Type, first: int) -> Rows:
     """Visit numbers that grow along arcs of (almost) no duration; ``first`` is the column of the first customer's number."""
     n, count = kind.prep.customers, len(kind.vehicles)
-    short = (kind.tail != 0) & (kind.head != kind.prep.end) & (kind.with_idle(kind.prep.time.weight) <= SHORT)
+    short = (kind.tail != 0) & (kind.head != kind.prep.end) & (kind.with_idle(kind.prep.time.weight) <= SHORT * kind.prep.time.size)
     arcs = np.nonzero(short)[0]
     i, j = np.repeat(kind.tail[arcs], count), np.repeat(kind.head[arcs], count)
     row = np.arange(len(i))
@@ -346,7 +347,7 @@ def _encode(problem: RoutingProblem, types: list[_Type], program: Program, answe
         x[kind.clock + nodes * count + k] = _clock(kind, nodes, arcs)
         if len(x) > types[-1].end:
             x[types[-1].end + nodes[1:-1] - 1] = np.arange(1.0, len(nodes) - 1)
-    excess = program.residual(x)
+    excess = scaled(program).residual(x)
     if excess > 1e-5:
         raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
     return x

@@ -71,6 +71,7 @@ from ..preparation import Preparation, Resource, leaves_cycles, prepare, waiting
 from ..program import Floats, Program, Rows, Variables
 from ..reachability import minimum_vehicles
 from ..routes import Routes
+from ..scaling import scaled
 from . import FORMS, Form
 from ._duals import dual_value
 from ._routes import ArcIndex, levels, routes_of, used
@@ -274,7 +275,7 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
             x[arcs] += 1.0
             for write in made.encoders:
                 write(x, nodes, arcs)
-        excess = bare.residual(x)
+        excess = scaled(bare).residual(x)
         if excess > 1e-5:
             raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
         return x

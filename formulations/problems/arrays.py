@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -13,8 +13,10 @@ from ...instances.errors import InputError
 from ...instances.instance import digest
 from ..cones import KINDS as CONE_KINDS
 from ..evaluation import Evaluation, judge
+from ..evidence import Evidence
 from ..problem import Problem
 from ..program import Floats, Program
+from ..tolerance import VECTOR
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,30 +75,62 @@ class ArrayProblem(Problem):
         return frozenset({"LP", *(name for name, present in marks.items() if present)})
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute the objective and every row, bound, cone and integrality of the vector ``answer`` of shape (variables,)."""
-        p = self.program
-        x = self._vector(answer)
+        """Recompute the objective and every row, bound, cone and integrality of the vector ``answer`` of shape (variables,).
+
+        Rows, cones and the objective are those of the nearest vector within the bounds, its integers whole, if there is one within the
+        tolerance. What a row may be broken by is relative to its size; ``concession`` says what that can be worth.
+        """
+        p, x = self.program, self._vector(answer)
+        known = bool(np.isfinite(x).all())
+        columns, rows = self._sizes
         with np.errstate(over="ignore", invalid="ignore"):
-            terms = p.data * x[p.indices]
-            row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
-            activity = np.bincount(row, terms, minlength=p.num_rows) if p.num_rows else np.zeros(0)
-            value = math.fsum(p.cost * x) + float(p.offset) if np.isfinite(x).all() else math.nan
-            if p.quadratic is not None:
-                value += float(x @ (p.quadratic @ x)) / 2.0
-        with np.errstate(invalid="ignore"):
             fraction = np.where(p.integer, np.abs(x - np.round(x)), 0.0)
+            outside = np.maximum(p.lower - x, x - p.upper)
+            within = (outside <= VECTOR * columns).all() and (fraction <= VECTOR).all()
+            near = np.clip(np.where(p.integer, np.round(x), x), p.lower, p.upper) if within else x
+            row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
+            activity = np.bincount(row, p.data * near[p.indices], minlength=p.num_rows) if p.num_rows else np.zeros(0)
+            terms = [*(p.cost * near).tolist(), float(p.offset)]
+            if p.quadratic is not None:
+                terms.append(float(near @ (p.quadratic @ near)) / 2.0)
+            value = math.fsum(terms) if known else math.nan
+            broken = np.maximum(p.row_lower - activity, activity - p.row_upper)
         judged = [
-            judge("bounds", np.maximum(p.lower - x, x - p.upper), lambda k: _outside(p.variable_name(k), x[k], p.lower[k], p.upper[k])),
-            judge(
-                "rows",
-                np.maximum(p.row_lower - activity, activity - p.row_upper),
-                lambda k: _outside(p.row_name(k), activity[k], p.row_lower[k], p.row_upper[k]),
-            ),
-            judge("integrality", fraction, lambda k: f"{p.variable_name(k)} is {x[k]:.9g}, not a whole number"),
+            judge("bounds", outside, lambda k: _outside(p.variable_name(k), x[k], p.lower[k], p.upper[k]), VECTOR * columns),
+            judge("rows", broken, lambda k: _outside(p.row_name(k), activity[k], p.row_lower[k], p.row_upper[k]), VECTOR * rows),
+            judge("integrality", fraction, lambda k: f"{p.variable_name(k)} is {x[k]:.9g}, not a whole number", VECTOR),
         ]
-        judged += [judge(cones.name, cones.excess(x), partial("{0} leaves cone number {1}".format, cones.name)) for cones in p.cones]
+        for cones in p.cones:
+            size = max(float(np.abs(cones.offset).max(initial=0.0)), float((np.abs(cones.data) * columns[cones.indices]).max(initial=0.0)))
+            message = partial("{0} leaves cone number {1}".format, cones.name)
+            judged.append(judge(cones.name, cones.excess(near), message, VECTOR * size))
         checks = tuple(check for check, _ in judged)
-        return Evaluation((value,), checks, tuple(v for _, found in judged for v in found), {})
+        violations = tuple(v for _, found in judged for v in found)
+        return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), VECTOR)
+
+    @cached_property
+    def _sizes(self) -> tuple[Floats, Floats]:
+        """Of each variable the largest of its bounds, where they say nothing the largest level that any row speaks of; of each row the
+        larger of its sides and of its smallest entry times the variable's size."""
+        p = self.program
+        row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
+        held = p.data != 0
+        sides = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.row_lower, p.row_upper)))
+        own = np.maximum(*(np.where(np.isfinite(end), np.abs(end), 0.0) for end in (p.lower, p.upper)))
+        heaviest, smallest = np.zeros(p.num_rows), np.full(p.num_rows, math.inf)
+        np.maximum.at(heaviest, row[held], np.abs(p.data[held]))
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            level = np.where(heaviest > 0, sides / heaviest, 0.0)
+            common = max(float(own.max(initial=0.0)), float(level.max(initial=0.0))) or 1.0
+            columns = np.where(own > 0, own, common)
+            np.minimum.at(smallest, row[held], np.abs(p.data[held]) * columns[p.indices[held]])
+        return columns, np.maximum(sides, np.where(np.isfinite(smallest), smallest, 0.0))
+
+    def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
+        """The row duals times the largest residual of a row: what an answer may gain by it."""
+        duals = evidence.data.get("duals")
+        residual = next((c.residual for c in evaluation.checks if c.name == "rows"), 0.0)
+        return residual * math.fsum(abs(float(y)) for y in duals) if isinstance(duals, list) and residual else 0.0
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         return {"kind": "vector", "values": self._vector(answer).tolist()}

@@ -16,6 +16,7 @@ from ..assignments import action_index, actions_from_json, actions_to_json, grap
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, Problem
 from ..selections import Selection, judge_elements
+from ..tolerance import VECTOR
 from .submodular_selection import refuse_settings
 
 if TYPE_CHECKING:
@@ -74,7 +75,10 @@ class BottleneckSATA(Problem):
         return np.asarray(np.bincount(g.indices, g.weights * shares[g.action_of_edge], minlength=g.num_targets), dtype=np.float64)
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute the coverage of every target; test that no robot does more than one thing."""
+        """Recompute the coverage of every target; test that no robot does more than one thing.
+
+        Shares that pass are priced without what is negative or beyond 1, so that nothing is gained by what the test of them lets pass.
+        """
         return self._evaluate_shares(answer) if self.fractional else self._evaluate_selection(answer)
 
     def _evaluate_shares(self, answer: Any) -> Evaluation:
@@ -90,12 +94,16 @@ class BottleneckSATA(Problem):
         judged = (
             judge(
                 "shares", np.where(np.isfinite(x), -x, math.inf),
-                lambda k: f"the share of action {g.action_name(k)} is {x[k]:.9g}, not 0 or more",
+                lambda k: f"the share of action {g.action_name(k)} is {x[k]:.9g}, not 0 or more", VECTOR,
             ),
-            judge("one-action", load - 1.0, lambda k: f"the shares of robot {g.robot_name(k)} sum to {load[k]:.9g}, more than 1"),
+            judge("one-action", load - 1.0, lambda k: f"the shares of robot {g.robot_name(k)} sum to {load[k]:.9g}, more than 1", VECTOR),
         )  # fmt: skip
+        violations = tuple(v for _, found in judged for v in found)
+        if not violations:
+            x = np.maximum(x, 0.0)
+            x = x / np.maximum(np.bincount(g.robot_of_action, x, minlength=g.num_robots), 1.0)[g.robot_of_action]
         value = float(self.coverage(x).min()) if np.isfinite(x).all() else math.nan
-        return Evaluation((value,), tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found), {})
+        return Evaluation((value,), tuple(check for check, _ in judged), violations, {}, precision=VECTOR)
 
     def _evaluate_selection(self, answer: Any) -> Evaluation:
         g = self.graph

@@ -14,6 +14,7 @@ from ...instances.errors import InputError, UsageError
 from ...instances.max_min import MaxMinInstance, SparseMatrix
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, Problem
+from ..tolerance import VECTOR
 from .submodular_selection import refuse_settings
 
 if TYPE_CHECKING:
@@ -93,27 +94,43 @@ class MaxMinLP(Problem):
         return str(variable + 1) if names is None else names[variable]
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute every row of the vector ``answer`` of shape (variables,)."""
+        """Recompute every row of the vector ``answer`` of shape (variables,).
+
+        What passes is priced at the nearest multiple of its nonnegative part that breaks no row, so that nothing is gained by what the
+        tests let pass. A negative entry is tested by what it adds to a row.
+        """
         try:
             x = np.asarray(answer, dtype=np.float64)
         except (TypeError, ValueError):
             x = np.zeros((0, 0))
         if x.shape != (self.num_variables,):
             raise UsageError(f"an answer to {self.problem} is a vector of {self.num_variables} numbers")
-        packed, covered = _rows(self.packing, x), _rows(self.covering, x)
         maximise = self.sense == "max"
-        row, excess = ("packing", packed - 1.0) if maximise else ("covering", 1.0 - covered)
-        judged = (
-            judge(
-                "variables",
-                np.where(np.isfinite(x), -x, math.inf),
-                lambda k: f"variable {self.variable_name(k)} is {x[k]:.9g}, not 0 or more",
-            ),
-            judge(row, excess, lambda k: f"{row} row {k + 1} is broken, by {excess[k]:.9g}"),
-        )
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
+            packed, covered = _rows(self.packing, x), _rows(self.covering, x)
+            row, excess = ("packing", packed - 1.0) if maximise else ("covering", 1.0 - covered)
+            negative = np.where(np.isfinite(x), -x * self._heaviest, math.inf)
             value = float(covered.min()) if maximise else float(packed.max())
-        return Evaluation((value,), tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found), {})
+        judged = (
+            judge("variables", negative, lambda k: f"variable {self.variable_name(k)} is {x[k]:.9g}, not 0 or more", VECTOR),
+            judge(row, excess, lambda k: f"{row} row {k + 1} is broken, by {excess[k]:.9g}", VECTOR),
+        )
+        violations = tuple(v for _, found in judged for v in found)
+        priced = value if violations else self._price(np.maximum(x, 0.0))
+        return Evaluation((priced,), tuple(check for check, _ in judged), violations, {}, precision=VECTOR)
+
+    def _price(self, x: Floats) -> float:
+        """The objective at the nearest multiple of ``x`` that breaks no row."""
+        most, least = float(_rows(self.packing, x).max()), float(_rows(self.covering, x).min())
+        return least / max(1.0, most) if self.sense == "max" else most / min(1.0, least)
+
+    @cached_property
+    def _heaviest(self) -> Floats:
+        """Largest coefficient of each variable in the rows that limit it; 1 where it stands in none."""
+        rows = self.packing if self.sense == "max" else self.covering
+        made = np.zeros(self.num_variables)
+        np.maximum.at(made, rows.indices, rows.data)
+        return np.where(made > 0, made, 1.0)
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         x = np.asarray(answer, dtype=np.float64)

@@ -29,6 +29,7 @@ from ..assignments import graph_for
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, Problem
 from ..selections import Selection, entries_of, judge_elements
+from ..tolerance import EQUAL, allowance
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -119,8 +120,10 @@ class SubmodularSelection(Problem):
         self.function, self.constraint, self.element_names = function, constraint, element_names
         self.name, self.problem, self.notes = name, problem, notes
         if isinstance(function, UserFunction):
-            empty = float(function.values(np.zeros((1, function.num_elements), dtype=bool))[0])
-            if abs(empty) > 1e-12:
+            ends = np.zeros((2, function.num_elements), dtype=bool)
+            ends[1] = True
+            empty, everything = function.values(ends).tolist()
+            if abs(empty) > EQUAL * abs(everything):
                 raise InputError("the empty set must have value 0; subtract its value from the function", found=str(empty))
 
     @property
@@ -213,7 +216,8 @@ class SubmodularSelection(Problem):
             return judge(name, np.array([float(len(chosen) - c.limit)]), lambda _: message)
         if isinstance(c, Knapsack):
             cost = math.fsum(c.costs[chosen])
-            return judge(name, np.array([cost - c.budget]), lambda _: f"the chosen elements cost {cost:.9g}, the budget is {c.budget:.9g}")
+            message = f"the chosen elements cost {cost:.12g}, the budget is {c.budget:.12g}"
+            return judge(name, np.array([cost - c.budget]), lambda _: message, allowance(c.budget, cost))
         used, counts = np.unique(c.groups[chosen], return_counts=True)
         return judge(
             name, counts.astype(np.float64) - c.limits[used],

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...instances.errors import UsageError
 from .cleaning import Floats
+from .level_grid import LevelGrid
 from .search import SLACK
 
 Request = tuple[float, ...]
@@ -64,7 +65,7 @@ class Levels(ABC):
 
 
 class CommonLevels(Levels):
-    """Levels (1 + eps)^j, the same for everybody: a request is the least and the largest j.
+    """Levels of a ``LevelGrid``, the same for everybody: a request is the least and the largest j.
 
     Parameters
     ----------
@@ -72,10 +73,10 @@ class CommonLevels(Levels):
     """
 
     def __init__(self, eps: float) -> None:
-        self._eps = eps
+        self._eps, self._grid = eps, LevelGrid(eps)
 
     def wanted(self, ceilings: list[float]) -> Request:
-        low, high = (math.log(c) / math.log1p(self._eps) for c in (min(ceilings) / 2, max(ceilings)))
+        low, high = (self._grid.number(c) for c in (min(ceilings) / 2, max(ceilings)))
         return (math.floor(low) - 1, math.ceil(high) + 1)
 
     def join(self, requests: Iterable[Request]) -> Request:
@@ -85,7 +86,7 @@ class CommonLevels(Levels):
     def families(self, request: Request) -> dict[float, tuple[int, Floats]]:
         low, high = (int(j) for j in request)
         _refuse(high - low, "eps", self._eps)
-        return {0.0: (low, np.array([math.pow(1.0 + self._eps, j) for j in range(low, high + 1)]))}
+        return {0.0: (low, np.array([self._grid.level(j) for j in range(low, high + 1)]))}
 
     def names(self, request: Request) -> Request:
         return (0.0,)

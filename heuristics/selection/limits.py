@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...formulations.problems.bottleneck_sata import BottleneckSATA
 from ...formulations.problems.submodular_selection import SubmodularSelection
+from ...formulations.tolerance import allowance
 from ...instances.errors import UsageError
 from ...instances.selection import Cardinality, Knapsack, PartitionMatroid
 
@@ -93,8 +94,10 @@ class Limits:
 
 
 def spendable(constraint: Knapsack) -> float:
-    """The budget and a rounding, far below what a check lets pass: three costs of 0.1 fit into 0.3."""
-    return constraint.budget + min(1e-12 * constraint.budget, 1e-7)
+    """The budget and what a check lets pass beyond it: three costs of 0.1 fit into 0.3; nothing where all are whole."""
+    total = float(constraint.costs.sum())
+    whole = bool((constraint.costs == np.floor(constraint.costs)).all())
+    return constraint.budget + float(allowance(constraint.budget, total if whole else 0.5))
 
 
 def that_fit(order: Iterable[int], constraint: Knapsack) -> list[int]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...formulations.program import Program
+from ...formulations.scaling import scaled
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..integer_program import UNLIMITED, IntegerProgram, Uncountable, integer_program
@@ -61,16 +62,15 @@ class CpSat(ProgramBackend):
     def lacks(self, program: Program) -> frozenset[str]:
         """See ``ProgramBackend.lacks``: what cannot be counted."""
         try:
-            integer_program(prepared(program))
+            integer_program(scaled(prepared(program)).program)
         except Uncountable as fault:
             return frozenset({str(fault)})
         return frozenset()
 
-    def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.run``."""
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
-        program = prepared(program)
         result = settled(program)
         if result is not None:
             return result

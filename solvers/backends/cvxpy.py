@@ -12,7 +12,7 @@ import numpy as np
 from ...formulations.program import Program
 from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
-from ..sanity import prepared, settled
+from ..sanity import settled
 from .highs import EQUAL_TOLERANCE, OWN_OPTIONS, set_option
 
 FEASIBLE_TOLERANCE = 1e-5
@@ -58,11 +58,10 @@ class CVXPY(ProgramBackend):
     def takers(cls, kind: str) -> tuple[str, ...]:
         return tuple(f"{cls.name}:{solver}" for solver, kinds in KINDS.items() if kind in kinds)
 
-    def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.run``."""
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(f"cvxpy:{self.solver}" if self.solver else "cvxpy", {f"{program.kind} programs"}, takers(program.kind))
-        program = prepared(program)
         result = settled(program)
         if result is not None:
             return result

@@ -14,7 +14,7 @@ import numpy as np
 from ...formulations.program import Floats, Program
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
-from ..sanity import prepared, settled
+from ..sanity import settled
 
 FEASIBLE_TOLERANCE = 1e-5
 """Residual up to which a point that HiGHS calls feasible, by 1e-6, is handed on; ``solve`` judges it in the problem's words."""
@@ -81,11 +81,10 @@ class Highs(ProgramBackend):
     summary = "HiGHS: LP, MILP and convex QP, arrays straight into the solver"
     kinds = frozenset({"LP", "MILP", "QP"})
 
-    def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.run``."""
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
-        program = prepared(program)
         result = settled(program)
         if result is not None:
             return result

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...formulations.program import Floats, Program, Variables
+from ...formulations.scaling import scaled
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..integer_program import Uncountable, integer_program
@@ -86,16 +87,15 @@ class MathOpt(ProgramBackend):
         """See ``ProgramBackend.lacks``: MathOpt's CP-SAT takes whole variables only."""
         try:
             if self.solver == "cp-sat":
-                self._whole(prepared(program))
+                self._whole(scaled(prepared(program)).program)
         except UnsupportedError as fault:
             return frozenset(fault.missing)
         return frozenset()
 
-    def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.run``."""
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(self._label, {f"{program.kind} programs"}, takers(program.kind))
-        program = prepared(program)
         result = settled(program)
         if result is not None:
             return result

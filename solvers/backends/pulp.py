@@ -16,7 +16,7 @@ from ...formulations.program import Program
 from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..cbc import find_cbc, run_cbc
-from ..sanity import prepared, settled
+from ..sanity import settled
 from .highs import set_option
 
 FEASIBLE_TOLERANCE = 1e-5
@@ -46,11 +46,10 @@ class PuLP(ProgramBackend):
         """Whether CBC is meant."""
         return self.variant.upper() in ("", "CBC", "PULP_CBC_CMD", "COIN_CMD")
 
-    def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.run``."""
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
-        program = prepared(program)
         with tempfile.TemporaryDirectory(prefix="waybound-") as folder:
             if self.is_cbc:
                 cbc = find_cbc()

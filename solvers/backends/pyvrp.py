@@ -93,16 +93,13 @@ def problem_data(problem: RoutingProblem, data: IntegerRouting) -> tuple[Any, li
     ]  # fmt: skip
     depots = sites.depots.tolist()
     place = {site: k for k, site in enumerate(depots)}
-    per_time = data.scales["time"] // data.scales["distance"]
     types, kept = [], []
     for k, vehicle in enumerate(problem.fleet):
         closes = int(min(data.due[vehicle.end], data.latest_return[k]))
         opens = ready[vehicle.start]
         if closes < opens:
             continue
-        reach = int(data.max_distance[k])
-        if data.travel_limit[k] != UNLIMITED:
-            reach = min(reach, int(data.travel_limit[k]) // per_time)
+        reach = int(min(data.max_distance[k], data.travel_reach[k]))
         types.append(
             pyvrp.VehicleType(
                 num_available=len(clients) if vehicle.count is None else min(vehicle.count, len(clients)),

@@ -13,7 +13,7 @@ import numpy as np
 from ...formulations.program import Floats, Program
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
-from ..sanity import prepared, settled
+from ..sanity import settled
 
 FEASIBLE_TOLERANCE = 1e-5
 EQUAL_TOLERANCE = 1e-6
@@ -47,13 +47,12 @@ class Scip(ProgramBackend):
     summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"
     kinds = frozenset({"LP", "MILP", "QP", "MIQP"})
 
-    def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.run``."""
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
         if options.iterations is not None and program.kind == "LP":
             raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
-        program = prepared(program)
         result = settled(program)
         if result is not None:
             return result

@@ -16,7 +16,7 @@ from small_routing import FEATURES, optimum, small
 from waybound.formulations.objective import LongestRoute, TotalCost, Vehicles
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.routes import Routes
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
+from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.instance import Sites, VehicleType
 from waybound.instances.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Options
@@ -243,11 +243,15 @@ def test_negative_ready_times_and_tight_windows(engine_name):
     assert result.objective == pytest.approx(20.0)
 
 
-def test_numbers_beyond_the_integers_are_refused_with_the_largest(engine_name):
-    xy = np.array([[0, 0], [1e14, 0]])
-    problem = RoutingProblem(Sites.of(range(2), coordinates=xy), Travel("euclidean", xy), (VehicleType(),))
-    with pytest.raises(InputError, match=r"largest distance.*1e\+14"):
-        run(engine_name, problem)
+@pytest.mark.parametrize("power", [-200, -30, -10, 10, 47, 200])
+def test_numbers_of_any_size_are_counted_in_integers(engine_name, power):
+    xy = np.ldexp(np.array([[0.0, 0.0], [3.0, 4.0], [6.0, 8.0], [0.0, 7.5]]), power)
+    load = np.ldexp([0.0, 1.0, 1.0, 1.5], -power)
+    fleet = (VehicleType(capacity=float(np.ldexp(2.5, -power))),)
+    problem = RoutingProblem(Sites.of(range(4), coordinates=xy, demand=load), Travel("euclidean", xy), fleet)
+    judged = problem.evaluate(run(engine_name, problem).answer)
+    assert judged.feasible
+    assert judged.values[0] == pytest.approx(float(np.ldexp(27.5 + np.hypot(6.0, 0.5), power)), rel=1e-5)
 
 
 def test_unknown_options_are_refused_with_the_close_ones(engine_name):

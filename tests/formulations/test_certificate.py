@@ -80,7 +80,7 @@ def test_an_answer_better_than_a_bound_is_an_error_that_tells_both(says):
     problem = square()
     with pytest.raises(CheckFailedError, match=r"14\.0.*15\.0"):
         certify(problem, problem.evaluate(TOUR), [says(15.0)])
-    certify(problem, problem.evaluate(TOUR), [says(14.0 + 1e-6)])  # within the tolerance of the check
+    certify(problem, problem.evaluate(TOUR), [says(14.0 + 1e-9)])  # but for rounding
     certify(problem, problem.evaluate(Routes.of([[1, 2]])), [says(15.0)])  # an infeasible answer contradicts nothing
 
 
@@ -127,7 +127,8 @@ def test_comparisons_follow_the_sense():
     assert better_bound("min", 2.0, 1.0)
     assert better_bound("max", 1.0, 2.0)
     assert beats_bound("min", 0.9, 1.0)
-    assert not beats_bound("min", 1.0 - 5e-7, 1.0)
+    assert beats_bound("min", 1.0 - 5e-7, 1.0) and not beats_bound("min", 1.0 - 5e-7, 1.0, concession=1e-6)
+    assert not beats_bound("min", 1.0 - 5e-10, 1.0) and beats_bound("min", 1e-12 - 5e-16, 1e-12)
     assert beats_bound("max", 1.1, 1.0)
 
 

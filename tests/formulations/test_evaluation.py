@@ -9,23 +9,23 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.formulations.evaluation import CHECK_TOLERANCE, Check, Checklist, Evaluation, Violation, judge
+from waybound.formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
 
 
-def test_residuals_up_to_the_tolerance_pass():
+def test_residuals_up_to_what_is_allowed_pass():
     judge = Checklist()
     judge.test("load", -5.0, "light")
-    judge.test("load", CHECK_TOLERANCE, "on the edge")
+    judge.test("load", 0.5, "on the edge", allowed=0.5)
     assert judge.violations == []
-    assert judge.checks(["load"]) == (Check("load", True, CHECK_TOLERANCE, 2),)
+    assert judge.checks(["load"]) == (Check("load", True, 0.5, 2),)
 
 
-def test_residuals_beyond_the_tolerance_are_violations_with_their_place():
+def test_residuals_beyond_it_are_violations_with_their_place():
     judge = Checklist()
-    judge.test("load", 2 * CHECK_TOLERANCE, "heavy", vehicle="vehicle 1", site="s")
+    judge.test("load", 0.2, "heavy", allowed=0.1, vehicle="vehicle 1", site="s")
     judge.test("load", 7.0, "heavier", vehicle="vehicle 2")
     assert judge.violations == [
-        Violation("load", "heavy", 2 * CHECK_TOLERANCE, "vehicle 1", "s"),
+        Violation("load", "heavy", 0.2, "vehicle 1", "s"),
         Violation("load", "heavier", 7.0, "vehicle 2"),
     ]
     assert judge.checks(["load"]) == (Check("load", False, 7.0, 2),)
@@ -63,11 +63,11 @@ def test_an_objective_is_a_number_or_a_list_in_order_of_priority():
     assert not Evaluation((3.0,), (), (Violation("load", "m", 1.0),), {}).feasible
 
 
-@given(st.lists(st.floats(-2, 2) | st.sampled_from([CHECK_TOLERANCE, math.nan, math.inf, -math.inf]), max_size=8))
-def test_many_residuals_are_judged_as_one_after_the_other(excess):
+@given(st.lists(st.floats(-2, 2) | st.sampled_from([0.1, math.nan, math.inf, -math.inf]), max_size=8), st.sampled_from([0.0, 0.1]))
+def test_many_residuals_are_judged_as_one_after_the_other(excess, allowed):
     checklist = Checklist()
     for k, amount in enumerate(excess):
-        checklist.test("load", amount, f"thing {k}")
-    check, found = judge("load", np.array(excess, dtype=float), lambda k: f"thing {k}")
+        checklist.test("load", amount, f"thing {k}", allowed=allowed)
+    check, found = judge("load", np.array(excess, dtype=float), lambda k: f"thing {k}", allowed)
     assert (check,) == checklist.checks(["load"])
     assert found == checklist.violations

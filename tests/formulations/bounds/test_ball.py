@@ -14,6 +14,7 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import BOUNDS
 from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problems.max_min_lp import MaxMinLP
+from waybound.instances.errors import InputError
 from waybound.instances.sensing import graph_of_edges
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.highs import Highs
@@ -123,8 +124,11 @@ def test_weights_of_any_size_are_priced(size):
 
 
 def test_a_solver_that_refuses_the_numbers_proves_nothing():
-    graph = graph_of_edges([0, 0], [0, 0, 1], [0, 1, 1], [1e-20, 1e20, 1.0], robots=1)
-    assert ball_evidence(problem(graph), None, Solver(), 60.0) is None
+    def refuses(program, seconds):
+        raise InputError("too large")
+
+    graph = graph_of_edges([0, 0], [0, 0, 1], [0, 1, 1], [1e-200, 1e200, 1.0], robots=1)
+    assert ball_evidence(problem(graph), None, refuses, 60.0) is None
 
 
 def test_whole_actions_are_bounded_by_shares():

@@ -9,57 +9,83 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.formulations.checking.granularity import grain, is_decimal, lift
+from waybound.formulations.checking.granularity import Grain, grain, is_decimal, lift
+
+SCALES = (2.0**-200, 2.0**-30, 2.0**-10, 1.0, 2.0**10, 2.0**30, 2.0**200)
 
 
 @pytest.mark.parametrize(
-    ("values", "size"), [([1, 2, 30], 1.0), ([0.1, 0.7, 12.3], 0.1), ([0.25], 0.01), ([0.125], 0.001), ([1 / 3], None), ([], 1.0)]
+    ("values", "size"),
+    [
+        ([1, 2, 30], Grain(1.0)),
+        ([5, 10, 0], Grain(5.0)),
+        ([0.1, 0.7, 12.3], Grain(1.0, 10.0)),
+        ([0.25], Grain(25.0, 100.0)),
+        ([1 / 3], Grain(1 / 3)),
+    ],
 )
-def test_the_grain_is_the_coarsest_decimal_that_divides_all(values, size):
-    assert grain(values, 10) == size
+def test_the_grain_is_the_largest_number_that_divides_all(values, size):
+    assert grain(values) == size
 
 
-def test_a_grain_needs_finite_numbers():
-    assert grain([1.0, math.inf], 3) is None
-    assert grain([1.0, math.nan], 3) is None
+@pytest.mark.parametrize("values", [[], [0.0, 0.0], [1.0, math.pi, math.e], [1.0, math.inf], [1.0, math.nan], [1.0, 1e-310]])
+def test_where_there_is_none_none_is_found(values):
+    assert grain(values) is None
 
 
-def test_many_terms_ask_for_a_sharper_match():
-    assert grain([1.0 + 5e-10], 10) == 1.0
-    assert grain([1.0 + 5e-10], 10**4) is None
+@pytest.mark.parametrize("tiny", [9e-10, 1e-11, 5e-324])
+def test_no_number_is_the_multiple_zero(tiny):
+    found = grain([tiny, 1.0, 2.0])
+    assert found is None or (tiny / found.size == pytest.approx(round(tiny / found.size), rel=1e-12) and round(tiny / found.size) > 0)
 
 
-@given(st.integers(-(10**9), 10**9), st.sampled_from([1.0, 0.1, 0.01, 0.001]), st.floats(-0.9, 0.4))
-def test_no_multiple_lies_between_a_bound_and_its_lift(count, size, share):
-    bound = (count + share) * size
+@given(st.lists(st.integers(1, 10**4), min_size=1, max_size=30), st.sampled_from([1, 10, 100, 1000]), st.sampled_from(SCALES))
+def test_the_grain_does_not_depend_on_the_unit(counts, parts, scale):
+    values = np.array(counts) / parts
+    one, other = grain(values), grain(values * scale)
+    assert one is not None and other is not None
+    assert other.size == pytest.approx(one.size * scale, rel=1e-13)
+    assert one.size == pytest.approx(math.gcd(*counts) / parts)
+
+
+@given(st.integers(-(10**6), 10**6), st.sampled_from([1.0, 10.0, 100.0, 1000.0]), st.floats(-0.9, 0.4))
+def test_no_multiple_lies_between_a_bound_and_its_lift(count, parts, share):
+    size = Grain(1.0, parts)
+    bound = (count + share) / parts
     lifted = lift(bound, "min", size)
     assert lifted >= bound
-    steps = lifted / size
+    steps = lifted * parts
     assert abs(steps - round(steps)) < 1e-3 or lifted == bound
-    assert lifted <= (count + 1) * size + 1e-12 * max(1.0, abs(bound))
+    assert lifted <= (count + 1) / parts + 1e-12 * max(1.0, abs(bound))
     if share <= 0:
-        assert lifted <= count * size + 1e-9 * max(1.0, abs(count * size))
+        assert lifted <= count / parts + 1e-9 * max(1.0, abs(count / parts))
 
 
-@given(st.lists(st.integers(0, 10**5), min_size=1, max_size=50), st.sampled_from([1, 10, 100, 1000]))
-def test_a_sum_of_grains_survives_its_own_lift(counts, scale):
-    total = math.fsum(c / scale for c in counts)
-    size = grain(np.array(counts) / scale, len(counts))
+@given(st.lists(st.integers(0, 10**5), min_size=1, max_size=50).filter(any), st.sampled_from([1, 10, 100, 1000]), st.sampled_from(SCALES))
+def test_a_sum_of_grains_survives_its_own_lift(counts, parts, scale):
+    values = np.array(counts) / parts * scale
+    total = math.fsum(values)
+    size = grain(values)
     assert size is not None
-    assert lift(total, "min", size) <= total + 1e-9 * max(1.0, total)
-    assert lift(total, "max", size) >= total - 1e-9 * max(1.0, total)
+    assert lift(total, "min", size) <= total * (1 + 1e-12)
+    assert lift(total, "max", size) >= total * (1 - 1e-12)
 
 
 def test_bounds_for_max_are_rounded_down():
-    assert lift(7.3, "max", 1.0) == 7.0
-    assert lift(-math.inf, "min", 1.0) == -math.inf
+    assert lift(7.3, "max", Grain(1.0)) == 7.0
+    assert lift(14.3, "max", Grain(5.0)) == 10.0
+    assert lift(-math.inf, "min", Grain(1.0)) == -math.inf
     assert lift(7.3, "min", None) == 7.3
 
 
+def test_a_bound_of_too_many_grains_stays():
+    assert lift(1e12 + 0.3, "max", Grain(1.0)) == 1e12 + 0.3
+
+
 def test_decimals_come_out_as_written():
-    assert lift(827.2999999, "min", 0.1) == 827.3
-    assert lift(827.30000001, "min", 0.1) == 827.30000001
-    assert lift(827.3001, "min", 0.1) == 827.4
+    assert lift(827.2999999, "min", Grain(1.0, 10.0)) == 827.3
+    assert lift(827.30000001, "min", Grain(1.0, 10.0)) == 827.30000001
+    assert lift(827.3001, "min", Grain(1.0, 10.0)) == 827.4
 
 
 def test_decimals_are_told_from_other_numbers():

@@ -12,11 +12,11 @@ from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, feasib
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.checking.marginal_gains import check_marginal_gains
-from waybound.formulations.evaluation import CHECK_TOLERANCE
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
 from waybound.formulations.selections import Selection
+from waybound.formulations.tolerance import LIMIT
 from waybound.instances.errors import InputError
 from waybound.instances.selection import Cardinality, Coverage, FacilityLocation, Knapsack, PartitionMatroid
 from waybound.instances.sensing import SensingGraph
@@ -53,7 +53,7 @@ def test_a_knapsack_is_bounded_by_its_fractional_filling() -> None:
 
 
 def test_the_bound_covers_answers_that_exceed_the_budget_by_the_tolerance() -> None:
-    over = 0.9 * CHECK_TOLERANCE
+    over = 2 * 0.9 * LIMIT
     problem = SubmodularSelection(Coverage.from_sets([[0], [1]], [5.0, 7.0]), Knapsack(np.array([1.0, 1.0 + over]), 2.0))
     judged = problem.evaluate(Selection.of([0, 1]))
     assert judged.feasible

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from waybound.formulations.checking.relaxation import relax
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.routes import Route, Routes
+from waybound.formulations.tolerance import LIMIT
 from waybound.instances.instance import Sites, VehicleType
 from waybound.instances.travel import EXPLICIT, Travel
 
@@ -37,7 +38,7 @@ def test_every_feasible_answer_is_in_the_relaxation_at_no_greater_cost(random_pr
         cost = math.fsum(float(relaxed.cost[i, j]) for s in stops for i, j in itertools.pairwise(s))
         assert cost <= verdict.values[0] + 1e-9
         if relaxed.grain is not None:
-            grains = verdict.values[0] / relaxed.grain
+            grains = verdict.values[0] / relaxed.grain.size
             assert abs(grains - round(grains)) < 1e-6
 
 
@@ -67,6 +68,6 @@ def test_total_demand_sets_the_fewest_routes():
 
 def test_a_late_arrival_within_the_tolerance_of_the_check_keeps_its_arc():
     matrix = np.array([[0, 10.0], [10.0, 0]])
-    problem = RoutingProblem(Sites.of("oa", due=[100, 10 - 0.9e-6]), Travel(EXPLICIT, matrix=matrix), (VehicleType(),))
+    problem = RoutingProblem(Sites.of("oa", due=[100, 10 * (1 - 0.9 * LIMIT)]), Travel(EXPLICIT, matrix=matrix), (VehicleType(),))
     assert problem.evaluate(Routes.of([[1]])).feasible
     assert math.isfinite(relax(problem).cost[0, 1])

@@ -1,0 +1,153 @@
+"""Programs brought to the magnitudes that solvers count in, by powers of two: exact, and the same program whatever the unit of the data.
+
+Solvers decide with absolute tolerances, 1e-6 a row and 1e-9 a coefficient, which mean nothing for weights of 1e-9 or times of 1e12.
+With x = S x' and row factors R, and f for the objective, all of them powers of two::
+
+    min c x + c0,  l <= A x <= u      becomes      min f c S x' + f c0,  R l <= R A S x' <= R u
+
+Integers keep their unit. What is of ordinary size keeps its own, so that most programs are handed over as they are.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .program import Floats, Program
+
+SMALLEST, LARGEST = -10, 20
+"""Binary exponents of ordinary sizes: from 1/1024 to a million."""
+
+_PASSES = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """A program in other units, and the way back.
+
+    Parameters
+    ----------
+    program : Program
+        What a solver sees.
+    columns, rows : int arrays of shape (variables,) and (rows,)
+        Binary exponents of S and R.
+    objective : int
+        That of f.
+    """
+
+    program: Program
+    columns: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    objective: int
+
+    def vector(self, x: Floats) -> Floats:
+        """x of the program as it was, from x' of the scaled one."""
+        return np.asarray(np.ldexp(x, self.columns), dtype=np.float64)
+
+    def scaled_vector(self, x: Floats) -> Floats:
+        """x' from x."""
+        return np.asarray(np.ldexp(x, -self.columns), dtype=np.float64)
+
+    def residual(self, x: Floats) -> float:
+        """Largest violation by x, a vector of the program as it was, as a solver counts it."""
+        return self.program.residual(self.scaled_vector(x))
+
+    def value(self, value: float | None) -> float | None:
+        """An objective or a bound in the units of the program as it was."""
+        return None if value is None else _times(value, -self.objective)
+
+    def duals(self, duals: Floats) -> Floats:
+        """Row duals in these units."""
+        return np.asarray(np.ldexp(duals, self.rows - self.objective), dtype=np.float64)
+
+
+def scaled(program: Program) -> Scaled:
+    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a column can do it."""
+    row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
+    columns = _columns(program, row)
+    with np.errstate(over="ignore", under="ignore"):
+        entries = np.ldexp(np.abs(program.data), columns[program.indices])
+        heaviest = np.zeros(program.num_rows)
+        np.maximum.at(heaviest, row, entries)
+        rows = -_shift(heaviest)
+        dearest = float(np.ldexp(np.abs(program.cost), columns).max(initial=0.0))
+    if program.quadratic is not None:
+        q = program.quadratic.tocoo()
+        dearest = max(dearest, float(np.ldexp(np.abs(q.data), columns[q.row] + columns[q.col]).max(initial=0.0)))
+    objective = -int(_shift(np.array([dearest]))[0])
+    if not math.isfinite(_times(program.offset, objective)):
+        objective = 0
+    if not (columns.any() or rows.any() or objective):
+        return Scaled(program, columns, rows, 0)
+    return Scaled(_apply(program, columns, rows, objective), columns, rows, objective)
+
+
+def _shift(sizes: Floats) -> NDArray[np.int64]:
+    """Binary exponents to be taken off: 0 for ordinary sizes, 0 and infinity; else what leaves the smallest at 1, the largest below a
+    million."""
+    with np.errstate(invalid="ignore"):
+        exponent = np.frexp(sizes)[1].astype(np.int64) - 1
+    made = np.where(exponent < SMALLEST, exponent, np.where(exponent >= LARGEST, exponent - LARGEST + 1, 0))
+    return np.where((sizes > 0) & np.isfinite(sizes), made, 0)
+
+
+def _columns(program: Program, row: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Binary exponents of the units of the variables, from their bounds, or from what the rows that hold them speak of."""
+    bounds = np.maximum(*(np.where(np.isfinite(end), np.abs(end), 0.0) for end in (program.lower, program.upper)))
+    size = np.where(program.integer, np.maximum(bounds, 1.0), bounds)
+    sides = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (program.row_lower, program.row_upper)))
+    held = program.data != 0
+    at, column, entry = row[held], program.indices[held], np.abs(program.data[held])
+    with np.errstate(over="ignore", under="ignore"):
+        for _ in range(_PASSES):
+            unknown = size == 0
+            if not unknown[column].any():
+                break
+            level = sides.copy()
+            np.maximum.at(level, at, entry * size[column])
+            open_ = unknown[column] & (level[at] > 0)
+            if not open_.any():
+                break
+            implied = np.full(len(size), math.inf)
+            np.minimum.at(implied, column[open_], level[at[open_]] / entry[open_])
+            size = np.where(unknown & np.isfinite(implied), implied, size)
+    return np.where(program.integer, 0, _shift(size))
+
+
+def _apply(program: Program, columns: NDArray[np.int64], rows: NDArray[np.int64], objective: int) -> Program:
+    variables, first = [], 0
+    for block in program.variables:
+        by = columns[first : first + block.size]
+        first += block.size
+        made = replace(
+            block, lower=np.ldexp(block.lower, -by), upper=np.ldexp(block.upper, -by), cost=np.ldexp(block.cost, by + objective)
+        )  # fmt: skip
+        variables.append(made)
+    scaled_rows, first = [], 0
+    for part in program.rows:
+        by = rows[first : first + part.size]
+        first += part.size
+        data = np.ldexp(part.data, columns[part.indices] + np.repeat(by, np.diff(part.indptr)))
+        scaled_rows.append(replace(part, data=data, lower=np.ldexp(part.lower, by), upper=np.ldexp(part.upper, by)))
+    quadratic = program.quadratic
+    if quadratic is not None:
+        q = quadratic.tocoo()
+        q.data = np.ldexp(q.data, columns[q.row] + columns[q.col] + objective)
+        quadratic = q.tocsr()
+    cones = []
+    for cone in program.cones:  # a cone is one whatever its unit
+        data = np.ldexp(cone.data, columns[cone.indices])
+        unit = -int(_shift(np.array([np.abs(np.concatenate([data, cone.offset])).max(initial=0.0)]))[0])
+        cones.append(replace(cone, data=np.ldexp(data, unit), offset=np.ldexp(cone.offset, unit)))
+    offset = _times(program.offset, objective)
+    return replace(
+        program, variables=tuple(variables), rows=tuple(scaled_rows), offset=offset, quadratic=quadratic, cones=tuple(cones)
+    )  # fmt: skip
+
+
+def _times(value: float, exponent: int) -> float:
+    with np.errstate(over="ignore", under="ignore"):
+        return float(np.ldexp(value, exponent))
