@@ -12,6 +12,7 @@ from typing import Any
 from ..instances.atomic import atomic_write
 from ..instances.errors import InputError, UsageError
 from ..instances.instance import RoutingInstance
+from ..instances.printable import printable
 from ..instances.solution_files import read_solution_file, write_solution_file
 from .problem import Problem
 from .problems.routing import RoutingProblem
@@ -67,7 +68,7 @@ def _from_json(problem: Problem, data: dict[str, Any]) -> ReadAnswer:
     if data["answer"] is None:
         raise InputError("the file holds no answer", expected='an "answer" that is not null')
     notes = tuple(
-        f"the file was made for another {what}: {data[key]}, here {own}"
+        f"the file was made for another {what}: {printable(data[key], 80)}, here {own}"
         for key, what, own in (
             ("problem", "problem", problem.problem),
             ("convention", "convention", problem.convention),
@@ -122,8 +123,15 @@ def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
 
 
 def json_text(data: Any) -> str:
-    """Standard JSON, one key a line; numbers that JSON does not know are null."""
-    return json.dumps(finite(data), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    """Standard JSON, one key a line; numbers that JSON does not know are null, characters that cannot be printed are escaped."""
+    text = json.dumps(finite(data), indent=2, ensure_ascii=False, allow_nan=False)
+    if not all(line.isprintable() for line in text.split("\n")):  # the standard lets DEL, C1 controls and overrides stand as they are
+        text = "".join(c if c == "\n" or c.isprintable() else _escaped(c) for c in text)
+    return text + "\n"
+
+
+def _escaped(character: str) -> str:
+    return json.dumps(character)[1:-1] if character != "\x7f" else "\\u007f"
 
 
 def finite(data: Any) -> Any:

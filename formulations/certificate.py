@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..instances.errors import CheckFailedError, InputError
@@ -12,6 +12,7 @@ from . import tolerance
 from .evaluation import Check, Evaluation, Violation
 from .evidence import CHECKERS, Evidence, Guarantee
 from .problem import Problem
+from .stated import compare_answer, compare_figures, real, stated_evidence, stated_guarantee
 
 SCHEMA = 1
 """Version of the certificate's JSON."""
@@ -43,8 +44,12 @@ class Certificate:
         What proves ``bound`` or ``infeasible``; best first.
     guarantee : Guarantee or None
         The ratio stated for the heuristic that made the answer.
+    stated_guarantee : Guarantee or None
+        One that a certificate file states; nothing verifies it.
     observed_ratio : float or None
         Worse over better of objective and verified bound: no smaller than the true ratio. None where their signs differ.
+    from_file : bool
+        Whether the names of sources are those of a file, and shown as such.
     """
 
     instance_hash: str
@@ -62,6 +67,8 @@ class Certificate:
     evidence: tuple[Evidence, ...] = field(default=())
     guarantee: Guarantee | None = None
     observed_ratio: float | None = None
+    stated_guarantee: Guarantee | None = None
+    from_file: bool = False
 
     def to_json(self, *, with_evidence: bool = False) -> dict[str, Any]:
         """The certificate's keys in the JSON of ``solve``; ``with_evidence`` makes it a certificate file."""
@@ -77,6 +84,8 @@ class Certificate:
             "guarantee": None if self.guarantee is None else self.guarantee.to_json(),
             "observed_ratio": self.observed_ratio,
         }
+        if self.stated_guarantee is not None:
+            data["stated_guarantee"] = self.stated_guarantee.to_json()
         if with_evidence:
             data = {
                 "schema": SCHEMA,
@@ -148,7 +157,7 @@ def certify(
     proved = [(b, e) for b, e in verified if math.isfinite(b)]
     proved.sort(key=lambda pair: pair[0], reverse=problem.sense == "min")
     bound = proved[0][0] if proved and not refuting else None
-    best = refuting[:1] or [e for _, e in proved[:1]]
+    best = refuting[:1] or [replace(e, value=b) for b, e in proved[:1]]  # whatever its finder claims of it
     gap = ratio = None
     if evaluation is not None and evaluation.feasible:
         value = evaluation.values[0]
@@ -192,9 +201,10 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     Raises
     ------
     InputError
-        If it is no certificate, or one for other data.
+        If it is no certificate, or one for other data, or a field is malformed.
     CheckFailedError
-        If what it states is not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, objective).
+        If what it states is not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, checks,
+        violations, objective, gap, ratio).
     """
     if (
         not isinstance(data, Mapping)
@@ -208,41 +218,30 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     ):  # fmt: skip
         if data.get(key) != own:
             raise InputError(f"the certificate is for another instance: its {key} differs", expected=own, found=str(data.get(key))[:80])
-    entries = data.get("evidence", [])
-    if not isinstance(entries, list):
-        raise InputError("the certificate's evidence is not a list")
-    try:
-        evidence = [Evidence.from_json(e) for e in entries]
-    except (KeyError, TypeError, ValueError, OverflowError) as fault:
-        raise InputError(f"the certificate's evidence is malformed: {type(fault).__name__} {fault}") from fault
+    evidence = stated_evidence(data)
     made = certify(problem, evaluation, evidence)
     if data.get("infeasible") and not made.infeasible:
         raise CheckFailedError("the certificate states that there is no answer, its evidence does not prove it")
-    if data.get("feasible") and evaluation is not None and not evaluation.feasible:
-        raise CheckFailedError(f"the certificate states a feasible answer, this one is not: {evaluation.violations[0].message}")
-    stated = data.get("bound")
-    if stated is not None and not made.infeasible:
-        if isinstance(stated, bool) or not isinstance(stated, int | float) or not math.isfinite(stated):
-            raise InputError("the certificate's bound is not a finite number", found=str(stated))
-        if made.bound is None or (better_bound(problem.sense, stated, made.bound) and not tolerance.same(stated, made.bound)):
-            raise CheckFailedError(f"the certificate states the bound {stated!r}, its evidence proves {made.bound!r}")
-    value = data.get("objective")
-    if value is not None and evaluation is not None:
-        stated_values = value if isinstance(value, list) else [value]
-        if any(isinstance(v, bool) or not isinstance(v, int | float) for v in stated_values):
-            raise InputError("the certificate's objective is not a number", found=str(value))
-        if len(stated_values) != len(evaluation.values) or not all(
-            tolerance.same(a, b, size)
-            for a, b, size in zip(stated_values, evaluation.values, evaluation.sizes or [0.0] * len(stated_values), strict=True)
-        ):
-            raise CheckFailedError(f"the certificate states the objective {value!r}, the answer's is {evaluation.objective!r}")
-    if evaluation is not None:
-        for key, proved in (("gap", made.gap), ("observed_ratio", made.observed_ratio)):
-            better = data.get(key)
-            if better is None:
-                continue
-            if isinstance(better, bool) or not isinstance(better, int | float):
-                raise InputError(f"the certificate's {key} is not a number", found=str(better)[:80])
-            if proved is None or not (better >= proved or tolerance.same(better, proved, 1.0)):
-                raise CheckFailedError(f"the certificate states the {key} {better!r}, what it proves is {proved!r}")
-    return made
+    compare_answer(data, evaluation, infeasible=made.infeasible)
+    if data.get("bound") is not None and not made.infeasible:
+        _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
+    for piece in evidence:
+        _compare_evidence(problem, piece, made)
+    compare_figures(data, made)
+    return replace(made, from_file=True, stated_guarantee=stated_guarantee(data))
+
+
+def _compare_bound(problem: Problem, stated: float, proved: float | None, who: str) -> None:
+    if proved is None or (better_bound(problem.sense, stated, proved) and not tolerance.same(stated, proved)):
+        raise CheckFailedError(f"{who} states the bound {stated!r}, its evidence proves {proved!r}")
+
+
+def _compare_evidence(problem: Problem, piece: Evidence, made: Certificate) -> None:
+    """Raise CheckFailedError if the value that stands beside evidence is more than it proves."""
+    if made.infeasible:
+        return
+    proved = made.bound if piece in made.evidence else verified_bound(problem, piece)
+    if math.isfinite(piece.value):
+        _compare_bound(problem, piece.value, proved if proved is not None and math.isfinite(proved) else None, "a piece of evidence")
+    elif piece.value == (math.inf if problem.sense == "min" else -math.inf):
+        raise CheckFailedError("a piece of evidence states that there is no answer, and does not prove it")

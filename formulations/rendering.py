@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ..instances.printable import printable
 from .tolerance import EQUAL
 
 if TYPE_CHECKING:
@@ -16,17 +17,24 @@ if TYPE_CHECKING:
 SHOWN_VIOLATIONS = 10
 """Violations that are listed one by one; the rest is counted."""
 
+SHOWN_LABEL = 80
+"""Characters of a label that are shown."""
+
 _STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "plain": ""}
 _COLOURS = {"good": "#1a7f37", "bad": "#b42318", "quiet": "#6e7781", "plain": "inherit"}
 
 
 @dataclass(frozen=True)
 class Line:
-    """One fact: what it is, what holds, and its tone (``good, bad, quiet, plain``)."""
+    """One fact: what it is, what holds, and its tone (``good, bad, quiet, plain``). Its texts are printable, wherever they come from."""
 
     label: str
     text: str
     tone: str = "plain"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "label", printable(self.label, SHOWN_LABEL))
+        object.__setattr__(self, "text", printable(self.text))
 
 
 def number(value: Any) -> str:
@@ -75,13 +83,16 @@ def _answer_lines(c: Certificate) -> list[Line]:
 
 def _bound_lines(c: Certificate) -> list[Line]:
     lines = [
-        Line("bound", "none verified", "quiet")
-        if c.bound is None
-        else Line("bound", f"{number(c.bound)}, verified: {c.bound_source}", "good")
+        Line("bound", "none verified", "quiet") if c.bound is None else Line("bound", f"{number(c.bound)}, verified: {_source(c)}", "good")
     ]
     if c.gap is not None:
         lines.append(Line("gap", percent(c.gap)))
     return [*lines, *_ratio_lines(c)]
+
+
+def _source(c: Certificate) -> str:
+    """What proves the bound: a file's own name for it stands in quotes, behind the kind of evidence that was multiplied out."""
+    return f"{c.evidence[0].kind}, in the file {printable(c.bound_source, 200)!r}" if c.from_file and c.evidence else str(c.bound_source)
 
 
 def _ratio_lines(c: Certificate) -> list[Line]:
@@ -91,6 +102,10 @@ def _ratio_lines(c: Certificate) -> list[Line]:
         if c.guarantee.assumptions:
             text += f"; checked on this instance: {', '.join(c.guarantee.assumptions)}"
         lines.append(Line("guarantee", text))
+    if c.stated_guarantee is not None:
+        g = c.stated_guarantee
+        text = f"ratio {number(g.ratio)}: {printable(g.statement, 300)!r} ({printable(g.source, 300)!r})"
+        lines.append(Line("guarantee", f"stated in the file, not verified: {text}", "quiet"))
     if c.observed_ratio is not None:
         lines.append(Line("ratio", f"at most {c.observed_ratio:.6g}, observed against the verified bound"))
     return lines
@@ -161,7 +176,7 @@ def solution_title(solution: Solution) -> str:
 def as_text(title: str, lines: Sequence[Line]) -> str:
     """Plain text, labels in a column of their own."""
     width = max((len(line.label) for line in lines), default=0)
-    return "\n".join([title, *(f"{line.label:<{width}}  {line.text}".rstrip() for line in lines)])
+    return "\n".join([printable(title), *(f"{line.label:<{width}}  {line.text}".rstrip() for line in lines)])
 
 
 def as_html(title: str, lines: Sequence[Line]) -> str:
@@ -172,7 +187,9 @@ def as_html(title: str, lines: Sequence[Line]) -> str:
         f'<td style="{cell};color:{_COLOURS[line.tone]}">{html.escape(line.text)}</td></tr>'
         for line in lines
     )
-    return f'<table style="border-collapse:collapse"><caption style="text-align:left">{html.escape(title)}</caption>{rows}</table>'
+    return (
+        f'<table style="border-collapse:collapse"><caption style="text-align:left">{html.escape(printable(title))}</caption>{rows}</table>'
+    )
 
 
 def as_rich(title: str, lines: Sequence[Line]) -> Any:
@@ -186,7 +203,7 @@ def as_rich(title: str, lines: Sequence[Line]) -> Any:
     grid.add_column(overflow="fold")
     for line in lines:
         grid.add_row(Text(line.label, style="red" if line.label.strip() == "!" else "bold cyan"), Text(line.text, style=_STYLES[line.tone]))
-    return Group(Text(title, style="bold"), grid)
+    return Group(Text(printable(title), style="bold"), grid)
 
 
 def _count(n: int, what: str) -> str:

@@ -55,7 +55,7 @@ def widening(limit: ArrayLike, size: ArrayLike = 0.0) -> NDArray[np.float64]:
 
 def same(a: float, b: float, size: float = 0.0, precision: float = EQUAL) -> bool:
     """Whether two values are equal but for rounding, ``size`` being that of the terms that were added up to either."""
-    return a == b or abs(a - b) <= precision * max(abs(a), abs(b), size)
+    return a == b or abs(a - b) <= precision * max(abs(a), abs(b), size) < math.inf
 
 
 def gap(objective: float, bound: float, size: float = 0.0) -> float:

@@ -16,6 +16,9 @@ from .text import plain, shown
 Floats = NDArray[np.float64]
 Object = dict[str, Any]
 
+DEEPEST = 50
+"""Lists and objects within each other that a document may have: whatever walks through one may do so by recursion."""
+
 
 def parse_json(text: str) -> Any:
     """Parsed JSON. Refuses what the standard does not know (NaN, Infinity), double keys, and depth beyond reason.
@@ -32,8 +35,7 @@ def parse_json(text: str) -> Any:
         raise InputError("JSON has no such number", line=_line_of(text, name), expected="a finite number, or null for infinity", found=name)
 
     def whole(digits: str) -> float:
-        value = int(digits)
-        return value if len(digits) <= 300 else float(digits)
+        return int(digits) if len(digits) <= 300 else float(digits)
 
     def pairs(items: list[tuple[str, Any]]) -> Object:
         made = dict(items)
@@ -44,7 +46,7 @@ def parse_json(text: str) -> Any:
         return made
 
     try:
-        return json.loads(text, parse_constant=constant, parse_int=whole, object_pairs_hook=pairs)
+        data = json.loads(text, parse_constant=constant, parse_int=whole, object_pairs_hook=pairs)
     except json.JSONDecodeError as error:
         found = text[error.pos : error.pos + 20].split("\n")[0]
         raise InputError(
@@ -52,8 +54,24 @@ def parse_json(text: str) -> Any:
         ) from None
     except RecursionError:
         raise InputError("is nested too deeply") from None
-    except ValueError as error:  # a whole number of thousands of digits
-        raise InputError(f"is no JSON: {error}") from None
+    if _deeper(data, DEEPEST):
+        raise InputError("is nested too deeply", expected=f"at most {DEEPEST} levels")
+    return data
+
+
+def _deeper(data: Any, levels: int) -> bool:
+    """Whether lists and objects stand within each other more than ``levels`` deep."""
+    inside = [data] if isinstance(data, list | dict) else []
+    for _ in range(levels):
+        inside = [
+            item
+            for outer in inside
+            for item in (outer.values() if type(outer) is dict else outer)
+            if type(item) is list or type(item) is dict
+        ]
+        if not inside:
+            return False
+    return bool(inside)
 
 
 def _line_of(text: str, piece: str) -> int | None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from os import PathLike
 
+from .printable import one_line
+
 
 class WayboundError(Exception):
-    """Base of all waybound errors: one line that says what is wrong, where, and what to do.
+    """Base of all waybound errors: one printable line that says what is wrong, where, and what to do.
 
     Attributes
     ----------
@@ -15,6 +17,9 @@ class WayboundError(Exception):
     """
 
     exit_code = 1
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(one_line(message))
 
 
 class InputError(WayboundError):
@@ -55,7 +60,7 @@ class InputError(WayboundError):
             text += f"; expected {expected}"
         if found is not None:
             text += f"; found {found}"
-        super().__init__(" ".join(text.split()))
+        super().__init__(text)
 
     def at(self, file: str | PathLike[str] | None = None, line: int | None = None) -> InputError:
         """The same error with a place, where it has none yet."""

@@ -15,6 +15,8 @@ import http.client
 import io
 import tarfile
 import tempfile
+import threading
+import time
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -30,6 +32,9 @@ from .reading import read_instance
 
 TIMEOUT = 30.0
 """Seconds without an answer or a byte after which a download is given up."""
+
+LONGEST_DOWNLOAD = 1800.0
+"""Seconds for one archive, however steadily its bytes drip."""
 
 LARGEST_DOWNLOAD = 256 << 20
 LARGEST_CONTENT = 1 << 30
@@ -163,6 +168,31 @@ def fetch(chosen: InstanceSet, folder: str | PathLike[str], base_url: str | None
 
 
 def _download(url: str, chosen: InstanceSet) -> bytes:
+    """The archive at ``url``; in a thread, because a server can keep name resolution, headers and body waiting for as long as it likes."""
+    end = time.monotonic() + LONGEST_DOWNLOAD
+    outcome: list[bytes | BaseException] = []
+
+    def go() -> None:
+        try:
+            outcome.append(_transfer(url, chosen, end))
+        except BaseException as error:
+            outcome.append(error)
+
+    worker = threading.Thread(target=go, name="waybound-download", daemon=True)
+    worker.start()
+    worker.join(max(0.0, end - time.monotonic()))
+    if not outcome:
+        raise _too_slow(url)
+    if isinstance(outcome[0], BaseException):
+        raise outcome[0]
+    return outcome[0]
+
+
+def _too_slow(url: str) -> InputError:
+    return InputError("takes too long, nothing was kept", file=url, expected=f"at most {LONGEST_DOWNLOAD:g} s")
+
+
+def _transfer(url: str, chosen: InstanceSet, end: float) -> bytes:
     opener = urllib.request.OpenerDirector()
     for handler in (
         urllib.request.ProxyHandler(), urllib.request.HTTPHandler(), urllib.request.HTTPSHandler(), urllib.request.HTTPRedirectHandler(),
@@ -175,8 +205,10 @@ def _download(url: str, chosen: InstanceSet) -> bytes:
         with opener.open(request, timeout=TIMEOUT) as reply:
             length = reply.headers.get("Content-Length")
             data = bytearray()
-            while block := reply.read(1 << 16):
+            while block := reply.read1(1 << 16):  # read() would wait for all of them
                 data += block
+                if time.monotonic() > end:
+                    raise _too_slow(url)
                 if len(data) > LARGEST_DOWNLOAD:
                     raise InputError("is too large", file=url, expected=f"at most {LARGEST_DOWNLOAD} bytes")
     except urllib.error.HTTPError as error:
@@ -275,6 +307,8 @@ def _place(files: dict[PurePosixPath, bytes], target: Path, chosen: InstanceSet)
                 if _is_instance(file, path, chosen):
                     kept.append(path)
             for path in kept:
+                _refuse_way_out(target, path)
+            for path in kept:
                 final = target.joinpath(*path.parts)
                 final.parent.mkdir(parents=True, exist_ok=True)
                 Path(scratch, *path.parts).replace(final)
@@ -285,6 +319,12 @@ def _place(files: dict[PurePosixPath, bytes], target: Path, chosen: InstanceSet)
         if made and not placed and target.is_dir() and not any(target.iterdir()):
             target.rmdir()
     return sorted(placed)
+
+
+def _refuse_way_out(target: Path, path: PurePosixPath) -> None:
+    """Raise InputError if a link below ``target`` would lead a file out of it."""
+    if not target.joinpath(*path.parent.parts).resolve().is_relative_to(target.resolve()):
+        raise InputError("would be written through a link that leads out of the folder, nothing was kept", file=target / path)
 
 
 def _is_instance(file: Path, path: PurePosixPath, chosen: InstanceSet) -> bool:

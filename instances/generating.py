@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from .errors import UsageError
 from .generators import GENERATORS, Draw
 from .instance import Instance
+from .limits import check_whole
 
 
 def generate(kind: str, seed: int, **settings: Any) -> Instance:
@@ -34,11 +34,6 @@ def generate(kind: str, seed: int, **settings: Any) -> Instance:
         If the recipe or a setting does not exist, or a value is out of range.
     """
     recipe = GENERATORS[kind]
-    try:
-        number = int(str(seed))
-    except ValueError:
-        number = -1
-    if number < 0 or isinstance(seed, bool):
-        raise UsageError(f"the seed must be a whole number of at least 0, not {seed!r}")
+    check_whole("seed", seed, option="the seed")
     values = recipe.values(settings)
-    return recipe.make(Draw(np.random.Generator(np.random.PCG64(number))), {**values, "seed": number})
+    return recipe.make(Draw(np.random.Generator(np.random.PCG64(int(seed)))), {**values, "seed": int(seed)})

@@ -17,6 +17,12 @@ from .travel import Travel
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+LARGEST = 1e150
+"""Largest coordinate, distance, time, demand and cost: squares, products and sums of millions of them are finite."""
+
+MOST_VEHICLES = 10**18
+"""Largest number of vehicles of one type."""
+
 ENERGY_CHARGES = ("travel", "elapsed", "elapsed-fixed-start", "windows")
 
 
@@ -241,8 +247,9 @@ class VehicleType:
     name: str = "vehicle"
 
     def __post_init__(self) -> None:
-        if self.count is not None and self.count < 1:
-            raise InputError("the number of vehicles must be at least 1", found=str(self.count))
+        if self.count is not None and not 1 <= self.count <= MOST_VEHICLES:
+            wrong = "least 1" if self.count < 1 else f"most {MOST_VEHICLES}"
+            raise InputError(f"the number of vehicles must be at {wrong}", found=str(self.count))
         for name in ("capacity", "max_duration", "max_distance", "fixed_cost", "unit_cost"):
             object.__setattr__(self, name, float(getattr(self, name)))  # 5 and 5.0 must hash alike
         for name in ("capacity", "max_duration", "max_distance"):
@@ -319,9 +326,28 @@ def check_routing_data(sites: Sites, travel: Travel, fleet: Sequence[VehicleType
                 raise InputError(f"{vehicle.name} starts or ends at site {end}, which is no depot")
     if min_vehicles < 0:
         raise InputError("the least number of vehicles must not be negative", found=str(min_vehicles))
+    _refuse_overflow(sites, travel, fleet)
     total = fleet_size(fleet)
     if total is not None and min_vehicles > total:
         raise InputError(f"at least {min_vehicles} vehicles are asked for, but the fleet has {total}")
+
+
+def _refuse_overflow(sites: Sites, travel: Travel, fleet: Sequence[VehicleType]) -> None:
+    """Raise InputError for finite numbers whose squares, products or sums would not be finite."""
+    for what, columns in (
+        ("coordinate", sites.coordinates), ("coordinate", travel.coordinates), ("demand", sites.demand), ("ready time", sites.ready),
+        ("service", sites.service), ("reward", sites.reward), ("distance", travel.matrix), ("duration", travel.duration_matrix),
+    ):  # fmt: skip
+        if columns is None or max(float(columns.max(initial=0.0)), -float(columns.min(initial=0.0))) <= LARGEST:
+            continue
+        worst = np.abs(columns)
+        site = sites.ids[int(np.argmax(worst if worst.ndim == 1 else worst.max(axis=1)))]
+        raise InputError(f"{what} of site {site} is too large to compute with", expected=f"at most {LARGEST:g}", found=f"{worst.max():g}")
+    for vehicle in fleet:
+        for name in ("fixed_cost", "unit_cost"):
+            if getattr(vehicle, name) > LARGEST:
+                found = f"{getattr(vehicle, name):g}"
+                raise InputError(f"{name} of {vehicle.name} is too large to compute with", expected=f"at most {LARGEST:g}", found=found)
 
 
 def fleet_size(fleet: Sequence[VehicleType]) -> int | None:

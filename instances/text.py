@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
+from .printable import printable
 
 Floats = NDArray[np.float64]
 
@@ -86,7 +87,7 @@ def shown(token: str) -> str:
 
 def label(text: str) -> str:
     """A name out of a file as it may be printed and stored: on one line, printable, at most 200 characters."""
-    kept = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    kept = " ".join(printable(text, len(text)).split())
     return kept[:200].rstrip() or "unnamed"
 
 

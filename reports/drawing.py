@@ -53,6 +53,15 @@ def entitle(ax: Any, head: str, detail: str) -> None:
     """A bold heading above the axes, and below it lines of detail."""
     ax.set_title(head + "\n" * (1 + detail.count("\n")), loc="left", fontsize=11, fontweight="bold", color="#222222")
     ax.text(0.0, 1.015, detail, transform=ax.transAxes, fontsize=9, color="#555555", va="bottom")
+    literal(ax)
+
+
+def literal(ax: Any) -> None:
+    """Show every text as it is: names out of files are no formulas, though they may hold dollar signs."""
+    from matplotlib.text import Text
+
+    for text in ax.findobj(Text):
+        text.set_parse_math(False)
 
 
 def bare(ax: Any) -> None:

@@ -17,7 +17,7 @@ from ..formulations.solution import PLOTTERS
 from ..instances.atomic import atomic_write
 from ..instances.errors import UsageError
 from . import sensing_plots as sensing_plots  # registers its plotters
-from .drawing import COLOURS, bare, entitle, figures_of, new_axes
+from .drawing import COLOURS, bare, entitle, figures_of, literal, new_axes
 
 if TYPE_CHECKING:
     from ..formulations.solution import Solution
@@ -75,6 +75,7 @@ def plot_routes(
             [handles[k] for k in order], [labels[k] for k in order], loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False,
             fontsize=9, handlelength=2.6, labelspacing=0.7,
         )  # fmt: skip
+        literal(ax)
     return ax
 
 

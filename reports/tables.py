@@ -13,6 +13,7 @@ from ..formulations.problem import Problem
 from ..formulations.problems.routing import RoutingProblem
 from ..formulations.rendering import number
 from ..formulations.routes import Routes
+from ..instances.printable import printable
 from .assignment_facts import assignment_facts, assignment_rows
 
 if TYPE_CHECKING:
@@ -30,13 +31,27 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A titled table of texts; every row has one entry a column. ``total`` is a last row set apart."""
+    """A titled table of texts, made printable; every row has one entry a column. ``total`` is a last row set apart.
+
+    Only ``wide`` columns show texts of any length.
+    """
 
     title: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     total: tuple[str, ...] = field(default=())
 
+    def __post_init__(self) -> None:
+        def cleaned(row: tuple[str, ...]) -> tuple[str, ...]:
+            return tuple(printable(c, len(c) if column.wide else SHOWN_CELL) for c, column in zip(row, self.columns, strict=True))
+
+        object.__setattr__(self, "title", printable(self.title))
+        object.__setattr__(self, "rows", tuple(cleaned(row) for row in self.rows))
+        object.__setattr__(self, "total", cleaned(self.total) if self.total else ())
+
+
+SHOWN_CELL = 200
+"""Characters of an entry that are shown, where its column is not wide."""
 
 SHOWN_ROWS = 20
 """Rows of an answer that are shown; a solution file holds them all."""

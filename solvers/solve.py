@@ -22,6 +22,7 @@ from ..formulations.solution import Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError
+from ..instances.limits import check_number, check_whole
 from . import claims
 from .backend import BACKENDS, Backend, Control, Engine, Options, ProgramBackend, RawResult, takers
 from .bounding import find_bounds
@@ -31,9 +32,6 @@ from .search import Searched, search
 PREFERENCE = ("pyvrp", "ortools", "highs", "scip", "mathopt", "cpsat", "pulp", "cvxpy")
 """Order in which ``solve`` looks for a solver when none is named: by measured quality on routing files, then by measured speed on the
 linear forms of the other families, then those that take nonconvex products whatever the bounds of their variables."""
-
-MOST_THREADS = 1024
-"""More is a slip of the keyboard, and some solvers take all memory for it."""
 
 Progress = Callable[[dict[str, Any]], None]
 
@@ -116,16 +114,16 @@ def solve(
     """
     if not isinstance(problem, Problem | Program):
         raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
-    _check_number("time_limit", time_limit, above=0)
-    _check_number("gap", gap)
-    for name, whole, least, most in (
-        ("iterations", iterations, 1, None), ("seed", seed, 0, None), ("threads", threads, 1, MOST_THREADS),
-    ):  # fmt: skip
-        _check_whole(name, whole, least, most)
+    check_number("time_limit", time_limit, above=0)
+    check_number("gap", gap)
+    check_whole("seed", seed)
+    check_whole("threads", threads, least=1)
+    if iterations is not None:
+        check_whole("iterations", iterations, least=1)
     if bound_time is not None:
-        _check_number("bound_time", bound_time)
+        check_number("bound_time", bound_time)
     if memory_limit is not None:
-        _check_number("memory_limit", memory_limit, above=0)
+        check_number("memory_limit", memory_limit, above=0)
     if memory_limit is not None and not isolate:
         isolate = True
     if isinstance(start, Solution):
@@ -147,19 +145,6 @@ def solve(
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     searched = search(run.go, control, time_limit)
     return _conclude(problem, run, searched, control, chosen, budget, progress)
-
-
-def _check_number(name: str, value: Any, above: float | None = None) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not (value >= 0 if above is None else value > above):
-        raise UsageError(f"{name} must be {'not negative' if above is None else 'positive'}, not {value!r}")
-
-
-def _check_whole(name: str, value: Any, least: int, most: int | None) -> None:
-    if value is None and name == "iterations":
-        return
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least or (most is not None and value > most):
-        upper = "" if most is None else f" and at most {most}"
-        raise UsageError(f"{name} must be a whole number of at least {least}{upper}, not {value!r}")
 
 
 def _problem_of(program: Program) -> Problem:

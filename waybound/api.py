@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .instances.errors import InputError, UsageError
+from .instances.limits import check_number
 
 if TYPE_CHECKING:
     from .formulations.certificate import Certificate
@@ -70,9 +71,14 @@ def read(
     >>> problem.problem
     'vrptw'
     """
+    return problem_of(read_source(path, format), problem, convention, settings)
+
+
+def problem_of(instance: Instance, problem: str | None, convention: str | None, settings: Mapping[str, Any]) -> Problem:
+    """What ``read`` makes of the instance in a file."""
     from .formulations.problem import problem_from_instance
 
-    return problem_from_instance(read_source(path, format), problem, **_settings(convention, settings))
+    return problem_from_instance(instance, problem, **_settings(convention, settings))
 
 
 def generate(kind: str, *, seed: int = 1, problem: str | None = None, convention: str | None = None, **settings: Any) -> Problem:
@@ -176,8 +182,7 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
     from .solvers.bounding import find_bounds
 
     _refuse_path("bound", problem)
-    if not seconds > 0:
-        raise UsageError(f"the time for bounding must be positive, not {seconds!r}")
+    check_number("bound_time", seconds, above=0, option="the time for bounding")
     return certify(problem, None, find_bounds(problem, seconds))
 
 
@@ -186,6 +191,7 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
     from .solvers.explaining import explain as by_filter
 
     _refuse_path("explain", problem)
+    check_number("time_limit", time_limit)
     return by_filter(problem, time_limit=time_limit, form=form)
 
 

@@ -20,6 +20,7 @@ from ...instances.instance import (
     digest,
     fleet_size,
 )
+from ...instances.printable import printable
 from ...instances.travel import EXPLICIT, Travel, convention_named
 from ..evaluation import Evaluation
 from ..objective import Composable, LongestRoute, Objective, TotalCost
@@ -251,11 +252,11 @@ class RoutingProblem(Problem):
             if not isinstance(entry, Mapping) or not isinstance(entry.get("visits"), Sequence) or isinstance(entry["visits"], str):
                 raise InputError(f"route {number} has no list of visits")
             vehicle = entry.get("vehicle", self.fleet[0].name)
-            if vehicle not in types:
-                raise InputError(f"route {number} names an unknown vehicle {vehicle!r}", expected=", ".join(types))
+            if not isinstance(vehicle, str) or vehicle not in types:
+                raise InputError(f"route {number} names an unknown vehicle {printable(vehicle, 80)!r}", expected=", ".join(types))
             for site in entry["visits"]:
                 if str(site) not in index:
-                    raise InputError(f"route {number} visits an unknown site {site!r}")
+                    raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}")
             routes.append(Route(tuple(index[str(s)] for s in entry["visits"]), types[vehicle]))
         return Routes.of(routes)
 

@@ -117,6 +117,8 @@ def _matrix(path: Path, setting: tuple[int, str], n: int) -> NDArray[np.float64]
     line, name = setting
     file = path.parent / name
     try:
+        if file.exists() and not file.is_file():  # a file must not make the reader wait at a pipe
+            raise InputError("is no plain file", file=file)
         lines = [(k, row) for k, row in enumerate(read_text(file).split("\n"), start=1) if row.strip()]
     except InputError as error:
         raise InputError(f"matrix {shown(name)} {error.message}", line=line, found=error.found) from None

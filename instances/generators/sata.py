@@ -43,6 +43,8 @@ SETTINGS = {
 def make(draw: Draw, settings: Mapping[str, Any]) -> SensingGraph:
     """One instance."""
     robots, targets, phi = settings["robots"], settings["targets"], settings["phi"]
+    if robots * settings["actions"] > MOST_EDGES:
+        raise UsageError(f"robots={robots} with actions={settings['actions']} are too many actions; at most {MOST_EDGES} are made")
     owner = np.repeat(np.arange(robots), settings["actions"])
     pairs = len(owner) * targets
     wanted = round(phi / 100.0 * pairs)

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
+
 import waybound as wb
+from waybound.instances.bundled import bundled_path
 
 
 def test_info_tells_what_an_instance_holds(run, strict_json):
@@ -62,3 +67,9 @@ def test_heuristics_say_what_they_guarantee(run, strict_json):
     listed = strict_json(run("heuristics", "--json").stdout)["heuristics"]
     assert all(h["guarantee"] for h in listed)
     assert "guarantee" in run("heuristics", "demo-tiny").stdout
+
+
+def test_a_pipe_is_read_once(tmp_path):
+    text = bundled_path("demo-tiny").read_bytes()
+    told = subprocess.run([sys.executable, "-m", "waybound", "info", "/dev/stdin", "--json"], input=text, capture_output=True, check=True)
+    assert json.loads(told.stdout)["instance_hash"] == wb.read("demo-tiny").digest()

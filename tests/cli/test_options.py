@@ -9,7 +9,7 @@ import typer
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.cli.options import distinct_paths, finite, handled, output_path, parse_pairs, parse_value
+from waybound.cli.options import MOST_WHOLE, bounded, distinct_paths, handled, output_path, parse_pairs, parse_value
 from waybound.instances.errors import CheckFailedError, InputError, NoAnswerError, UsageError
 
 
@@ -55,7 +55,43 @@ def test_a_repeated_key_is_refused_even_with_the_same_value():
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_options_must_be_finite(value):
     with pytest.raises(UsageError, match="--gap must be a finite number"):
-        finite("--gap", value)
+        bounded(gap=value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "says"),
+    [
+        ("time_limit", 1e18, "--time-limit must be at most 1e+09, not 1e+18"),
+        ("time_limit", 0.0, "--time-limit must be positive, not 0.0"),
+        ("bound_time", 2e9, "--bound-time must be at most"),
+        ("bound_time", -1.0, "--bound-time must be not negative"),
+        ("memory_limit", 1e18, "--memory-limit must be at most"),
+        ("iterations", 10**20, "--iterations must be a whole number between 1 and 2147483647"),
+        ("iterations", 0, "--iterations must be a whole number"),
+        ("seed", 2**63, "--seed must be a whole number between 0 and 9223372036854775807, not 9223372036854775808"),
+        ("seed", -1, "--seed must be a whole number"),
+        ("threads", 10**6, "--threads must be a whole number between 1 and 1024"),
+        ("jobs", 10**400, "--jobs must be a whole number between 1 and 1024, not a number of 1329 bits"),
+        ("steps", 10**12, "--steps must be a whole number"),
+    ],
+)
+def test_what_no_machine_can_do_is_refused(name, value, says):
+    with pytest.raises(UsageError) as caught:
+        bounded(**{name: value})
+    assert says in str(caught.value)
+
+
+def test_numbers_of_every_day_pass():
+    bounded(
+        time_limit=0.001, bound_time=0.0, gap=0.0, memory_limit=None, iterations=None, seed=0, threads=1, steps=1, jobs=1, instances=None
+    )
+
+
+def test_a_value_beyond_what_machines_count_is_refused():
+    assert parse_pairs([f"k={MOST_WHOLE}"], "--set") == {"k": MOST_WHOLE}
+    for value in (f"{MOST_WHOLE + 1}", "-99999999999999999999", "9" * 300):
+        with pytest.raises(UsageError, match="--set k must be a whole number of at most 9223372036854775807"):
+            parse_pairs([f"k={value}"], "--set")
 
 
 def test_paths_that_could_not_be_written_are_refused_beforehand(tmp_path):
@@ -111,3 +147,26 @@ def test_an_internal_error_shows_its_traceback_only_when_asked(capsys):
     told = capsys.readouterr().err
     assert "Traceback" in told
     assert told.strip().splitlines()[-1] == "error: internal error: ValueError: boom"
+
+
+def test_no_line_on_standard_error_is_forged(capsys):
+    def command(verbose: bool = False) -> None:
+        raise ValueError("boom\x1b[2J\nerror: all is well" + "x" * 9000)
+
+    for verbose in (False, True):
+        with pytest.raises(typer.Exit):
+            handled(command)(verbose=verbose)
+        told = capsys.readouterr().err.splitlines()
+        assert all(line.isprintable() for line in told)
+        assert len(told[-1]) < 400
+        assert verbose or len(told) == 1
+
+
+def test_want_of_memory_is_told_as_such(capsys):
+    def command(verbose: bool = False) -> None:
+        raise MemoryError("Unable to allocate 55. GiB")
+
+    with pytest.raises(typer.Exit) as caught:
+        handled(command)()
+    assert caught.value.exit_code == 4
+    assert capsys.readouterr().err == "error: not enough memory for this: Unable to allocate 55. GiB\n"

@@ -110,3 +110,18 @@ def test_the_text_is_standard_json_whatever_the_numbers(data):
         raise AssertionError(name)
 
     json.loads(json_text(data), parse_constant=refuse)
+
+
+def test_json_holds_no_raw_control_character():
+    given = {"a\x9b": "\x7f\x85\u202e\u2028\ud800\U000e0001\x1b é 東"}
+    text = json_text(given)
+    assert all(line.isprintable() for line in text.split("\n"))
+    assert "é 東" in text
+    assert json.loads(text) == given
+
+
+@pytest.mark.parametrize("vehicle", [["x"], {}, 3, None, "truck\x1b[2J" * 50])
+def test_a_vehicle_is_named_by_text(vehicle, tmp_path):
+    (tmp_path / "a.json").write_text(json.dumps({"kind": "routes", "routes": [{"visits": ["1"], "vehicle": vehicle}]}))
+    with pytest.raises(wb.InputError, match="names an unknown vehicle"):
+        read_answer(wb.read("demo-tiny"), tmp_path / "a.json")

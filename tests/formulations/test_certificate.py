@@ -43,11 +43,12 @@ def says(monkeypatch):
 
 def test_a_bound_is_what_the_checker_derives_not_what_the_evidence_claims():
     problem = square()
-    evidence = spanning_tree_bound(problem, 1.0)
+    evidence = spanning_tree_bound(problem, 30.0)  # loading its kernel counts
     boast = Evidence(evidence.kind, evidence.source, 1e6, evidence.data)
     made = certify(problem, problem.evaluate(TOUR), [boast])
     assert made.bound == pytest.approx(14.0, abs=1e-6)
     assert made.bound_source == evidence.source
+    assert made.evidence[0].value == made.bound
     assert made.gap == pytest.approx(0.0, abs=1e-7)
     assert made.observed_ratio == pytest.approx(1.0, abs=1e-6)
     assert made.feasible

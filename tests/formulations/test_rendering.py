@@ -120,3 +120,19 @@ def test_html_is_escaped():
 
 def test_plain_text_keeps_labels_in_a_column():
     assert as_text("title", [Line("a", "1"), Line("long", "2")]) == "title\na     1\nlong  2"
+
+
+FORGED = "x\x1b[31m RED \x1b]0;t\x07\nbound        999999, verified: optimal <b>&"
+
+
+def test_text_out_of_a_file_forges_no_line_and_no_markup():
+    made = certificate(
+        problem=FORGED, objective=3.0, bound=2.0, bound_source=FORGED, violations=(Violation(FORGED, FORGED, 1.0),), feasible=False
+    )
+    lines = certificate_lines(made)
+    assert all(line.label.isprintable() and line.text.isprintable() for line in lines)
+    text = repr(made)
+    assert len(text.split("\n")) == 1 + len(lines)
+    assert all(row.isprintable() for row in text.split("\n"))
+    assert "\x1b" not in made._repr_html_() and "<b>" not in made._repr_html_()
+    assert len(Line("a" * 5000, "b" * 50000).text) <= 2000

@@ -8,6 +8,7 @@ import io
 import socket
 import tarfile
 import threading
+import time
 import zipfile
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -221,6 +222,48 @@ def test_bounds_hold(serve: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     with pytest.raises(InputError, match="is too large; expected at most 100 bytes"):
         f.fetch(a_set(), tmp_path, home)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_drip_of_bytes_is_given_up(serve: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f, "LONGEST_DOWNLOAD", 0.4)
+    ended = threading.Event()
+
+    def drip(handler: BaseHTTPRequestHandler, *, head: bool) -> None:
+        if head:
+            handler.send_response(200)
+            handler.end_headers()
+        while not ended.wait(0.05):
+            try:
+                handler.wfile.write(b"x")
+            except OSError:
+                return
+
+    try:
+        for head in (True, False):
+            home = serve({"/sets/a.zip": lambda handler, head=head: drip(handler, head=head)})
+            began = time.perf_counter()
+            with pytest.raises(InputError, match=r"takes too long, nothing was kept; expected at most 0.4 s"):
+                f.fetch(a_set(), tmp_path / "folder", home)
+            assert time.perf_counter() - began < 2.0
+    finally:
+        ended.set()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_link_below_the_folder_leads_a_file_out_of_it(serve: Any, tmp_path: Path) -> None:
+    folder, outside = tmp_path / "folder", tmp_path / "outside"
+    folder.mkdir()
+    outside.mkdir()
+    (folder / "In").symlink_to(outside)
+    with pytest.raises(InputError, match="leads out of the folder, nothing was kept"):
+        f.fetch(a_set(), folder, serve({"/sets/a.zip": zipped({"a.txt": C25, "In/deep/b.txt": C25})}))
+    assert list(outside.iterdir()) == []
+    assert [p.name for p in folder.iterdir()] == ["In"]
+    (folder / "In").unlink()
+    (folder / "In").symlink_to(folder)  # inside it a link may lead where it likes
+    (folder / "a.txt").symlink_to(outside / "kept")
+    f.fetch(a_set(), folder, serve({"/sets/a.zip": zipped({"a.txt": C25})}))
+    assert not (folder / "a.txt").is_symlink() and list(outside.iterdir()) == []
 
 
 def test_usage_errors_come_before_any_connection(tmp_path: Path) -> None:

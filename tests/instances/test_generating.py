@@ -38,7 +38,7 @@ def test_text_dashes_and_underscores_are_taken() -> None:
     ("kind", "seed", "given", "message"),
     [
         ("sudoku", 1, {}, "unknown generator 'sudoku'; choose from coverage, random, sata, sensing-geometric, "),
-        ("random", -1, {}, "the seed must be a whole number of at least 0, not -1"),
+        ("random", -1, {}, "the seed must be a whole number between 0 and 9223372036854775807, not -1"),
         ("random", True, {}, "the seed"),
         ("random", "x", {}, "the seed"),
         ("random", 1, {"robots": 3}, "random has no setting 'robots'; it takes customers"),

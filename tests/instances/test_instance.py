@@ -105,6 +105,12 @@ def test_an_energy_store_refuses_what_makes_no_sense(changes: dict[str, Any]) ->
         ({"fleet": (VehicleType(end=9),)}, "site 9, which is no depot"),
         ({"min_vehicles": -1}, "must not be negative"),
         ({"min_vehicles": 3}, "at least 3 vehicles are asked for, but the fleet has 2"),
+        (
+            {"fleet": (VehicleType(unit_cost=1e200),)},
+            "unit_cost of vehicle is too large to compute with; expected at most 1e.150",
+        ),
+        ({"travel": Travel("euclidean", coordinates=1e200 * XY)}, "coordinate of site . is too large to compute with; expected at most"),
+        ({"travel": Travel("EXPLICIT", matrix=np.full((4, 4), 5e307))}, "distance of site . is too large to compute with"),
     ],
 )
 def test_parts_that_do_not_fit_each_other_are_refused(changes: dict[str, Any], message: str) -> None:
@@ -151,3 +157,9 @@ def test_whole_and_decimal_limits_hash_alike() -> None:
 def test_problems_always_hold_the_problem() -> None:
     assert instance(problem="vrptw").problems == ("vrptw",)
     assert replace(instance(), fleet=[VehicleType()]).fleet == (VehicleType(),)  # type: ignore[arg-type]
+
+
+def test_more_vehicles_than_anyone_counts_are_refused() -> None:
+    assert VehicleType(10**18).count == 10**18
+    with pytest.raises(InputError, match="at most 1000000000000000000; found 99999999999999999999"):
+        VehicleType(99999999999999999999)

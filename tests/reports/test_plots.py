@@ -137,3 +137,20 @@ def test_a_file_needs_no_display_and_no_global_state(tmp_path):
 
 def test_the_plotter_is_registered():
     assert PLOTTERS["routing"] is plot_routes
+
+
+def test_names_out_of_files_are_no_formulas(tmp_path):
+    ids = ["$\\frac$", "$a$ & <b>", "c"]
+    problem = wb.RoutingProblem(
+        wb.Sites.of(ids, coordinates=[[0, 0], [1, 0], [0, 2]]), wb.Travel("euclidean", [[0, 0], [1, 0], [0, 2]]),
+        (wb.VehicleType(name="$\\sqrt$"),), name="$x^$ $\\undefined$",
+    )  # fmt: skip
+    solution = wb.solve(problem, heuristic="savings", bound_time=0)
+    ax = solution.plot()
+    assert not any(text.get_parse_math() for text in ax.texts)
+    save_plot(solution, tmp_path / "a.svg")
+    one = wb.solve(
+        wb.RoutingProblem(problem.sites, problem.travel, (wb.VehicleType(max_distance=4.0, name="$\\sqrt$"),)), "highs", bound_time=0
+    )
+    assert len(one.answer) > 1 and not any(text.get_parse_math() for text in one.plot().get_legend().get_texts())
+    save_plot(one, tmp_path / "b.png")

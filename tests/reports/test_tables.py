@@ -9,7 +9,17 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.answers import finite
-from waybound.reports.tables import answer_table, facts, facts_table, heuristics_table, routes_table, solvers_table, unserved_sites
+from waybound.reports.tables import (
+    Column,
+    Table,
+    answer_table,
+    facts,
+    facts_table,
+    heuristics_table,
+    routes_table,
+    solvers_table,
+    unserved_sites,
+)
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +89,10 @@ def test_a_long_answer_is_cut_and_says_so():
     table = answer_table(problem, np.full(50, 0.01))
     assert len(table.rows) == 21
     assert table.rows[-1] == ("and 30 more", "")
+
+
+def test_every_entry_is_printable_and_only_wide_columns_are_long():
+    table = Table("a\x1b[2Jb", (Column("site"), Column("reason", wide=True)), (("x\ny" + "z" * 900, "\u202ew" * 900),), ("\x07", ""))
+    shown = [table.title, *table.rows[0], *table.total]
+    assert all(text.isprintable() for text in shown)
+    assert len(table.rows[0][0]) == 200 and len(table.rows[0][1]) == 1800

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..instances.errors import UsageError
-from .options import Convention, File, Format, ProblemName, Set, Verbose, output_path, parse_pairs, read_problem
+from .options import Convention, File, Format, ProblemName, Set, Verbose, bounded, output_path, parse_pairs, read_problem
 
 PROGRAM_SUFFIXES = (".mps", ".lp")
 
@@ -74,6 +74,7 @@ def generate(
     from ..instances.generating import generate as make
     from ..instances.writing import write_instance
 
+    bounded(seed=seed)
     given = parse_pairs(settings, "--set")
     if given.keys() & {"kind", "seed"}:
         raise UsageError("--set has neither a kind nor a seed; the kind is the command's argument, the seed is --seed")

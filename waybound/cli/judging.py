@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import UsageError
-from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, finite, output_path, read_problem
+from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, bounded, output_path, read_problem
 
 if TYPE_CHECKING:
     from ..formulations.answers import ReadAnswer
@@ -107,7 +107,7 @@ def bound(
 
     Exit code 0 with a bound, 3 if it is proved that there is no solution to bound, 4 if nothing was proved.
     """
-    finite("--bound-time", bound_time)
+    bounded(bound_time=bound_time)
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
     asked = read_problem(file, format, problem, convention, settings)
@@ -183,7 +183,7 @@ def explain(
 
     Exit code 3 if there is no solution, 0 if there is one, 4 if neither was found out.
     """
-    finite("--time-limit", time_limit)
+    bounded(time_limit=time_limit)
     asked = read_problem(file, format, problem, convention, settings)
 
     from ..solvers.explaining import explain as find

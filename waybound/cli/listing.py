@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Convention, File, Format, Json, ProblemName, Set, Verbose, read_problem
+from .options import Convention, File, Format, Json, ProblemName, Set, Verbose, read_both, read_problem
 
 MaybeFile = Annotated[
     str | None,
@@ -25,13 +25,11 @@ def info(
     verbose: Verbose = False,
 ) -> None:
     """What an instance holds, which solvers and heuristics take it, and what the others lack."""
-    from ..api import read_source
     from ..reports.tables import facts, facts_table, heuristics_table, solvers_table
     from ..solvers.listing import heuristic_table, solver_table
     from .output import print_json, print_table
 
-    asked = read_problem(file, format, problem, convention, settings)
-    source = read_source(file, format)
+    source, asked = read_both(file, format, problem, convention, settings)
     data = {"format": source.format, "problems": list(source.problems), **facts(asked)}
     able, approximate = solver_table(asked), heuristic_table(asked)
     if json:

@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
 import typer
 
 from ..instances.errors import UsageError, WayboundError
+from ..instances.limits import check_number, check_whole
+from ..instances.printable import one_line, printable
 
 if TYPE_CHECKING:
     from ..formulations.problem import Problem
+    from ..instances.instance import Instance
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -42,6 +45,9 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and no
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more; tracebacks of internal errors.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
 
+MOST_WHOLE = 2**63 - 1
+"""Largest whole number of KEY=VALUE: what machines count in."""
+
 _WHOLE = re.compile(r"[+-]?[0-9]{1,300}\Z")
 _DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\Z")
 
@@ -65,24 +71,47 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
         if key in found:
             raise UsageError(f"{option} {key} is given twice")
         found[key] = parse_value(value)
+        if isinstance(found[key], int) and abs(found[key]) > MOST_WHOLE:
+            raise UsageError(f"{option} {key} must be a whole number of at most {MOST_WHOLE}, not {value}")
     return found
 
 
 def read_problem(file: str, format: str | None, problem: str | None, convention: str | None, settings: Sequence[str] | None) -> Problem:  # noqa: A002
     """The problem that the common options name."""
-    from ..api import read
+    return read_both(file, format, problem, convention, settings)[1]
+
+
+def read_both(
+    file: str,
+    format: str | None,  # noqa: A002
+    problem: str | None,
+    convention: str | None,
+    settings: Sequence[str] | None,
+) -> tuple[Instance, Problem]:
+    """The instance in a file, which is read once because it may be a pipe, and the problem that the common options make of it."""
+    from ..api import problem_of, read_source
 
     given = parse_pairs(settings, "--set")
     for key in ("format", "problem", "convention", "path"):
         if key in given:
             raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
-    return read(file, format=format, problem=problem, convention=convention, **given)
+    instance = read_source(file, format)
+    return instance, problem_of(instance, problem, convention, given)
 
 
-def finite(name: str, value: float | None) -> None:
-    """Raise UsageError for an option that is infinite or not a number."""
-    if value is not None and not math.isfinite(value):
-        raise UsageError(f"{name} must be a finite number, not {value}")
+def bounded(**options: Any) -> None:
+    """Raise UsageError for an option that is infinite, no number, negative, or beyond what any machine can do.
+
+    Keywords are keys of ``MOST``; None stands for an option that is not given.
+    """
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        if isinstance(value, int):
+            check_whole(name, value, least=int(name in ("iterations", "threads", "steps", "instances", "jobs")), option=option)
+        elif value is not None:
+            if not math.isfinite(value):
+                raise UsageError(f"{option} must be a finite number, not {value}")
+            check_number(name, value, above=0 if name in ("time_limit", "memory_limit") else None, option=option)
 
 
 def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *, unlike: str | None = None) -> None:
@@ -140,11 +169,14 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
             raise typer.Exit(130) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
+        except MemoryError as error:
+            complain(f"not enough memory for this{f': {error}' if str(error) else ''}")
+            raise typer.Exit(4) from None
         except Exception as error:
             if kwargs.get("verbose"):
                 import traceback
 
-                traceback.print_exc(file=sys.stderr)
+                print("\n".join(printable(line) for line in traceback.format_exc().splitlines()), file=sys.stderr)
             hint = "" if kwargs.get("verbose") else "; run again with -v for the traceback"
             complain(f"internal error: {type(error).__name__}: {error}{hint}")
             raise typer.Exit(1) from None
@@ -154,9 +186,9 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
 
 def complain(message: str) -> None:
     """One line ``error: ...`` on standard error."""
-    typer.echo(f"error: {' '.join(message.split())}", err=True)
+    typer.echo(f"error: {one_line(message)}", err=True)
 
 
 def remark(message: str) -> None:
     """One line ``note: ...`` on standard error."""
-    typer.echo(f"note: {' '.join(message.split())}", err=True)
+    typer.echo(f"note: {one_line(message)}", err=True)

@@ -60,8 +60,10 @@ def print_lines(title: str, lines: Sequence[Line]) -> None:
 
 
 def print_text(text: str = "") -> None:
-    """One line, as it is."""
-    _console().print(text, soft_wrap=True)
+    """One line."""
+    from ..instances.printable import printable
+
+    _console().print(printable(text), soft_wrap=True)
 
 
 @contextlib.contextmanager

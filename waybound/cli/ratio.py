@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..instances.errors import UsageError
-from .options import Json, Quiet, Verbose, complain, remark
+from .options import Json, Quiet, Verbose, bounded, complain, remark
 
 if TYPE_CHECKING:
     from ..reports.ratios.study import Report, Study
@@ -70,9 +69,7 @@ def ratio(
 def _check(instances: int | None, seed: int, jobs: int, out: Path | None) -> None:
     from ..reports.ratios.writing import check_folder
 
-    for name, value, least in (("--instances", instances, 1), ("--seed", seed, 0), ("--jobs", jobs, 1)):
-        if value is not None and value < least:
-            raise UsageError(f"{name} must be a whole number of at least {least}, not {value}")
+    bounded(instances=instances, seed=seed, jobs=jobs)
     if out is not None:
         check_folder(out)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import MissingPackageError, UsageError
-from .options import Json, Quiet, Verbose, distinct_paths, finite, output_path, parse_pairs, remark
+from .options import Json, Quiet, Verbose, bounded, distinct_paths, output_path, parse_pairs, remark
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,8 +53,7 @@ def run(
     from ..instances.worlds import setting_values
     from ..reports.missions.mission import MISSIONS
 
-    for name, value in (("--time-limit", time_limit), ("--bound-time", bound_time)):
-        finite(name, value)
+    bounded(time_limit=time_limit, bound_time=bound_time, steps=steps, seed=seed)
     given = parse_pairs(settings, "--set")
     played = MISSIONS[mission]()
     setting_values(mission, played.settings, given)

@@ -17,8 +17,8 @@ from .options import (
     Quiet,
     Set,
     Verbose,
+    bounded,
     distinct_paths,
-    finite,
     output_path,
     parse_pairs,
     read_problem,
@@ -83,12 +83,9 @@ def solve(
     """Solve an instance; the answer is checked and bounded, whichever solver finds it."""
     if solver is not None and heuristic is not None:
         raise UsageError("give either --solver or --heuristic, not both")
-    for name, value in (("--time-limit", time_limit), ("--bound-time", bound_time), ("--gap", gap), ("--memory-limit", memory_limit)):
-        finite(name, value)
-    if bound_time is not None and bound_time < 0:
-        raise UsageError(f"--bound-time must not be negative, not {bound_time:g}")
-    if memory_limit is not None and memory_limit <= 0:
-        raise UsageError(f"--memory-limit must be positive, not {memory_limit:g}")
+    bounded(
+        time_limit=time_limit, bound_time=bound_time, gap=gap, memory_limit=memory_limit, iterations=iterations, seed=seed, threads=threads
+    )
     options = parse_pairs(option, "--option")
     asked = read_problem(file, format, problem, convention, settings)
     _check_outputs(asked, file, out, certificate, plot)

@@ -49,7 +49,8 @@ def test_a_document_of_another_sort_is_refused(changes: dict[str, Any], message:
         ('{"a": -Infinity}', "JSON has no such number", 1),
         ('{"a": 1} x', "Extra data", 1),
         ('{"a": ' + "[" * 100_000, "is nested too deeply", None),
-        ('{"a": ' + "9" * 5000 + "}", "is no JSON", None),
+        ('{"a": ' + "9" * 5000 + "}", "is JSON, but no waybound instance", None),
+        ('{"a": ' + "[" * 60 + "]" * 60 + "}", "is nested too deeply", None),
     ],
 )
 def test_what_is_no_json_is_refused(text: str, message: str, line: int | None, refusal: Callable[..., InputError]) -> None:

@@ -1,0 +1,168 @@
+"""What a certificate file states, field by field, beside what was recomputed. Nothing of the file is taken over unless it agrees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ..instances.errors import CheckFailedError, InputError
+from ..instances.printable import printable
+from .evaluation import Evaluation
+from .evidence import Evidence, Guarantee
+from .tolerance import same
+
+if TYPE_CHECKING:
+    from .certificate import Certificate
+
+MOST_EVIDENCE = 100
+"""More pieces of evidence than this are refused: each is multiplied out."""
+
+
+def real(value: Any, what: str) -> float:
+    """A finite number; raises InputError for anything else."""
+    figure = _figure(value, what)
+    if not math.isfinite(figure):
+        raise InputError(f"the certificate's {what} is not a finite number", found=str(figure))
+    return figure
+
+
+def _figure(value: Any, what: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"the certificate's {what} is not a finite number", found=printable(value, 80))
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def stated_evidence(data: Mapping[str, Any]) -> list[Evidence]:
+    """The evidence in a certificate file; raises InputError where it is malformed."""
+    entries = data.get("evidence", [])
+    if not isinstance(entries, list):
+        raise InputError("the certificate's evidence is not a list")
+    if len(entries) > MOST_EVIDENCE:
+        raise InputError("the certificate holds too much evidence", expected=f"at most {MOST_EVIDENCE} entries", found=str(len(entries)))
+    found = []
+    for entry in entries:
+        if not isinstance(entry, Mapping) or not {"kind", "source", "value", "data"} <= entry.keys():
+            raise InputError("the certificate's evidence is malformed", expected="objects with kind, source, value and data")
+        kind, source, value, plain = (entry[key] for key in ("kind", "source", "value", "data"))
+        if not isinstance(kind, str) or not isinstance(source, str) or not isinstance(plain, Mapping):
+            raise InputError("the certificate's evidence is malformed", expected="texts as kind and source, an object as data")
+        known = float(value) if value in ("inf", "-inf") else real(value, "value of evidence")
+        found.append(Evidence(kind, source, known, dict(plain)))
+    return found
+
+
+def compare_answer(data: Mapping[str, Any], evaluation: Evaluation | None, *, infeasible: bool) -> None:
+    """Compare verdict, checks, violations and objective with the answer's own.
+
+    Parameters
+    ----------
+    data : mapping
+        The certificate file.
+    evaluation : Evaluation or None
+        Of the answer; without one only types are looked at.
+    infeasible : bool
+        Whether the evidence proves that there is no answer.
+
+    Raises
+    ------
+    InputError
+        For a field of a wrong type.
+    CheckFailedError
+        For a field that is not so.
+    """
+    for key in ("feasible", "infeasible"):
+        if data.get(key) is not None and not isinstance(data[key], bool):
+            raise InputError(f"the certificate's {key} is neither true nor false", found=printable(data[key], 80))
+    feasible = data.get("feasible")
+    if feasible and infeasible:
+        raise CheckFailedError("the certificate states a feasible answer, its evidence proves that there is none")
+    if evaluation is not None and feasible is not None and feasible != evaluation.feasible:
+        if feasible:
+            raise CheckFailedError(f"the certificate states a feasible answer, this one is not: {evaluation.violations[0].message}")
+        raise CheckFailedError("the certificate states an infeasible answer, this one passes every check")
+    checks, violations = (_entries(data, key) for key in ("checks", "violations"))
+    values = data.get("objective")
+    stated = [None if v is None else _figure(v, "objective") for v in (values if isinstance(values, list) else [values])]
+    if evaluation is None:
+        return
+    own_checks, own_violations = [c.to_json() for c in evaluation.checks], [v.to_json() for v in evaluation.violations]
+    for name, entries, own in (("checks", checks, own_checks), ("violations", violations, own_violations)):
+        if entries is None or (feasible is None and not entries):
+            continue
+        if len(entries) != len(own):
+            raise CheckFailedError(f"the certificate states {len(entries)} {name}, this answer has {len(own)}")
+        for entry, found in zip(entries, own, strict=True):
+            if not _same(entry, found, evaluation.size):
+                told = f"{printable(dict(entry), 120)} stated, {printable(found, 120)} found"
+                raise CheckFailedError(f"the certificate states other {name} than this answer's: {told}")
+    if values is not None and (
+        len(stated) != len(evaluation.values)
+        or not all(_agree(a, b, size) for a, b, size in zip(stated, evaluation.values, evaluation.sizes or evaluation.values, strict=True))
+    ):
+        raise CheckFailedError(f"the certificate states the objective {printable(values, 80)}, the answer's is {evaluation.objective!r}")
+
+
+def _agree(stated: float | None, own: float, size: float) -> bool:
+    return not math.isfinite(own) if stated is None else same(stated, own, abs(size) if math.isfinite(size) else 0.0)
+
+
+def _entries(data: Mapping[str, Any], key: str) -> list[Mapping[str, Any]] | None:
+    entries = data.get(key)
+    if entries is None:
+        return None
+    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
+        raise InputError(f"the certificate's {key} are not a list of objects", found=printable(entries, 80))
+    return entries
+
+
+def _same(stated: Mapping[str, Any], own: Mapping[str, Any], size: float) -> bool:
+    """Whether the entries agree in every key but the message, whose last digits may differ from machine to machine."""
+    if stated.keys() != own.keys():
+        return False
+    for key, value in own.items():
+        given = stated[key]
+        if isinstance(value, float) and not isinstance(given, bool) and isinstance(given, int | float):
+            if not same(_figure(given, key), value, size if math.isfinite(size) else 0.0):
+                return False
+        elif key != "message" and (type(given) is not type(value) or given != value):
+            return False
+    return True
+
+
+def compare_figures(data: Mapping[str, Any], made: Certificate) -> None:
+    """Compare source, gap and ratio with what the evidence proves of the answer; raises as ``compare_answer`` does.
+
+    A gap or ratio that is larger than the proved one is true as far as it goes, and passes only beside a weaker bound.
+    """
+    source = data.get("bound_source")
+    if source is not None and source != made.bound_source:
+        raise CheckFailedError(f"the certificate names the source {printable(source, 80)!r}, its bound is from {made.bound_source!r}")
+    weaker = data.get("bound") is None or made.bound is None or not same(real(data["bound"], "bound"), made.bound)
+    for key, proved in (("gap", made.gap), ("observed_ratio", made.observed_ratio)):
+        if data.get(key) is None:
+            continue
+        stated = real(data[key], key)
+        if made.feasible is None:
+            continue  # nothing to compare with
+        if proved is None or not (same(stated, proved, 1.0) or (weaker and stated > proved)):
+            raise CheckFailedError(f"the certificate states the {key} {stated!r}, what it proves is {proved!r}")
+
+
+def stated_guarantee(data: Mapping[str, Any]) -> Guarantee | None:
+    """The guarantee in a certificate file: the word of whoever wrote it, since a certificate does not say how its answer was made."""
+    given = data.get("guarantee")
+    if given is None:
+        return None
+    parts = given if isinstance(given, Mapping) else {}
+    texts = (parts.get("statement"), parts.get("source"))
+    assumptions = parts.get("assumptions", [])
+    if not all(isinstance(text, str) for text in texts) or not isinstance(assumptions, list):
+        raise InputError("the certificate's guarantee is malformed", expected="an object with ratio, statement, assumptions and source")
+    ratio = math.inf if parts.get("ratio") is None else real(parts["ratio"], "guarantee's ratio")
+    if ratio < 1.0:
+        raise InputError("the certificate's guarantee is malformed", expected="a ratio of at least 1", found=f"{ratio:g}")
+    return Guarantee(ratio, str(texts[0]), tuple(str(a) for a in assumptions), str(texts[1]))

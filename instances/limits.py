@@ -1,0 +1,52 @@
+"""What may be asked of a machine: larger numbers are slips of the keyboard, and are refused before anything starts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .errors import UsageError
+
+MOST: dict[str, float] = {
+    "time_limit": 1e9,  # seconds: 31 years, and what locks and timers can wait for
+    "bound_time": 1e9,
+    "memory_limit": 1e9,  # MB: a petabyte
+    "gap": 1e9,
+    "iterations": 2**31 - 1,  # what solvers count in
+    "steps": 2**31 - 1,
+    "instances": 2**31 - 1,
+    "seed": 2**63 - 1,
+    "threads": 1024,
+    "jobs": 1024,
+}
+"""Largest value of each number that a user may set."""
+
+
+def check_number(name: str, value: Any, *, above: float | None = None, option: str | None = None) -> None:
+    """Raise UsageError unless ``value`` is a number of at least 0 (or more than ``above``), and no more than ``MOST`` of its kind.
+
+    Parameters
+    ----------
+    name : str
+        A key of ``MOST``.
+    value : object
+    above : float, optional
+    option : str, optional
+        What the user wrote, for the message; ``name`` by default.
+    """
+    said = option or name
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not (value >= 0 if above is None else value > above):
+        raise UsageError(f"{said} must be {'not negative' if above is None else 'positive'}, not {value!r}")
+    if value > MOST[name]:
+        raise UsageError(f"{said} must be at most {MOST[name]:g}, not {_short(value)}")
+
+
+def check_whole(name: str, value: Any, *, least: int = 0, option: str | None = None) -> None:
+    """Raise UsageError unless ``value`` is a whole number between ``least`` and ``MOST`` of its kind; see ``check_number``."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= MOST[name]:
+        raise UsageError(f"{option or name} must be a whole number between {least} and {MOST[name]}, not {_short(value)}")
+
+
+def _short(value: Any) -> str:
+    return f"a number of {value.bit_length()} bits" if isinstance(value, int) and value.bit_length() > 400 else repr(value)

@@ -1,0 +1,324 @@
+"""Certificates with fields changed: refused in one line, or accepted with nothing false in them; the truth is known by enumeration."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import random
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import waybound as wb
+from waybound.formulations.answers import json_text
+from waybound.formulations.certificate import Certificate, certify, check_certificate
+from waybound.formulations.evaluation import Evaluation
+from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.problem import Problem
+from waybound.formulations.problems.arrays import ArrayProblem
+from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.formulations.problems.max_min_lp import MaxMinLP
+from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.rendering import as_text, certificate_lines, certificate_title
+from waybound.formulations.selections import Selection
+from waybound.instances.document import parse_json
+from waybound.instances.errors import CheckFailedError, InputError, UsageError
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.travel import Travel
+from waybound.solvers.bounding import find_bounds
+
+from .. import random_sensing, sata_cases, selection_problems
+from ..programs import program
+from ..small_routing import optimum, small
+
+NEAR = 1e-6
+"""Relative difference up to which a number counts as the true one."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A certificate that holds, and what is true of its problem: the optimum (None: there is no answer)."""
+
+    problem: Problem
+    evaluation: Evaluation | None
+    data: dict[str, Any]
+    best: float | None
+
+
+def _cases_of(problem: Problem, best: float | None, answers: list[Any], *further: Evidence) -> list[Case]:
+    """A certificate for each piece of evidence that is found, with each of the answers in turn and with none."""
+    evidence = [*find_bounds(problem, 0.5), *further]
+    judged = [None, *(problem.evaluate(answer) for answer in answers)]
+    made = []
+    for k, piece in enumerate(evidence):
+        for evaluation in judged:
+            guarantee = wb.Guarantee(2.0, "1/2", ("monotone",), "someone 1978") if k % 2 and evaluation is not None else None
+            data = json.loads(json_text(certify(problem, evaluation, [piece], guarantee).to_json(with_evidence=True)))
+            made.append(Case(problem, evaluation, data, best))
+    return made
+
+
+def _routing() -> list[Case]:
+    cases = []
+    for feature in ("time-windows", "limited-fleet", "heterogeneous-fleet", "max-distance", "prizes", "reward", "vehicles"):
+        problem, truth = next((p, best) for p in (small(feature, seed, "exact") for seed in range(20)) if (best := optimum(p)) is not None)
+        first = [[c] for c in problem.customers.tolist()]
+        good = wb.solve(problem, time_limit=0.3, iterations=200, bound_time=0).answer
+        cases += _cases_of(problem, truth[0], [good, wb.Routes.of(first[:2])])
+    tour = wb.RoutingProblem(
+        Sites.of("oabc", demand=[0, 1, 1, 1]), Travel("euclidean", [(0, 0), (3, 0), (3, 4), (0, 4)]), (VehicleType(count=1),), problem="tsp"
+    )
+    cases += _cases_of(tour, 14.0, [wb.Routes.of([[1, 2, 3]]), wb.Routes.of([[2, 1, 3]])])
+    line = Travel("euclidean", [(0, 0), (3, 0), (3, 4)])
+    far = wb.RoutingProblem(Sites.of("oab"), line, (VehicleType(max_distance=9.0),))
+    few = wb.RoutingProblem(Sites.of("oab", demand=[0, 5, 5]), line, (VehicleType(count=1, capacity=9.0),))
+    return cases + _cases_of(far, None, [wb.Routes.of([[1]])]) + _cases_of(few, None, [wb.Routes.of([[1], [2]])])
+
+
+def _max_min() -> list[Case]:
+    rng = np.random.default_rng(5)
+    cases = []
+    for seed in range(2):
+        graph = random_sensing.random_graph(seed, robots=4, targets=3, most_actions=2)
+        best = max(BottleneckSATA(graph).evaluate(s).values[0] for s in sata_cases.selections(graph))
+        whole = next(s for s in sata_cases.selections(graph) if len(s) == 4)
+        cases += _cases_of(BottleneckSATA(graph), best, [whole, Selection((0, 0))])
+        shares = np.zeros(graph.num_actions)
+        shares[list(whole.elements)] = 1.0
+        cases += _cases_of(BottleneckSATA(graph, fractional=True), random_sensing.optimum(graph), [shares, 2.0 * shares])
+    for sense in ("max", "min"):
+        a, c = rng.integers(1, 5, (3, 4)).astype(float), rng.integers(1, 5, (3, 4)).astype(float)
+        sign, (bounded, moved) = (1.0, (a, c)) if sense == "max" else (-1.0, (c, a))
+        rows = np.vstack([sign * np.c_[bounded, np.zeros(3)], sign * np.c_[-moved, np.ones(3)]])
+        found = linprog([0] * 4 + [-sign], A_ub=rows, b_ub=[sign] * 3 + [0] * 3)
+        assert found.status == 0
+        x = found.x[:4]
+        cases += _cases_of(MaxMinLP(a, c, sense=sense), float(found.x[4]), [x * (1 + 1e-9 if sense == "min" else 1 - 1e-9), 3.0 * x - 0.2])
+    return cases
+
+
+def _selection() -> list[Case]:
+    rng = np.random.default_rng(8)
+    cases = []
+    for function in ("coverage", "facility-location", "dense", "user"):
+        for constraint in selection_problems.CONSTRAINTS:
+            problem = selection_problems.random_problem(rng, function, constraint, 6)
+            *_, last = selection_problems.feasible_sets(problem)
+            answers = [Selection(last), Selection(tuple(range(problem.num_elements)) * 2)]
+            cases += _cases_of(problem, selection_problems.optimum(problem), answers)
+    graph = random_sensing.random_graph(3, robots=3, targets=3, most_actions=2)
+    asked = WinnerTakesAllSATA(graph)
+    best = max(asked.evaluate(s).values[0] for s in sata_cases.selections(graph))
+    return cases + _cases_of(asked, best, [next(s for s in sata_cases.selections(graph) if len(s) == 3)])
+
+
+def _arrays() -> list[Case]:
+    cases = []
+    for sense, low, high, duals, best, answer in (
+        ("max", -math.inf, [4.0, 6.0], [3.0, 0.0], 12.0, [4.0, 0.0]), ("min", [4.0, 6.0], math.inf, [2.0, 0.0], 8.0, [0.0, 4.0]),
+    ):  # fmt: skip
+        problem = ArrayProblem(program([3.0, 2.0], [[1, 1], [1, 3]], low, high, 0, 10, sense=sense))
+        proof = Evidence("lp-dual", "duals by hand", best, {"duals": duals})
+        cases += _cases_of(problem, best, [np.array(answer), np.array([20.0, -3.0])], proof)
+    return cases
+
+
+@cache
+def pool() -> list[Case]:
+    cases = [*_routing(), *_max_min(), *_selection(), *_arrays()]
+    for case in cases:
+        made = accepted(case, copy.deepcopy(case.data))
+        assert made is not None, case.problem.name
+        assert made.bound == case.data["bound"] and made.infeasible == (case.best is None)
+    assert {case.data["evidence"][0]["kind"] for case in cases} == set(CHECKERS)
+    return cases
+
+
+# -- changes ---------------------------------------------------------------------------------------------------------------
+
+FACTORS = (1 + 1e-3, 1 - 1e-3, 1 + 1e-5, 1.01, 0.9, 2.0, 0.5, 10.0, -1.0, 0.0, 1e-9, 1e9, 1e300)
+ODD: tuple[Any, ...] = (
+    math.nan, math.inf, -math.inf, 10**400, -(10**400), 1e308, 5e-324, -0.0, 2**63, True, False, None, "", "1", "inf", "nan", [], {}, [[]],
+    [1, 2], {"a": 1}, "x\x1b[31m\x07\nbound  999999, verified: optimal", "\u202e\u200b\ud800", "y" * 100_000, b"bytes", (1.0, 2.0), {1.5},
+    [0] * 1000,
+)  # fmt: skip
+BOAST = {"ratio": 1.0, "statement": "optimal\x1b[0m", "assumptions": [], "source": "\n"}
+BOASTS: tuple[tuple[str, Any], ...] = (
+    ("feasible", True), ("feasible", False), ("infeasible", True), ("gap", 0.0), ("gap", 0), ("gap", -1.0), ("observed_ratio", 1.0),
+    ("observed_ratio", 0.5), ("guarantee", BOAST), ("guarantee", {"ratio": 0.1}), ("checks", []), ("violations", []), ("bound", 0),
+    ("objective", 0), ("objective", [1.0, 2.0]), ("evidence", []), ("bound_source", "Concorde"), ("schema", 1.0),
+)  # fmt: skip
+
+
+def _places(data: Any, above: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    return [above, *(path for key, value in items for path in _places(value, (*above, key)))]
+
+
+def tampered(case: Case, others: list[Case], rng: random.Random) -> dict[str, Any]:
+    """The certificate after one to three changes."""
+    data = copy.deepcopy(case.data)
+    for _ in range(rng.choice((1, 1, 1, 2, 3))):
+        way = rng.random()
+        if way < 0.2:
+            key = rng.choice(("bound", "objective", "gap", "observed_ratio"))
+            value = data.get(key)
+            if isinstance(value, int | float):
+                data[key] = _scaled(value, rng)
+        elif way < 0.35:
+            key, value = rng.choice(BOASTS)
+            data[key] = copy.deepcopy(value)
+        elif way < 0.45:
+            other = rng.choice(others).data
+            key = rng.choice(("evidence", "checks", "violations", "bound", "objective", "guarantee", "gap", "bound_source"))
+            data[key] = copy.deepcopy(other[key])
+        else:
+            path = rng.choice(_places(data)[1:] or [()])
+            if path:
+                _changed(data, path, rng)
+    return data
+
+
+def _scaled(value: float, rng: random.Random) -> float:
+    return float(np.float64(min(max(value, -1e308), 1e308)) * rng.choice(FACTORS)) + rng.choice((0.0, 0.0, 0.0, 1e-3, -1e-3, 1.0))
+
+
+def _changed(data: Any, path: tuple[Any, ...], rng: random.Random) -> None:
+    part = data
+    for key in path[:-1]:
+        part = part[key]
+    key, value = path[-1], part[path[-1]]
+    way = rng.random()
+    if way < 0.5 and isinstance(value, int | float) and not isinstance(value, bool):
+        part[key] = _scaled(value, rng)
+    elif way < 0.6 and isinstance(value, list) and value:
+        cut = rng.randrange(len(value))
+        part[key] = rng.choice((value[:cut], value[::-1], value * 2, [*value, value[cut]], value[cut:] + value[:cut]))
+    elif way < 0.7:
+        del part[key]
+    elif way < 0.75 and isinstance(part, dict):
+        part[rng.choice((f"{key} ", key.upper(), "__class__", ""))] = part.pop(key)
+    elif way < 0.8 and isinstance(part, dict):
+        part[key] = copy.deepcopy(part[rng.choice(list(part))])
+    else:
+        part[key] = copy.deepcopy(rng.choice(ODD))
+
+
+# -- the judgement ---------------------------------------------------------------------------------------------------------
+
+
+def accepted(case: Case, data: dict[str, Any]) -> Certificate | None:
+    """What the check makes of a certificate, None where it refuses it in one line."""
+    try:
+        return check_certificate(case.problem, data, case.evaluation)
+    except (InputError, CheckFailedError, UsageError) as error:
+        assert str(error).isprintable() and len(str(error)) < 400
+        return None
+
+
+def assert_true(case: Case, data: dict[str, Any], made: Certificate) -> None:
+    """Nothing that the accepted certificate states, and nothing that is shown of it, is false."""
+    sign = 1.0 if case.problem.sense == "min" else -1.0
+    holds = lambda bound: case.best is None or sign * bound <= sign * case.best + NEAR * max(1.0, abs(case.best))  # noqa: E731
+    judged = case.evaluation
+    assert made.bound is None or holds(made.bound)
+    if data.get("bound") is not None and not made.infeasible:
+        assert holds(data["bound"]) and made.bound is not None
+    assert not (data.get("infeasible") or made.infeasible) or case.best is None
+    for piece in data.get("evidence", []):
+        assert isinstance(piece["value"], str) or made.infeasible or holds(piece["value"])
+    if judged is not None:
+        assert data.get("feasible") in (None, judged.feasible)
+        assert made.feasible == judged.feasible and made.objective == judged.objective
+        if data.get("feasible") is not None:
+            assert data.get("checks") is None or [(c["name"], c["passed"], c["tested"]) for c in data["checks"]] == [
+                (c.name, c.passed, c.tested) for c in judged.checks
+            ]
+            assert data.get("violations") is None or len(data["violations"]) == len(judged.violations)
+        if data.get("objective") is not None:
+            stated = data["objective"] if isinstance(data["objective"], list) else [data["objective"]]
+            assert np.allclose(stated, judged.values, rtol=NEAR, atol=NEAR)
+        if judged.feasible and case.best is not None:
+            value = judged.values[0]
+            if data.get("gap") is not None:
+                assert math.isfinite(data["gap"])
+                assert data["gap"] >= abs(case.best - value) / max(abs(value), 1e-9) - 2 * NEAR
+            if data.get("observed_ratio") is not None:
+                better, worse = sorted((abs(case.best), abs(value)))
+                assert data["observed_ratio"] * better >= worse * (1 - 2 * NEAR) - 2 * NEAR
+    assert made.guarantee is None
+    lines = certificate_lines(made)
+    shown = as_text(certificate_title(made), lines).split("\n")
+    assert len(shown) == 1 + len(lines) and all(line.isprintable() for line in shown)
+    assert all("not verified" in line.text for line in lines if line.label == "guarantee")
+    assert all("in the file" in line.text for line in lines if line.label == "bound" and made.bound is not None)
+    if len(data.get("bound_source") or "") > 5000:
+        assert max(map(len, shown)) < 4000
+
+
+def test_no_tampered_certificate_is_accepted_with_anything_false(share: Callable[[int, int], int], tally: Any) -> None:
+    cases = pool()
+    tally["certificates that are tampered with"] = len(cases)
+    rng = random.Random(20)
+    for number in range(share(1_500, 50_000)):
+        case = cases[number % len(cases)]
+        data = tampered(case, cases, rng)
+        if number % 5 == 0:
+            try:
+                data = parse_json(json.dumps(data, ensure_ascii=rng.random() < 0.5, default=str))
+            except InputError:
+                tally["tampered certificates that are no JSON"] += 1
+                continue
+        made = accepted(case, data)
+        tally["tampered certificates"] += 1
+        if made is None:
+            tally["tampered certificates refused"] += 1
+        else:
+            assert_true(case, data, made)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"feasible": False}, "states an infeasible answer"),
+        ({"feasible": "yes"}, "neither true nor false"),
+        ({"checks": []}, "states 0 checks"),
+        ({"gap": 0.5}, "states the gap"),
+        ({"observed_ratio": 7.0}, "states the observed_ratio"),
+        ({"bound_source": "Concorde"}, "names the source 'Concorde'"),
+        ({"guarantee": {"ratio": 0.5, "statement": "", "source": ""}}, "a ratio of at least 1"),
+        ({"guarantee": "optimal"}, "guarantee is malformed"),
+        ({"violations": [{}]}, "states 1 violations"),
+        ({"evidence": [{}] * 10**6}, "too much evidence"),
+        ({"checks": [3]}, "not a list of objects"),
+    ],
+)
+def test_every_field_is_compared(change: dict[str, Any], says: str) -> None:
+    case = next(c for c in pool() if c.evaluation is not None and c.evaluation.feasible and c.data["gap"] is not None)
+    with pytest.raises((InputError, CheckFailedError)) as caught:
+        check_certificate(case.problem, {**case.data, **change}, case.evaluation)
+    assert says in str(caught.value)
+
+
+def test_single_checks_and_residuals_are_compared() -> None:
+    case = next(c for c in pool() if c.evaluation is not None and not c.evaluation.feasible and c.evaluation.violations[0].amount > 0.01)
+    changes = (("checks", {"residual": 9e9}), ("checks", {"passed": 1}), ("checks", {"tested": 99}), ("violations", {"amount": 1e-9}))
+    for key, entry in changes:
+        data = copy.deepcopy(case.data)
+        data[key][0].update(entry)
+        with pytest.raises(CheckFailedError, match=f"states other {key}"):
+            check_certificate(case.problem, data, case.evaluation)
+
+
+def test_a_guarantee_is_shown_as_the_word_of_the_file() -> None:
+    case = next(c for c in pool() if c.data["guarantee"] is not None)
+    made = check_certificate(case.problem, {**case.data, "guarantee": BOAST}, case.evaluation)
+    told = {line.label: line.text for line in certificate_lines(made)}
+    assert told["guarantee"] == "stated in the file, not verified: ratio 1: 'optimal [0m' (' ')"
+    assert made.to_json()["guarantee"] is None and made.to_json()["stated_guarantee"]["ratio"] == 1.0
