@@ -32,8 +32,10 @@ MOST_ROUTES = 60
 
 
 def hair(rng: Rng, size: Any = ()) -> Any:
-    """Small parts of 1: around the tolerances that any judge might have, and down to the last digit."""
-    return 10.0 ** -np.where(rng.random(size) < 0.5, rng.choice([5.99, 6.01, 8.99, 9.01, 10.99, 11.01], size), rng.uniform(5, 16, size))
+    """Small parts of 1: on both sides of the tolerances that a judge has for vectors and for sums, and down to the last digit."""
+    edges = rng.choice([5.99, 6.01, 8.99, 9.01, 10.99, 11.01], size)
+    digits = np.where(rng.random(size) < 0.5, rng.uniform(10.5, 16.5, size), rng.uniform(5, 16, size))
+    return 10.0 ** -np.where(rng.random(size) < 0.3, edges, digits)
 
 
 def shares(rng: Rng) -> tuple[Problem, list[Any]]:
