@@ -104,6 +104,15 @@ def near(rng: Rng, value: float) -> float:
     return value * float(rng.choice([1.0, 1.0, 1.0, 1.0 - 1e-7, 1.0 - 1e-5, 1.0 + 1e-7, 0.7, 1.5]))
 
 
+def shaken(rng: Rng, value: Any) -> Any:
+    """The same evidence, every number another one."""
+    if isinstance(value, dict):
+        return {name: shaken(rng, v) for name, v in value.items()}
+    if isinstance(value, list):
+        return [shaken(rng, v) for v in value]
+    return value * float(rng.choice([1.0, rng.uniform(0.3, 1.7)])) if isinstance(value, float) else value
+
+
 # -- routing -----------------------------------------------------------------------------------------------------------
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hostile_instances import FAMILIES, Rng, Units
+from hostile_instances import FAMILIES, Rng, Units, shaken
 from hostile_judging import away
 
 import waybound as wb
@@ -216,15 +216,6 @@ def times(value: Any, factor: float) -> Any:
     if isinstance(value, list):
         return [times(v, factor) for v in value]
     return value * factor if isinstance(value, float) else value
-
-
-def shaken(rng: Rng, value: Any) -> Any:
-    """The same evidence, every number another one."""
-    if isinstance(value, dict):
-        return {name: shaken(rng, v) for name, v in value.items()}
-    if isinstance(value, list):
-        return [shaken(rng, v) for v in value]
-    return value * float(rng.choice([1.0, rng.uniform(0.3, 1.7)])) if isinstance(value, float) else value
 
 
 def checked(family: str, case: int) -> tuple[list[str], list[str]]:
