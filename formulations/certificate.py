@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ..instances.errors import CheckFailedError, InputError
+from ..instances.errors import CheckFailedError, InputError, in_words
 from . import tolerance
 from .evaluation import Check, Evaluation, Violation
 from .evidence import CHECKERS, Evidence, Guarantee
@@ -143,15 +143,34 @@ def certify(
     evaluation: Evaluation | None,
     evidence: Sequence[Evidence] = (),
     guarantee: Guarantee | None = None,
+    unproved: list[str] | None = None,
 ) -> Certificate:
     """Verify all evidence and put what holds into a certificate.
 
+    Parameters
+    ----------
+    problem : Problem
+    evaluation : Evaluation or None
+    evidence : sequence of Evidence
+    guarantee : Guarantee, optional
+    unproved : list of str, optional
+        Receives a line for each evidence whose checker fails, which is then left out; without it, that failure is raised.
+
     Raises
     ------
+    InputError
+        If evidence is malformed and there is no ``unproved``.
     CheckFailedError
         If a verified bound, or a proof that there is no answer, contradicts a feasible answer: both cannot be right.
     """
-    verified = [(verified_bound(problem, e), e) for e in evidence]
+    verified = []
+    for e in evidence:
+        try:
+            verified.append((verified_bound(problem, e), e))
+        except (Exception, KeyboardInterrupt) as fault:
+            if unproved is None:
+                raise
+            unproved.append(f"{e.source} is no bound: {in_words(fault)}")
     worst = math.inf if problem.sense == "min" else -math.inf
     refuting = [e for b, e in verified if b == worst]
     proved = [(b, e) for b, e in verified if math.isfinite(b)]
@@ -193,6 +212,19 @@ def certify(
         guarantee=guarantee,
         observed_ratio=ratio,
     )
+
+
+def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
+    """A certificate of what the judge found, where bounds could not be certified."""
+    try:
+        digest = problem.digest()
+    except Exception:  # of memory, say: the answer stands without it
+        digest = ""
+    made = Certificate(digest, problem.problem, problem.sense, problem.convention, None)
+    if evaluation is None:
+        return made
+    e = evaluation
+    return replace(made, feasible=e.feasible, checks=e.checks, violations=e.violations, objective=e.objective)
 
 
 def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Evaluation | None) -> Certificate:

@@ -142,7 +142,7 @@ _LIMIT_WORDS = {
 def solution_lines(solution: Solution) -> list[Line]:
     """How a run ended and what its certificate says; a claimed bound is told apart from a verified one."""
     s, c = solution, solution.certificate
-    lines = [status_line(s), *_answer_lines(c)]
+    lines = [status_line(s), *(Line("fault", fault, "bad") for fault in s.faults), *_answer_lines(c)]
     if s.bound_kind == "claimed":
         lines.append(Line("bound", f"{number(s.bound)}, claimed by {s.bound_source} (its own figure, no evidence)"))
         if c.bound is not None:

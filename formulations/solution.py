@@ -67,6 +67,9 @@ class Solution:
         Verified facts only.
     statistics : dict
     message : str
+    faults : tuple of str
+        Claims of the solver, and bounds, that contradict the answer. It passed every check all the same; nothing that the solver claims
+        is believed then, and a bound that contradicts it is withheld. Empty as it should be.
     """
 
     problem: Problem
@@ -87,6 +90,7 @@ class Solution:
     evaluation: Evaluation | None = None
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
+    faults: tuple[str, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:
         """The answer as a table (routing: one row a visit)."""
@@ -113,7 +117,7 @@ class Solution:
         return {
             "schema": SCHEMA,
             "instance": self.problem.name,
-            "instance_hash": self.problem.digest(),
+            "instance_hash": self.certificate.instance_hash or None,
             "problem": self.problem.problem,
             "sense": self.problem.sense,
             "convention": self.problem.convention,
@@ -131,13 +135,15 @@ class Solution:
             "versions": self.versions,
             "statistics": self.statistics,
             "message": self.message,
+            "faults": list(self.faults),
             "answer": None if self.answer is None else self.problem.answer_to_json(self.answer),
             "certificate": self.certificate.to_json(),
         }
 
     def __repr__(self) -> str:
         bound = "no bound" if self.bound is None else f"bound {self.bound} ({self.bound_kind})"
-        return f"<Solution of {self.problem.name} by {self.solver}: {self.status}, objective {self.objective}, {bound}>"
+        faults = f", {len(self.faults)} faults: {'; '.join(self.faults)}" if self.faults else ""
+        return f"<Solution of {self.problem.name} by {self.solver}: {self.status}, objective {self.objective}, {bound}{faults}>"
 
     def __str__(self) -> str:
         from .rendering import as_text, solution_lines, solution_title

@@ -90,6 +90,9 @@ def compare_answer(data: Mapping[str, Any], evaluation: Evaluation | None, *, in
     if evaluation is None:
         return
     own_checks, own_violations = [c.to_json() for c in evaluation.checks], [v.to_json() for v in evaluation.violations]
+    if checks:  # an answer that is written down may state more than the one that was judged, such as who is credited with what
+        named = {entry.get("name") for entry in checks}
+        own_checks = [check for check in own_checks if check["name"] in named]
     for name, entries, own in (("checks", checks, own_checks), ("violations", violations, own_violations)):
         if entries is None or (feasible is None and not entries):
             continue

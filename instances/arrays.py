@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -96,6 +97,17 @@ def refuse_negative(what: str, values: Floats) -> None:
     if wrong.any():
         k = int(np.argmax(wrong))
         raise InputError(f"{what.format(k)} must be finite and not negative", found=str(values[k]))
+
+
+def refuse_overflow(what: str, values: NDArray[Any]) -> None:
+    """Raise InputError where the sum of ``values`` >= 0, which some answer may be worth, exceeds all floating-point numbers."""
+    if values.size and not math.isfinite(float(values.max()) * values.size):
+        with np.errstate(over="ignore"):
+            total = float(values.sum(dtype=np.float64))
+        if not math.isfinite(total * 1.5):  # for sums in another order, and bounds above them
+            raise InputError(
+                f"{what} add up to more than a floating-point number can hold", expected="a sum below 1e308", found=f"{total:g}"
+            )
 
 
 def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: str, entries: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from os import PathLike
@@ -11,6 +12,9 @@ from pathlib import Path
 from typing import IO
 
 from .errors import InputError
+
+_BLOCK = 4096
+"""Bytes that a disk must still take for a search to begin."""
 
 
 @contextlib.contextmanager
@@ -24,20 +28,21 @@ def atomic_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
     ----------
     path : path-like
         Where the file shall stand; a symbolic link is followed, so that the link itself survives.
+        A device or a pipe is written to as it is.
 
     Raises
     ------
     InputError
         If ``path`` is a directory, its folder is missing, or it cannot be written.
     """
-    target = Path(os.path.realpath(path))
-    if target.is_dir():
-        raise InputError("is a directory, not a file to write to", file=path)
-    if not target.parent.is_dir():
-        raise InputError(f"cannot be written: there is no folder {target.parent}", file=path)
+    target = _target(path)
     temporary: str | None = None
     try:
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{target.name[:64]}.", suffix=".part", dir=target.parent)
+        if target is None:
+            with Path(path).open("wb") as stream:
+                yield stream
+            return
+        descriptor, temporary = _beside(target)
         with os.fdopen(descriptor, "wb") as stream:
             yield stream
             stream.flush()
@@ -46,7 +51,7 @@ def atomic_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
         Path(temporary).replace(target)
         temporary = None
     except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror or error}", file=path) from error
+        raise _unwritable(path, error) from error
     finally:
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)
@@ -57,6 +62,47 @@ def atomic_write(path: str | PathLike[str], text: str | bytes) -> None:
     data = text.encode("utf-8") if isinstance(text, str) else text
     with atomic_file(path) as stream:
         stream.write(data)
+
+
+def check_writable(path: str | PathLike[str]) -> None:
+    """Raise InputError, before hours of work, where ``atomic_file`` could not write: a small file beside ``path`` shows."""
+    target = _target(path)
+    if target is None:
+        return
+    try:
+        descriptor, temporary = _beside(target)
+        try:
+            with os.fdopen(descriptor, "wb") as stream:
+                stream.write(bytes(_BLOCK))
+        finally:
+            Path(temporary).unlink(missing_ok=True)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+
+
+def _target(path: str | PathLike[str]) -> Path | None:
+    """The file that ``path`` leads to; None where that is a device or a pipe, which no file must replace."""
+    target = Path(os.path.realpath(path))
+    try:
+        mode = Path(path).stat().st_mode  # not of target: /dev/stdout leads to a pipe, which has no path
+    except (FileNotFoundError, NotADirectoryError):
+        if not target.parent.is_dir():
+            raise InputError(f"cannot be written: there is no folder {target.parent}", file=path) from None
+        return target
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    if stat.S_ISDIR(mode):
+        raise InputError("is a directory, not a file to write to", file=path)
+    return target if stat.S_ISREG(mode) else None
+
+
+def _beside(target: Path) -> tuple[int, str]:
+    """A temporary file in the folder of ``target``; names may have 255 bytes, and a character four."""
+    return tempfile.mkstemp(prefix=f".{target.name[:48]}.", suffix=".part", dir=target.parent)
+
+
+def _unwritable(path: str | PathLike[str], error: OSError) -> InputError:
+    return InputError(f"cannot be written: {error.strerror or error}", file=path)
 
 
 def _mode(target: Path) -> int:

@@ -122,3 +122,16 @@ class CheckFailedError(WayboundError):
     """A check failed: an answer, a bound or a solver's claim does not hold up."""
 
     exit_code = 5
+
+
+def in_words(fault: BaseException) -> str:
+    """What went wrong, in one line: the message of an error of ours, a name and a text for every other exception."""
+    if isinstance(fault, WayboundError):
+        return str(fault)
+    if isinstance(fault, KeyboardInterrupt):
+        return "interrupted"
+    if isinstance(fault, MemoryError):
+        return "out of memory"
+    if isinstance(fault, OSError) and fault.strerror:
+        return fault.strerror
+    return " ".join(f"{type(fault).__name__}: {fault}".split())

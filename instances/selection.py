@@ -48,6 +48,7 @@ class Coverage:
         if self.item_weights.ndim != 1:
             raise InputError("item_weights must be a list with one weight an item", found=f"shape {self.item_weights.shape}")
         arrays.refuse_negative("the weight of item {}", self.item_weights)
+        arrays.refuse_overflow("the weights of the items", self.item_weights)
         arrays.check_csr(self.indptr, self.indices, len(self.item_weights), "element", "item", "entries")
 
     @property
@@ -97,6 +98,7 @@ class FacilityLocation:
         if self.weights.shape != self.indices.shape:
             raise InputError("there must be one weight an entry", expected=str(len(self.indices)), found=str(self.weights.shape))
         arrays.refuse_negative("the weight of entry {}", self.weights)
+        arrays.refuse_overflow("the weights", self.weights)
 
     @property
     def num_elements(self) -> int:
@@ -135,6 +137,7 @@ class DenseFacilityLocation:
         # One reduction each way instead of a mask of the same size: the matrix may hold gigabytes.
         if self.matrix.size and not (self.matrix.min() >= 0 and math.isfinite(float(self.matrix.max()))):
             raise InputError("weights must be finite and not negative")
+        arrays.refuse_overflow("the weights", self.matrix)
 
     @property
     def num_elements(self) -> int:

@@ -75,7 +75,7 @@ class RawResult:
     message : str
         What the user should read, such as why nothing was found.
     evidence : tuple of Evidence
-        What proves bounds, for the checker to verify (engines). An engine that gives any is not bounded again by other methods.
+        What proves bounds, for the checker to verify (engines). Where any proves something, other methods do not bound again.
     """
 
     status: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -14,7 +15,7 @@ from ..formulations.evidence import BOUNDS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..formulations.tolerance import same
-from ..instances.errors import UnsupportedError
+from ..instances.errors import UnsupportedError, in_words
 from .backend import BACKENDS, Control, Options, ProgramBackend
 
 LP_SOLVER = "highs"
@@ -28,6 +29,7 @@ def find_bounds(
     known: Sequence[Evidence] = (),
     control: Control | None = None,
     progress: Callable[[dict[str, Any]], None] | None = None,
+    unable: list[str] | None = None,
 ) -> list[Evidence]:
     """Evidence for bounds of ``problem``, to be verified by the checker.
 
@@ -44,18 +46,26 @@ def find_bounds(
         Stops between and inside methods.
     progress : callable, optional
         Receives an event for each bound found.
+    unable : list of str, optional
+        Receives a line for each method that failed; the others are tried all the same.
 
     Returns
     -------
     list of Evidence, in the order found
     """
     found: list[Evidence] = []
-    if seconds <= 0 or any(_reaches(e.value, target) and _reaches(verified_bound(problem, e), target) for e in known):
+    failed: list[str] = [] if unable is None else unable
+    if seconds <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    methods = sorted((m for m in BOUNDS.values() if not m.missing(problem)), key=lambda m: m.order)
-    for method in methods:
-        method.prepare()
+    methods = []
+    for method in sorted(BOUNDS.values(), key=lambda m: m.order):
+        try:
+            if not method.missing(problem):
+                method.prepare()
+                methods.append(method)
+        except Exception as fault:
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
     end = time.perf_counter() + seconds
 
     def solve_program(program: Program, limit: float) -> NDArray[np.float64] | None:
@@ -74,16 +84,28 @@ def find_bounds(
             evidence = method.compute(problem, left, solve_program)
         except UnsupportedError:
             continue
+        except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+            continue
         if evidence is None:
             continue
         found.append(evidence)
         control.publish(list(found))
         if progress is not None:
             progress({"phase": "bound", "seconds": seconds - (end - time.perf_counter()), "objective": target, "bound": evidence.value})
-        if _reaches(evidence.value, target):
+        if _reaches(evidence.value, target) and _reaches(proved(problem, evidence), target):
             break
     return found
 
 
-def _reaches(bound: float, target: float | None) -> bool:
-    return target is not None and same(bound, target)
+def proved(problem: Problem, evidence: Evidence) -> float | None:
+    """The bound that the checker derives from ``evidence``; None where it proves nothing, or its checker fails."""
+    try:
+        bound = verified_bound(problem, evidence)
+    except Exception:  # told when the certificate is made, which asks every checker
+        return None
+    return bound if bound != (-math.inf if problem.sense == "min" else math.inf) else None
+
+
+def _reaches(bound: float | None, target: float | None) -> bool:
+    return bound is not None and target is not None and same(bound, target)

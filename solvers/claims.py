@@ -17,9 +17,15 @@ def _far(claimed: float, known: float, size: float = 0.0) -> bool:
     return not same(claimed, known, size, CLAIM_TOLERANCE)
 
 
-def check_objective(solver: str, result: RawResult, evaluation: Evaluation) -> None:
-    """Raise CheckFailedError if the objective that the solver claims for its answer is not the answer's."""
-    if result.objective is not None and len(evaluation.values) == 1 and _far(result.objective, evaluation.values[0], evaluation.size):
+def check_objective(solver: str, sense: str, result: RawResult, evaluation: Evaluation) -> None:
+    """Raise CheckFailedError if the answer is worse than the solver claims.
+
+    A better one refutes nothing: an incumbent's auxiliary variables may be slack. What it must not beat is the claimed bound or optimum.
+    """
+    if result.objective is None or len(evaluation.values) != 1 or not _far(result.objective, evaluation.values[0], evaluation.size):
+        return
+    worse = evaluation.values[0] > result.objective if sense == "min" else evaluation.values[0] < result.objective
+    if worse:
         raise CheckFailedError(
             f"{solver} claims the objective {result.objective!r}, the answer's value recomputed from the data is {evaluation.values[0]!r}"
         )

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..instances.errors import in_words
 from .backend import Control, RawResult
 
 GRACE = 5.0
@@ -89,12 +90,12 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
 
 def _from_incumbents(control: Control, interrupted: bool, fault: BaseException | None) -> RawResult:
     if fault is not None:
-        message = f"the engine failed: {fault}"
+        message = f"the engine failed: {in_words(fault)}"
     else:
         message = "the engine did not stop when asked; its last published answer is used"
     return RawResult(
         status="unknown" if control.answer is None else "feasible",
-        limit="interrupt" if interrupted else "time",
+        limit="interrupt" if interrupted else "time" if fault is None else "none",
         answer=control.answer,
         objective=control.objective,
         bound=control.bound,

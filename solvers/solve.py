@@ -11,27 +11,24 @@ from typing import Any
 
 import numpy as np
 
-from ..formulations.certificate import Certificate, better_bound, certify
+from ..formulations.certificate import Certificate, better_bound, certify, judged_only
 from ..formulations.evaluation import Evaluation
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.exactness import Exactness
-from ..formulations.forms import FORMS, relaxed
+from ..formulations.forms import relaxed
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
-from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError
+from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
 from . import claims
-from .backend import BACKENDS, Backend, Control, Engine, Options, ProgramBackend, RawResult, takers
-from .bounding import find_bounds
-from .listing import missing_features
+from .backend import Control, Engine, Options, ProgramBackend, RawResult, takers
+from .bounding import find_bounds, proved
+from .choice import able_solvers, default_solver, first_program, solver_named
+from .judging import Judge
 from .search import Searched, search
-
-PREFERENCE = ("pyvrp", "ortools", "highs", "scip", "mathopt", "cpsat", "pulp", "cvxpy")
-"""Order in which ``solve`` looks for a solver when none is named: by measured quality on routing files, then by measured speed on the
-linear forms of the other families, then those that take nonconvex products whatever the bounds of their variables."""
 
 Progress = Callable[[dict[str, Any]], None]
 
@@ -103,14 +100,15 @@ def solve(
     Returns
     -------
     Solution
-        Its answer, if any, passed every check. Ctrl-C returns the best one so far.
+        Its answer, if any, passed every check. Ctrl-C returns the best one so far. Where a claim of the solver, or a bound, contradicts
+        that answer, ``faults`` says so, and nothing that the solver claims is believed.
 
     Raises
     ------
     UsageError, UnsupportedError, MissingPackageError, InputError
         Before anything is run.
     CheckFailedError
-        If a claim of the solver does not hold up.
+        If a claim of the solver does not hold up, and there is no answer to hand over.
     """
     if not isinstance(problem, Problem | Program):
         raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
@@ -140,11 +138,19 @@ def solve(
             raise UsageError("a heuristic takes no solver, form or relaxation")
         run = _heuristic_run(problem, heuristic, chosen)
     else:
-        run = _solver_run(problem, given, solver or _default_solver(problem, given, form, relax), form, relax, chosen, isolate)
+        run = _solver_run(problem, given, solver or default_solver(problem, given, form, relax), form, relax, chosen, isolate)
 
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
-    searched = search(run.go, control, time_limit)
-    return _conclude(problem, run, searched, control, chosen, budget, progress)
+    crash: Exception | None = None
+    try:
+        searched = search(run.go, control, time_limit)
+    except WayboundError:
+        raise
+    except Exception as fault:  # of the engine, before it published an answer; the start may be one
+        crash = fault
+        message = f"the engine failed: {in_words(fault)}"
+        searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
+    return _conclude(problem, run, searched, control, chosen, budget, progress, crash)
 
 
 def _problem_of(program: Program) -> Problem:
@@ -155,43 +161,10 @@ def _problem_of(program: Program) -> Problem:
     return ArrayProblem(program)
 
 
-def _default_solver(problem: Problem, given: Program | None, form: str | None, relax: bool) -> str:
-    """The first installed solver that can take the problem, or the program that is meant."""
-    lacking: frozenset[str] = frozenset()
-    kind = given.kind if given is not None else FORMS[form].kind(problem) if form is not None else None
-    if relax and (kind or "MILP").startswith("MI"):
-        kind = "LP"
-    for name in [*PREFERENCE, *(n for n in BACKENDS if n not in PREFERENCE)]:
-        if name in BACKENDS and BACKENDS[name].installed():
-            missing, _ = missing_features(name, problem)
-            if kind is not None:
-                backend = BACKENDS[name]
-                able = issubclass(backend, ProgramBackend) and bool(backend.takers(kind))
-                missing = frozenset() if able else frozenset({f"{kind} programs"})
-            if not missing:
-                return name
-            lacking |= missing
-    raise UnsupportedError("every installed solver", lacking or {"an installed solver"})
-
-
-def _backend(name: str) -> Backend:
-    base, colon, variant = name.partition(":")
-    kind = BACKENDS[base]
-    if colon and not variant:
-        raise UsageError(f"{name!r} names no solver within {base}; write {base} or {base}:NAME")
-    if not kind.installed():
-        raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.package}")
-    return kind(variant) if variant else kind()
-
-
-def _able(problem: Problem) -> list[str]:
-    return [n for n in BACKENDS if BACKENDS[n].installed() and not missing_features(n, problem)[0]]
-
-
 def _solver_run(
     problem: Problem, given: Program | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
 ) -> _Run:
-    backend = _backend(solver)
+    backend = solver_named(solver)
     versions = {backend.package: backend.version()}
     notes: list[str] = []
     isolate = isolate or backend.needs_process
@@ -201,7 +174,7 @@ def _solver_run(
             raise UsageError(f"{solver} takes problems as they are: it has no forms and no relaxation")
         missing = backend.missing(problem)
         if missing:
-            raise UnsupportedError(solver, missing, _able(problem))
+            raise UnsupportedError(solver, missing, able_solvers(problem))
         engine = backend
         go = _isolated(solver, problem, options) if isolate else (lambda control: engine.run(problem, options, control))
         return _Run(solver, None, Exactness.RESTRICTION, go, lambda a: a, None, versions, 0.0, [], notes)
@@ -209,7 +182,7 @@ def _solver_run(
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
     if given is None:
-        program = problem.compile(form, relax=relax) if form is not None else _first_program(problem, backend, relax)
+        program = problem.compile(form, relax=relax) if form is not None else first_program(problem, backend, relax)
     elif form is not None:
         raise UsageError(f"the program is already compiled, as {given.form}")
     else:
@@ -229,18 +202,6 @@ def _solver_run(
     return _Run(solver, program.form, program.exactness, go, program.decode, program, versions, compiled, [], notes)
 
 
-def _first_program(problem: Problem, backend: ProgramBackend, relax: bool) -> Program:
-    """The problem in the best form that the solver takes; in the best of all where there is none, for the error to say so."""
-    first: Program | None = None
-    for form in problem.forms():
-        if relax or FORMS[form].kind(problem) in backend.kinds:
-            program = problem.compile(form, relax=relax)
-            first = first or program
-            if relax or not backend.lacks(program):
-                return program
-    return first or problem.compile(relax=relax)
-
-
 def _isolated(solver: str, target: Problem | Program, options: Options) -> Callable[[Control], RawResult]:
     from .isolation import run_isolated
 
@@ -257,7 +218,7 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
 
     def go(control: Control) -> RawResult:
         def solve_program(program: Program, seconds: float) -> RawResult:
-            backend = _backend("highs")
+            backend = solver_named("highs")
             assert isinstance(backend, ProgramBackend)
             return backend.run(program, Options(time_limit=seconds, seed=options.seed), Control())
 
@@ -273,48 +234,86 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
 
 
 def _conclude(
-    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None
-) -> Solution:
-    """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended."""
-    result = searched.result
+    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
+    crash: Exception | None,
+) -> Solution:  # fmt: skip
+    """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
+
+    From the judge's verdict on, whatever fails or is interrupted costs what it would have added, never the answer.
+    """
     began = time.perf_counter()
-    answer, evaluation = _best_answer(problem, run, result, control, options)
+    try:
+        judge, found = _verdict(problem, run, searched.result, control, options, crash)
+    except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
+        judge, found = _verdict(problem, run, searched.result, control, options, crash)
+    spent = time.perf_counter() - began
+    try:
+        return _certified(judge, run, searched, options, found, spent, budget, progress)
+    except CheckFailedError:  # and no answer
+        raise
+    except (Exception, KeyboardInterrupt) as fault:
+        run.notes.append(f"no bound was verified: {in_words(fault)}")
+        return _certified(judge, run, searched, options, found, spent, None, None)
+
+
+def _verdict(
+    problem: Problem, run: _Run, result: RawResult, control: Control, options: Options, crash: Exception | None
+) -> tuple[Judge, tuple[Any, Evaluation | None]]:
+    """The best of the engine's last word, its published incumbent and the start, and who judged them."""
+    judge = Judge(problem, run.name, run.exactness, run.decode, run.notes, crash)
+    judge.last_word(result, prices=run.program is None or run.exactness is Exactness.EXACT)
+    if control.answer is not result.answer:
+        judge.incumbent(control.answer)
+    judge.start(options.start)
+    return judge, judge.best()
+
+
+def _certified(
+    judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
+    budget: float | None, progress: Progress | None,
+) -> Solution:  # fmt: skip
+    """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
+    result, problem = searched.result, judge.problem
+    answer, evaluation = found
     best = None if evaluation is None else evaluation.values[0]
-    claims.check_bound(run.name, problem.sense, result, best, run.exactness)
-    check_seconds = time.perf_counter() - began
+    judge.hear(claims.check_bound, run.name, problem.sense, result, best, run.exactness)
 
     began = time.perf_counter()
-    outcome = run.outcome[0] if run.outcome else None
-    evidence: list[Evidence] = list(outcome.evidence) if outcome is not None else []
-    if run.program is not None and result.row_duals is not None and run.program.dual_evidence is not None:
-        evidence.append(run.program.dual_evidence(result.row_duals))
-    evidence.extend(result.evidence)
-    known = tuple(evidence)
-    if not searched.interrupted and not result.evidence:
-        found = search(
-            lambda c: RawResult("unknown", answer=find_bounds(problem, budget, target=best, known=known, control=c, progress=progress)),
-            Control(),
-            budget,
-            overtime=1.0,
-        )
-        evidence.extend(found.result.answer or [])
+    evidence: list[Evidence] = []
+    if budget is not None:
+        try:
+            _gather(evidence, problem, run, searched, budget, best, progress)
+        except (Exception, KeyboardInterrupt) as fault:
+            run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
 
     began = time.perf_counter()
+    outcome = run.outcome[0] if run.outcome else None
     guarantee: Guarantee | None = outcome.guarantee if outcome is not None and evaluation is not None else None
     if outcome is not None and guarantee is None:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
-    certificate = certify(problem, evaluation, evidence, guarantee)
-    claims.check_verified(run.name, problem.sense, result, certificate.bound, run.exactness)
-    check_seconds += time.perf_counter() - began
+    certificate: Certificate | None = None
+    if budget is not None:
+        try:
+            certificate = certify(problem, evaluation, evidence, guarantee, run.notes)
+        except CheckFailedError as fault:
+            judge.faults.append(f"{fault} (the bound is withheld)")
+    certificate = certificate or judged_only(problem, evaluation)
+    judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness)
+    check_seconds = spent + time.perf_counter() - began
 
+    faults = tuple(dict.fromkeys(judge.faults))
+    if faults:
+        if evaluation is None:
+            raise CheckFailedError("; ".join(faults))
+        result = replace(result, status="unknown", objective=None, bound=None)
     bound, kind, source = _best_bound(problem, run, result, certificate, EQUAL if evaluation is None else evaluation.precision)
     objective = None if evaluation is None else evaluation.objective
     if isinstance(objective, list) and bound is not None:
         bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
     gap = relative_gap(objective, bound, () if evaluation is None else evaluation.sizes)
     status = _status(problem, run, result, certificate, evaluation, bound)
-    messages = [m for m in (result.message, *run.notes) if m]
+    messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
     return Solution(
         problem=problem,
         answer=answer,
@@ -334,46 +333,34 @@ def _conclude(
         evaluation=evaluation,
         statistics=dict(result.statistics),
         message="; ".join(messages),
+        faults=faults,
     )
 
 
-def _best_answer(problem: Problem, run: _Run, result: RawResult, control: Control, options: Options) -> tuple[Any, Evaluation | None]:
-    """The best feasible answer among the engine's last word, its published incumbent and the start."""
-    candidates: list[tuple[Any, Evaluation]] = []
-    if result.answer is not None:
-        answer = _decoded(run, result.answer)
-        if answer is not None:
-            judged = problem.evaluate(answer)
-            claims.check_feasibility(run.name, result, judged, run.exactness)
-            if judged.feasible and (run.program is None or run.exactness is Exactness.EXACT):
-                claims.check_objective(run.name, result, judged)
-            candidates.append((answer, judged))
-    if control.answer is not None and control.answer is not result.answer:
-        answer = _decoded(run, control.answer)
-        if answer is not None:
-            candidates.append((answer, problem.evaluate(answer)))
-    if candidates and not any(judged.feasible for _, judged in candidates):
-        run.notes.append(f"the answer of {run.name} breaks: {candidates[0][1].violations[0].message}")
-    if options.start is not None:
-        judged = problem.evaluate(options.start)
-        candidates.append((options.start, judged))
-        if not judged.feasible:
-            run.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
-    feasible = [pair for pair in candidates if pair[1].feasible]
-    if not feasible:
-        return None, None
-    signs = [1.0 if sense == "min" else -1.0 for sense in problem.senses]
-    return min(feasible, key=lambda pair: tuple(s * v for s, v in zip(signs, pair[1].values, strict=True)))
+def _gather(
+    evidence: list[Evidence], problem: Problem, run: _Run, searched: Searched, budget: float, best: float | None, progress: Progress | None
+) -> None:
+    """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
+    result = searched.result
+    evidence.extend(run.outcome[0].evidence if run.outcome else ())
+    evidence.extend(result.evidence)
+    if run.program is not None and result.row_duals is not None and run.program.dual_evidence is not None:
+        try:
+            evidence.append(run.program.dual_evidence(result.row_duals))
+        except Exception as fault:
+            run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
+    if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
+        return
+    known = tuple(evidence)
 
+    def find(control: Control) -> RawResult:
+        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes)
+        return RawResult("unknown", answer=found)
 
-def _decoded(run: _Run, raw: Any) -> Any:
-    try:
-        return run.decode(raw)
-    except InputError as fault:
-        if run.exactness.answer_is_valid:
-            raise
-        run.notes.append(f"the relaxation's point is no answer: {fault}")
-        return None
+    found = search(find, Control(), budget, overtime=1.0)
+    evidence.extend(found.result.answer or [])
+    if found.interrupted or found.result.message:
+        run.notes.append(f"bounding ended early: {found.result.message or 'interrupted'}")
 
 
 def _best_bound(

@@ -177,13 +177,24 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
     -------
     Certificate
         ``bound`` is None where no method proves one.
+
+    Warns
+    -----
+    RuntimeWarning
+        For each method that failed; the others count all the same.
     """
+    import warnings
+
     from .formulations.certificate import certify
     from .solvers.bounding import find_bounds
 
     _refuse_path("bound", problem)
     check_number("bound_time", seconds, above=0, option="the time for bounding")
-    return certify(problem, None, find_bounds(problem, seconds))
+    unable: list[str] = []
+    made = certify(problem, None, find_bounds(problem, seconds, unable=unable), unproved=unable)
+    for line in unable:
+        warnings.warn(line, RuntimeWarning, stacklevel=2)
+    return made
 
 
 def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:

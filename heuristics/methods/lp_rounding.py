@@ -63,10 +63,12 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     n = program.variables[0].size  # every form's first block has one variable an element, named x
     shares = np.asarray(result.answer, dtype=np.float64)[:n]
     statistics["lp_value"] = program.value(np.asarray(result.answer, dtype=np.float64))
+    answer = Selection(tuple(_rounded(problem, shares, ties)))
+    setting.publish(answer)  # which outlives a fault in its evidence
     evidence: tuple[Evidence, ...] = ()
     if result.row_duals is not None and program.dual_evidence is not None:
         evidence = (program.dual_evidence(result.row_duals),)
-    return Outcome(Selection(tuple(_rounded(problem, shares, ties))), evidence=evidence, statistics=statistics)
+    return Outcome(answer, evidence=evidence, statistics=statistics)
 
 
 def _rounded(problem: Any, shares: NDArray[np.float64], ties: str) -> list[int]:

@@ -10,6 +10,7 @@ from ...formulations.bounds.marginal_gains import best_prefix
 from ...formulations.evidence import Evidence, Guarantee
 from ...formulations.problems.submodular_selection import SubmodularSelection
 from ...formulations.selections import Selection
+from ...instances.errors import in_words
 from ..heuristic import Outcome, Setting
 
 CUT_SHORT = "the time was up, or it was asked to stop"
@@ -41,7 +42,10 @@ def concluded(
     """
     looked = 0
     if holds:
-        found, looked = best_prefix(problem, picks)
-        evidence += () if found is None else (found,)
+        try:
+            found, looked = best_prefix(problem, picks)
+            evidence += () if found is None else (found,)
+        except Exception as fault:  # of memory, say: the answer is made, and outlives its bound
+            message = "; ".join(m for m in (message, f"no bound by marginal gains: {in_words(fault)}") if m)
     answer = Selection(tuple(int(e) for e in picks))
     return Outcome(answer, guarantee if holds else None, evidence, {**statistics, "bound_evaluations": looked}, message)

@@ -75,15 +75,15 @@ def run(
         One row a step: ``step``; the world's metrics after it; for what was solved in it ``problems`` (their number), ``objective``
         and ``bound`` (of all teams together), ``bound_kind``, ``gap``, ``guarantee`` (the worst stated ratio, if all have one),
         ``seconds`` (wall time of all solving), ``status`` (the worst; ``none`` without a problem) and ``limit``; and, but for
-        policies, the mission's measures. ``attrs`` tells the mission, what decided, seed, settings and ``limit``: ``interrupt`` if
-        Ctrl-C ended the run, which keeps the steps so far.
+        policies, the mission's measures. ``attrs`` tells the mission, what decided, seed, settings, ``limit``: ``interrupt`` if
+        Ctrl-C ended the run, which keeps the steps so far; and ``faults``: claims and bounds that contradict a verified answer, by step.
 
     Raises
     ------
     UsageError, UnsupportedError, MissingPackageError
         For a name, setting or combination that does not exist.
     CheckFailedError
-        If a claim of the solver does not hold up.
+        If a claim of the solver does not hold up, and there is no answer to go on with.
     """
     import pandas as pd
 
@@ -108,11 +108,15 @@ def run(
             raise UsageError(f"policy {policy} takes no options")
     seeds = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, 2])))
 
+    faults: list[str] = []
+
     def decide(problem: Problem) -> Solution:
-        return solve(
+        found = solve(
             problem, solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=int(seeds.random() * 2**31),
             options=options,
         )  # fmt: skip
+        faults.extend(f"step {len(rows) + 1}: {fault}" for fault in found.faults)
+        return found
 
     world = played.world(int(seed), **settings)
     rows: list[Row] = []
@@ -133,7 +137,7 @@ def run(
         if interrupted() and len(rows) < steps:
             limit = "interrupt"
     frame = pd.DataFrame(rows, columns=None if rows else ["step", *world.metrics(), *COLUMNS])
-    frame.attrs.update(mission=played.name, **deciders, seed=int(seed), settings=dict(settings), limit=limit)
+    frame.attrs.update(mission=played.name, **deciders, seed=int(seed), settings=dict(settings), limit=limit, faults=faults)
     return frame
 
 

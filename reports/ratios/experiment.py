@@ -170,6 +170,8 @@ def solved(problem: Problem) -> Optimum:
     from ...solvers.solve import solve
 
     found = solve(problem, "highs", bound_time=0.0)
+    if found.faults:
+        raise CheckFailedError(f"highs on {problem.name}: {'; '.join(found.faults)}")
     if found.status != "optimal" or not isinstance(found.objective, float):
         raise CheckFailedError(f"highs did not find the optimum of {problem.name}: status {found.status}, limit {found.limit}")
     return Optimum(found.objective, found.answer, "highs")

@@ -200,7 +200,7 @@ def audit(
     """
     from ...solvers.solve import solve
 
-    faults = []
+    faults: list[tuple[str, str]] = []
     try:
         solution = solve(problem, heuristic=name, seed=seed, time_limit=SECONDS, bound_time=1.0, options=dict(options))
         if solution.answer is None:
@@ -209,6 +209,7 @@ def audit(
         made = check_certificate(problem, json.loads(json_text(solution.certificate.to_json(with_evidence=True))), again)
     except (CheckFailedError, InputError) as error:
         return (("certificate", str(error)),)
+    faults.extend(("certificate", fault) for fault in solution.faults)
     value = problem.evaluate(direct.answer).values[0]
     if abs(again.values[0] - value) > TOLERANCE * max(1.0, abs(value)):
         faults.append(("certificate", f"solve brought a value of {again.values[0]!r}, the run by itself {value!r}"))

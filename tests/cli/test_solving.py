@@ -178,7 +178,7 @@ def test_a_solver_whose_claimed_answer_breaks_a_constraint_is_exit_5_and_named(r
     assert "visited 0 times" in told
 
 
-def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numbers(refused, monkeypatch):
+def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numbers_and_the_answer(run, strict_json, monkeypatch, tmp_path):
     from waybound.solvers.backends.highs import Highs
 
     honest = Highs.run
@@ -189,9 +189,17 @@ def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numb
 
     monkeypatch.setattr(Highs, "run", lie)
     best = wb.solve(wb.read("demo-tiny"), "pyvrp", iterations=300, bound_time=0)
-    told = refused("solve", "demo-tiny", "--solver", "highs", "--bound-time", "0", "-q", code=5)
-    assert "highs claims the objective 1.0" in told
-    assert f"{best.objective:.6f}"[:-1] in told
+    for extra in ((), ("--json",)):
+        result = run("solve", "demo-tiny", "--solver", "highs", "--bound-time", "0", "-q", "--out", tmp_path / "a.json", *extra)
+        assert result.exit_code == 5
+        assert "error: highs claims the objective 1.0" in result.stderr
+        assert f"{best.objective:.6f}"[:-1] in result.stderr
+        assert f"{best.objective:.6f}"[:-1] in result.stdout
+        assert "highs claims the objective 1.0" in result.stdout
+        data = json.loads((tmp_path / "a.json").read_text())
+        assert data["objective"] == pytest.approx(best.objective)
+        assert (data["status"], data["bound"], len(data["faults"])) == ("feasible", None, 1)
+    assert strict_json(result.stdout)["answer"] == data["answer"]
 
 
 def test_a_solver_that_breaks_down_is_exit_1_with_a_hint(refused, engine):

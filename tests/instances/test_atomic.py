@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from waybound.instances.atomic import atomic_file, atomic_write
+from waybound.instances.atomic import atomic_file, atomic_write, check_writable
 from waybound.instances.errors import InputError
 
 
@@ -79,3 +79,51 @@ def test_a_symbolic_link_stays_one(tmp_path: Path) -> None:
     atomic_write(tmp_path / "link", "new")
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "real").read_text() == "new"
+
+
+def test_a_device_is_written_to_and_stays_one(tmp_path: Path) -> None:
+    (tmp_path / "none").symlink_to("/dev/null")
+    (tmp_path / "full").symlink_to("/dev/full")
+    atomic_write(tmp_path / "none", "x")
+    with pytest.raises(InputError, match="full: cannot be written: No space left on device"):
+        atomic_write(tmp_path / "full", "x")
+    assert Path("/dev/null").is_char_device()
+    assert Path("/dev/full").is_char_device()
+
+
+def test_a_trial_leaves_nothing_and_the_old_file_as_it_was(tmp_path: Path) -> None:
+    (tmp_path / "old").write_text("old")
+    for name in ("old", "new", "ä" * 120, "\U0001f69a" * 60):
+        check_writable(tmp_path / name)
+        atomic_write(tmp_path / name, "old")
+    assert (tmp_path / "old").read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("folder", "is a directory"), ("none/a", "there is no folder"), ("file/a", "there is no folder"),
+        ("dangling", "there is no folder"),
+        ("loop", "cannot be written"), ("a" * 256, "cannot be written: File name too long"),
+    ],
+)  # fmt: skip
+def test_what_could_not_be_written_fails_its_trial(name: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("x")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere" / "a")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    for attempt in (check_writable, lambda path: atomic_write(path, "x")):
+        with pytest.raises(InputError, match=words):
+            attempt(tmp_path / name)
+
+
+def test_a_full_disk_fails_the_trial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(descriptor: int, mode: str) -> None:
+        os.close(descriptor)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fdopen", full)
+    with pytest.raises(InputError, match="No space left on device"):
+        check_writable(tmp_path / "a")
+    assert list(tmp_path.iterdir()) == []

@@ -73,6 +73,8 @@ def test_a_matrix_of_either_precision_is_kept_as_it_is() -> None:
         (lambda: FacilityLocation([0, 1], [0], [1.0, 2.0], 1), "one weight an entry; expected 1"),
         (lambda: DenseFacilityLocation([1.0, 2.0]), "the weights must be a matrix of elements x items; found shape (2,)"),
         (lambda: DenseFacilityLocation([[1.0, -2.0]]), "weights must be finite and not negative"),
+        (lambda: DenseFacilityLocation([[1e308, 1.0], [0.0, 1e308]]), "the weights add up to more than a floating-point number can hold"),
+        (lambda: Coverage.from_sets([[0], [1]], [1e308, 1e308]), "the weights of the items add up to more than"),
         (lambda: DenseFacilityLocation(np.array([[np.inf]], np.float32)), "weights must be finite"),
         (lambda: DenseFacilityLocation([[1.0, np.nan]]), "weights must be finite"),
         (lambda: Cardinality(0), "must be a whole number of at least 1; found 0"),

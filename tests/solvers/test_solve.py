@@ -100,10 +100,46 @@ def test_a_claimed_optimum_better_than_a_verified_bound_is_an_error() -> None:
         claims.check_verified("liar", "min", RawResult("optimal", objective=20.0), 24.0, Exactness.EXACT)
 
 
-def test_a_claimed_objective_that_is_not_the_answers_is_an_error(square: RoutingProblem, engine_that: Any) -> None:
-    engine = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 2], [3, 4]]), objective=1.0))
-    with pytest.raises(CheckFailedError, match=r"claims the objective 1\.0.*24\.0"):
+def test_a_claimed_objective_better_than_the_answers_is_a_fault_beside_the_answer(square: RoutingProblem, engine_that: Any) -> None:
+    engine = engine_that(lambda p, o, c: RawResult("optimal", answer=Routes.of([[1, 2], [3, 4]]), objective=1.0))
+    solution = solve(square, engine, bound_time=0)
+    assert (solution.objective, solution.status) == (24.0, "feasible")
+    assert len(solution.faults) == 1
+    assert "claims the objective 1.0, the answer's value recomputed from the data is 24.0" in solution.faults[0]
+    assert solution.to_json()["faults"] == list(solution.faults)
+    assert solution.faults[0] in str(solution)
+    assert solution.faults[0] in repr(solution)
+
+
+def test_a_claimed_objective_worse_than_the_answers_contradicts_nothing(square: RoutingProblem, engine_that: Any) -> None:
+    engine = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 2], [3, 4]]), objective=99.0))
+    solution = solve(square, engine, bound_time=0)
+    assert (solution.objective, solution.faults) == (24.0, ())
+
+
+def test_a_broken_claim_costs_neither_an_earlier_incumbent_nor_the_start(square: RoutingProblem, engine_that: Any) -> None:
+    def liar(problem: Any, options: Options, control: Control) -> RawResult:
+        control.publish(Routes.of([[1, 2], [3, 4]]), 24.0)
+        return RawResult("feasible", answer=Routes.of([[1, 2, 3, 4]]), objective=18.0)
+
+    for start, behaviour in ((None, liar), (Routes.of([[1, 2], [3, 4]]), lambda p, o, c: liar(p, o, Control()))):
+        solution = solve(square, engine_that(behaviour), start=start, bound_time=0)
+        assert (solution.objective, solution.status) == (24.0, "feasible")
+        assert "carries 4, capacity 2" in solution.faults[0]
+
+
+def test_an_engine_that_crashes_without_an_incumbent_leaves_the_start(square: RoutingProblem, engine_that: Any) -> None:
+    def crash(problem: Any, options: Options, control: Control) -> RawResult:
+        raise ValueError("no luck")
+
+    engine = engine_that(crash)
+    with pytest.raises(ValueError, match="no luck"):
         solve(square, engine, bound_time=0)
+    with pytest.raises(ValueError, match="no luck"):
+        solve(square, engine, start=Routes.of([[1, 2, 3, 4]]), bound_time=0)
+    solution = solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0)
+    assert (solution.objective, solution.status, solution.faults) == (24.0, "feasible", ())
+    assert "the engine failed: ValueError: no luck" in solution.message
 
 
 def test_the_better_of_start_and_answer_is_returned(square: RoutingProblem, engine_that: Any) -> None:

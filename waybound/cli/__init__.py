@@ -9,6 +9,7 @@ def main() -> None:
     """Entry point of the command ``waybound``."""
     import signal
 
+    _keep_streams_apart()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that solvers in processes of their own are ended
     try:
         from .app import app
@@ -18,6 +19,25 @@ def main() -> None:
         _leave(130)
     except SystemExit as end:
         _leave(end.code)
+    except OSError as fault:  # help or version, where it cannot be printed
+        from .options import complain
+        from .output import unprinted
+
+        complain(str(unprinted(fault)))
+        _leave(2)
+
+
+def _keep_streams_apart() -> None:
+    """Take the places of standard streams that came closed, else the next file takes them, and what is printed goes into it."""
+    import os
+
+    for place, name, mode, flag in ((0, "stdin", "r", os.O_WRONLY), (1, "stdout", "w", os.O_RDONLY), (2, "stderr", "w", os.O_WRONLY)):
+        if getattr(sys, name) is None:  # read or written to, the first two fail as closed ones do; what is said to the third is lost
+            nowhere = os.open(os.devnull, flag)
+            if nowhere != place:
+                os.dup2(nowhere, place)
+                os.close(nowhere)
+            setattr(sys, name, os.fdopen(place, mode, closefd=False))
 
 
 def _leave(code: str | int | None) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .options import Json, Verbose, handled
+from .output import print_text, write_out
 
 app = typer.Typer(help="Bundled instances, and public benchmark sets that can be fetched.", no_args_is_help=True)
 
@@ -51,7 +52,7 @@ def path(name: Name, verbose: Verbose = False) -> None:
     """Where a bundled instance lies."""
     from ..instances.bundled import bundled_path
 
-    typer.echo(bundled_path(name))
+    print_text(str(bundled_path(name)))
 
 
 @app.command()
@@ -60,7 +61,7 @@ def show(name: Name, verbose: Verbose = False) -> None:
     """The text of a bundled instance."""
     from ..instances.bundled import bundled_path
 
-    typer.echo(bundled_path(name).read_text(encoding="utf-8"), nl=False)
+    write_out(bundled_path(name).read_text(encoding="utf-8"))
 
 
 @app.command()
@@ -80,7 +81,7 @@ def fetch(
     folder = Path(name) if to is None else to
     files = fetch_set(name, folder, base_url)
     if not quiet:
-        typer.echo(f"{folder}: {len(files)} files of {name}")
+        print_text(f"{folder}: {len(files)} files of {name}")
     if verbose:
         for file in files:
-            typer.echo(str(file))
+            print_text(str(file))

@@ -9,6 +9,7 @@ import typer
 
 from ..instances.errors import UsageError
 from .options import Convention, File, Format, ProblemName, Set, Verbose, bounded, output_path, parse_pairs, read_problem
+from .output import print_text
 
 PROGRAM_SUFFIXES = (".mps", ".lp")
 
@@ -31,7 +32,7 @@ def export(
     program = read_problem(file, format, problem, convention, settings).compile(form, relax=relax)
     program.write(to)
     size = f"{program.num_variables} variables, {program.num_rows} rows, {len(program.data)} nonzeros"
-    typer.echo(f"{to}: {program.kind}, form {program.form} ({program.exactness.value}), {size}")
+    print_text(f"{to}: {program.kind}, form {program.form} ({program.exactness.value}), {size}")
 
 
 def convert(
@@ -50,7 +51,7 @@ def convert(
     output_path("--to", to, unlike=file)
     instance = read_source(file, format)
     write_instance(instance, to, to_format)
-    typer.echo(f"{to}: {instance.name}, read as {instance.format}")
+    print_text(f"{to}: {instance.name}, read as {instance.format}")
 
 
 def generate(
@@ -81,4 +82,4 @@ def generate(
     output_path("--out", out)
     instance = make(kind, seed, **given)
     write_instance(instance, out, to_format)
-    typer.echo(f"{out}: {instance.name}")
+    print_text(f"{out}: {instance.name}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import UsageError
-from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, bounded, output_path, read_problem
+from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, bounded, output_path, read_problem, remark
 
 if TYPE_CHECKING:
     from ..formulations.answers import ReadAnswer
@@ -113,35 +113,34 @@ def bound(
     asked = read_problem(file, format, problem, convention, settings)
     output_path("--certificate", certificate, (".json",), unlike=file)
 
+    from ..formulations.answers import json_text
     from ..formulations.certificate import certify
-    from .output import print_json, print_lines, stdout_is_ours
+    from ..instances.atomic import atomic_write
+    from .delivery import Delivery
+    from .output import lines_text, stdout_is_ours
     from .progress import Progress
 
+    unable: list[str] = []
     with Progress(quiet) as progress, stdout_is_ours():
-        evidence, seconds = _bounded(asked, bound_time, progress)
-    made = certify(asked, None, evidence)
-    if certificate is not None:
-        from ..formulations.answers import json_text
-        from ..instances.atomic import atomic_write
+        evidence, seconds = _bounded(asked, bound_time, progress, unable)
+    made = certify(asked, None, evidence, unproved=unable)
+    for line in unable:
+        remark(line)
+    figures = {
+        "instance": asked.name,
+        "instance_hash": made.instance_hash,
+        "problem": made.problem,
+        "sense": made.sense,
+        "convention": made.convention,
+        "bound": made.bound,
+        "bound_kind": None if made.bound is None else "verified",
+        "bound_source": made.bound_source,
+        "infeasible": made.infeasible,
+        "found": [{"source": e.source, "value": e.value} for e in evidence],
+        "seconds": seconds,
+    }
 
-        atomic_write(certificate, json_text(made.to_json(with_evidence=True)))
-    if json:
-        print_json(
-            {
-                "instance": asked.name,
-                "instance_hash": made.instance_hash,
-                "problem": made.problem,
-                "sense": made.sense,
-                "convention": made.convention,
-                "bound": made.bound,
-                "bound_kind": None if made.bound is None else "verified",
-                "bound_source": made.bound_source,
-                "infeasible": made.infeasible,
-                "found": [{"source": e.source, "value": e.value} for e in evidence],
-                "seconds": seconds,
-            }
-        )
-    else:
+    def shown() -> str:
         from ..formulations.rendering import Line, certificate_lines
 
         if made.infeasible:
@@ -151,20 +150,24 @@ def bound(
         others = [e for e in evidence if e not in made.evidence]
         lines += [Line("also", f"{e.value:.10g}: {e.source}" if math.isfinite(e.value) else e.source, "quiet") for e in others]
         lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
-        print_lines(f"{asked.name}: {made.problem}, {made.sense}, convention {made.convention}", lines)
-    raise typer.Exit(3 if made.infeasible else 4 if made.bound is None else 0)
+        return lines_text(f"{asked.name}: {made.problem}, {made.sense}, convention {made.convention}", lines)
+
+    delivery = Delivery(verbose)
+    delivery.file("--certificate", certificate, lambda path: atomic_write(path, json_text(made.to_json(with_evidence=True))))
+    delivery.show(lambda: json_text(figures) if json else shown(), lambda: json_text(figures))
+    raise typer.Exit(delivery.code or (3 if made.infeasible else 4 if made.bound is None else 0))
 
 
-def _bounded(problem: Problem, seconds: float, progress: Any) -> tuple[list[Any], float]:
+def _bounded(problem: Problem, seconds: float, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
     """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
     from ..solvers.backend import Control, RawResult
     from ..solvers.bounding import find_bounds
     from ..solvers.search import search
 
-    searched = search(
-        lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress)), Control(), seconds,
-        overtime=1.0,
-    )  # fmt: skip
+    def find(control: Control) -> RawResult:
+        return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress, unable=unable))
+
+    searched = search(find, Control(), seconds, overtime=1.0)
     return searched.result.answer or [], searched.seconds
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import os
 import re
 import sys
 from collections.abc import Callable, Sequence
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
 
 import typer
 
-from ..instances.errors import UsageError, WayboundError
+from ..instances.errors import InputError, UsageError, WayboundError
 from ..instances.limits import check_number, check_whole
 from ..instances.printable import one_line, printable
 
@@ -127,18 +128,16 @@ def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *,
     unlike : str, optional
         The input, which must not be overwritten.
     """
-    import os
-
     if path is None:
         return
     if suffixes and path.suffix.lower() not in suffixes:
         raise UsageError(f"{option} {path}: the suffix must be one of {', '.join(suffixes)}")
-    if path.is_dir():
-        raise UsageError(f"{option} {path} is a directory, not a file")
-    if not path.parent.is_dir():
-        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK):
-        raise UsageError(f"{option} {path}: the folder {path.parent} cannot be written to")
+    from ..instances.atomic import check_writable
+
+    try:
+        check_writable(path)
+    except InputError as fault:
+        raise UsageError(f"{option} {fault}") from None
     if unlike is not None and path.exists() and Path(unlike).exists() and path.samefile(unlike):
         raise UsageError(f"{option} {path} would overwrite the input")
 
@@ -148,7 +147,7 @@ def distinct_paths(**options: Path | None) -> None:
     seen: dict[Path, str] = {}
     for name, path in options.items():
         if path is not None:
-            real = path.resolve()
+            real = Path(os.path.realpath(path))
             if real in seen:
                 raise UsageError(f"--{seen[real]} and --{name} name the same file {path}")
             seen[real] = name
@@ -186,9 +185,18 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
 
 def complain(message: str) -> None:
     """One line ``error: ...`` on standard error."""
-    typer.echo(f"error: {one_line(message)}", err=True)
+    _say(f"error: {one_line(message)}")
 
 
 def remark(message: str) -> None:
     """One line ``note: ...`` on standard error."""
-    typer.echo(f"note: {one_line(message)}", err=True)
+    _say(f"note: {one_line(message)}")
+
+
+def _say(line: str) -> None:
+    try:
+        typer.echo(line, err=True)
+    except OSError:  # nobody can read it, which must not cost the answer
+        from .output import silence
+
+        silence(sys.stderr)

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import io
+import json
 import os
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
+
+from ..instances.errors import InputError, in_words
 
 if TYPE_CHECKING:
     from ..formulations.rendering import Line
@@ -23,15 +28,40 @@ def _console() -> Any:
     return Console(file=sys.stdout, width=None if known else PIPE_WIDTH, highlight=False, markup=False, emoji=False)
 
 
+def write_out(text: str) -> None:
+    """Put ``text`` on standard output; raises InputError where it cannot be written."""
+    try:
+        try:
+            sys.stdout.write(text)
+        except UnicodeEncodeError:
+            sys.stdout.write(re.sub(r"[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text))
+        sys.stdout.flush()
+    except (OSError, ValueError) as fault:  # a full disk, a reader that left; a closed stream
+        raise unprinted(fault) from fault
+
+
+def unprinted(fault: Exception) -> InputError:
+    """What to say of a standard output that fails; it is given up."""
+    silence(sys.stdout)
+    return InputError(f"standard output cannot be written to: {in_words(fault)}")
+
+
+def silence(stream: Any) -> None:
+    """Let what is left for a stream that fails go nowhere, for Python flushes it once more at its end."""
+    with contextlib.suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
 def print_json(data: Any) -> None:
     """The one object that ``--json`` promises."""
     from ..formulations.answers import json_text
 
-    sys.stdout.write(json_text(data))
-    sys.stdout.flush()
+    write_out(json_text(data))
 
 
-def print_table(table: Table) -> None:
+def table_text(table: Table) -> str:
     """A table, its title above it."""
     from rich import box
     from rich.table import Table as Grid
@@ -49,21 +79,48 @@ def print_table(table: Table) -> None:
         )  # fmt: skip
     for row in table.rows:
         grid.add_row(*(Text(cell) for cell in row))
-    _console().print(grid)
+    return _rendered(grid)
 
 
-def print_lines(title: str, lines: Sequence[Line]) -> None:
+def lines_text(title: str, lines: Sequence[Line]) -> str:
     """A certificate or the like."""
     from ..formulations.rendering import as_rich
 
-    _console().print(as_rich(title, lines))
+    return _rendered(as_rich(title, lines))
+
+
+def print_table(table: Table) -> None:
+    """Put a table on standard output."""
+    write_out(table_text(table))
+
+
+def print_lines(title: str, lines: Sequence[Line]) -> None:
+    """Put facts under a title on standard output."""
+    write_out(lines_text(title, lines))
 
 
 def print_text(text: str = "") -> None:
     """One line."""
     from ..instances.printable import printable
 
-    _console().print(printable(text), soft_wrap=True)
+    write_out(printable(text) + "\n")
+
+
+def _rendered(thing: Any, **options: Any) -> str:
+    from rich.console import Console
+
+    shown, held = _console(), _Held()
+    Console(
+        file=held, width=shown.width, force_terminal=shown.is_terminal, color_system=shown.color_system, highlight=False, markup=False,
+        emoji=False, legacy_windows=False,
+    ).print(thing, **options)  # fmt: skip
+    return held.getvalue()
+
+
+class _Held(io.StringIO):
+    """Text meant for standard output: its encoding decides which lines a table is drawn with."""
+
+    encoding = property(lambda _: sys.stdout.encoding)
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 import threading
@@ -50,7 +51,8 @@ class Progress:
                 return
             self._said = now
             text = self.line()
-        print(text, file=sys.stderr, flush=True)
+        with contextlib.suppress(OSError):  # nobody can read it, which must not end a search
+            print(text, file=sys.stderr, flush=True)
 
     def line(self) -> str:
         """What is known now: phase, seconds, incumbent, bound, gap."""

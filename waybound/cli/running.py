@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import MissingPackageError, UsageError
-from .options import Json, Quiet, Verbose, bounded, distinct_paths, output_path, parse_pairs, remark
+from .options import Json, Quiet, Verbose, bounded, complain, distinct_paths, output_path, parse_pairs, remark
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,7 +59,10 @@ def run(
     setting_values(mission, played.settings, given)
     _check_outputs(played, out, animation)
 
+    from ..formulations.answers import json_text
+    from ..instances.atomic import atomic_write
     from ..reports.missions.running import run as play
+    from .delivery import Delivery
     from .output import stdout_is_ours
     from .progress import Progress
 
@@ -75,20 +78,16 @@ def run(
         )  # fmt: skip
     if not len(log):
         raise KeyboardInterrupt
-    if out is not None:
-        from ..instances.atomic import atomic_write
-
-        atomic_write(out, log.to_csv(index=False))
-    if animation is not None and film is not None:
-        film.save(animation)
+    for fault in log.attrs["faults"]:
+        complain(fault)
     if log.attrs["limit"] == "interrupt":
         remark(f"interrupted after {len(log)} of {steps} steps")
-    if json:
-        from .output import print_json
-
-        print_json(_as_json(log))
-    else:
-        _show(log, played)
+    delivery = Delivery(verbose)
+    delivery.file("--out", out, lambda path: atomic_write(path, log.to_csv(index=False)))
+    if film is not None:
+        delivery.file("--animation", animation, film.save)
+    delivery.show(lambda: json_text(_as_json(log)) if json else _shown(log, played), lambda: str(log.to_csv(index=False)))
+    raise typer.Exit(5 if log.attrs["faults"] else delivery.code)
 
 
 def _check_outputs(mission: Mission, out: Path | None, animation: Path | None) -> None:
@@ -119,10 +118,10 @@ def _figures(log: pd.DataFrame) -> list[str]:
     return [str(name) for name in numbers.columns if numbers[name].notna().any()]
 
 
-def _show(log: pd.DataFrame, mission: Mission) -> None:
+def _shown(log: pd.DataFrame, mission: Mission) -> str:
     from ..formulations.rendering import number
     from ..reports.tables import Column, Table
-    from .output import print_table
+    from .output import table_text
 
     names = sorted(_figures(log), key=lambda name: name != mission.headline)
     rows = []
@@ -133,6 +132,6 @@ def _show(log: pd.DataFrame, mission: Mission) -> None:
     decider = next((f"{kind} {name}" for kind, name in log.attrs.items() if kind in ("solver", "heuristic", "policy") and name), "default")
     title = f"{mission.name}, {decider}: {len(log)} steps, seed {log.attrs['seed']}"
     columns = (Column("each step"), *(Column(head, right=True) for head in ("mean", "deviation", "least", "largest")))
-    print_table(Table(title, columns, tuple(rows)))
+    told = table_text(Table(title, columns, tuple(rows)))
     status = ", ".join(f"{name} {count}" for name, count in log["status"].value_counts().items())
-    print_table(Table("", (Column(""), Column("", wide=True)), (("status of steps", status),)))
+    return told + table_text(Table("", (Column(""), Column("", wide=True)), (("status of steps", status),)))

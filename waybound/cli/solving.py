@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..instances.errors import MissingPackageError, UsageError
+from .delivery import Delivery
 from .options import (
     Convention,
     File,
@@ -18,6 +19,7 @@ from .options import (
     Set,
     Verbose,
     bounded,
+    complain,
     distinct_paths,
     output_path,
     parse_pairs,
@@ -90,7 +92,7 @@ def solve(
     asked = read_problem(file, format, problem, convention, settings)
     _check_outputs(asked, file, out, certificate, plot)
 
-    from ..formulations.answers import read_answer
+    from ..formulations.answers import json_text, read_answer
     from ..solvers.solve import solve as search
     from .output import stdout_is_ours
     from .progress import Progress
@@ -110,18 +112,26 @@ def solve(
             gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
             options=options,
         )  # fmt: skip
-    _write_outputs(solution, out, certificate, plot)
-    if json:
-        from .output import print_json
+    delivery = Delivery(verbose)
 
-        print_json(solution.to_json())
-    else:
-        _show(solution, verbose)
-    raise typer.Exit(0 if relax and solution.answer is None and solution.bound is not None else exit_code(solution))
+    def hand_over() -> None:
+        _write_outputs(delivery, solution, out, certificate, plot)
+        delivery.show(lambda: json_text(solution.to_json()) if json else _shown(solution, verbose), lambda: json_text(_least(solution)))
+        for fault in solution.faults:
+            complain(fault)
+
+    try:
+        hand_over()
+    except KeyboardInterrupt:  # between two outputs; within one it is dealt with there
+        hand_over()
+    code = 0 if relax and solution.answer is None and solution.bound is not None else exit_code(solution)
+    raise typer.Exit(code if solution.faults else delivery.code or code)
 
 
 def exit_code(solution: Solution) -> int:
-    """Exit code of a run that ended without an error."""
+    """Exit code of a run that ended without an error: 5 where a claim or a bound contradicts the answer that is handed over."""
+    if solution.faults:
+        return 5
     if solution.answer is not None:
         return 0
     if solution.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
@@ -148,45 +158,54 @@ def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: P
             raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
 
 
-def _write_outputs(solution: Solution, out: Path | None, certificate: Path | None, plot: Path | None) -> None:
-    if certificate is not None:
-        from ..formulations.answers import json_text
-        from ..instances.atomic import atomic_write
+def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, certificate: Path | None, plot: Path | None) -> None:
+    from ..formulations.answers import json_text, write_answer
+    from ..instances.atomic import atomic_write
 
-        atomic_write(certificate, json_text(solution.certificate.to_json(with_evidence=True)))
+    def draw(path: Path) -> None:
+        from ..reports.plots import save_plot
+
+        save_plot(solution, path)
+
     if solution.answer is None:
         for path in (out, plot):
             if path is not None:
                 remark(f"there is no answer, so {path} was not written")
-        return
-    if out is not None:
-        from ..formulations.answers import write_answer
-
-        write_answer(solution, out)
-    if plot is not None:
-        from ..reports.plots import save_plot
-
-        save_plot(solution, plot)
+    else:
+        delivery.file("--out", out, lambda path: write_answer(solution, path))
+    delivery.file(
+        "--certificate", certificate, lambda path: atomic_write(path, json_text(solution.certificate.to_json(with_evidence=True)))
+    )
+    if solution.answer is not None:
+        delivery.file("--plot", plot, draw)
 
 
-def _show(solution: Solution, verbose: bool) -> None:
+def _least(solution: Solution) -> dict[str, Any]:
+    """What must not be lost where all else cannot be told: a file of it is read back like any other answer."""
+    answer = None if solution.answer is None else solution.problem.answer_to_json(solution.answer)
+    told = {"instance": solution.problem.name, "problem": solution.problem.problem, "status": solution.status}
+    return {**told, "objective": solution.objective, "answer": answer, "faults": list(solution.faults)}
+
+
+def _shown(solution: Solution, verbose: bool) -> str:
     from ..formulations.problems.routing import RoutingProblem
     from ..formulations.rendering import Line, solution_lines, solution_title
     from ..reports.tables import answer_table, routes_table, unserved_sites, unserved_table
-    from .output import print_lines, print_table
+    from .output import lines_text, table_text
 
     problem = solution.problem
+    told = ""
     if isinstance(problem, RoutingProblem):
         if solution.answer is not None:
-            print_table(routes_table(problem, solution.answer))
+            told += table_text(routes_table(problem, solution.answer))
         left = unserved_sites(problem, solution.answer)
         if left:
-            print_table(unserved_table(left))
+            told += table_text(unserved_table(left))
     elif solution.answer is not None:
-        print_table(answer_table(problem, solution.answer))
+        told += table_text(answer_table(problem, solution.answer))
     lines = solution_lines(solution)
     lines += [Line("note", note) for note in problem.notes]
     if verbose:
         lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
         lines += [Line(k, str(v), "quiet") for k, v in solution.statistics.items()]
-    print_lines(solution_title(solution), lines)
+    return told + lines_text(solution_title(solution), lines)

@@ -179,6 +179,7 @@ def test_the_log_tells_where_it_comes_from():
     log = wb.run("tracking", steps=1, seed=9, policy="stay", targets=3)
     assert log.attrs == {
         "mission": "tracking", "solver": None, "heuristic": None, "policy": "stay", "seed": 9, "settings": {"targets": 3}, "limit": "none",
+        "faults": [],
     }  # fmt: skip
 
 
@@ -282,3 +283,15 @@ def test_an_action_that_the_world_refuses_is_an_error():
 
     with pytest.raises(InputError, match="picker 7"):
         run(Wrong(), steps=2, heuristic="greedy")
+
+
+def test_a_fault_beside_an_answer_is_told_with_its_step(monkeypatch):
+    import dataclasses
+
+    from waybound.reports.missions import running
+
+    honest = running.solve
+    monkeypatch.setattr(running, "solve", lambda *a, **k: dataclasses.replace(honest(*a, **k), faults=("it lied",)))
+    log = run("tracking", heuristic="sequential-greedy", steps=2, seed=1, bound_time=0)
+    assert len(log) == 2
+    assert set(log.attrs["faults"]) == {"step 1: it lied", "step 2: it lied"}

@@ -9,10 +9,10 @@ import pytest
 from programs import program
 
 from waybound.instances.errors import MissingPackageError, UsageError
-from waybound.solvers import solve as solving
 from waybound.solvers.backend import LIMITS as OUR_LIMITS
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.scip import LIMITS, Scip
+from waybound.solvers.choice import solver_named
 
 INF = math.inf
 needs_scip = pytest.mark.skipif(not Scip.installed(), reason="needs the extra scip (PySCIPOpt)")
@@ -25,7 +25,7 @@ def run(p, control=None, **options):
 def test_a_missing_package_is_named_with_what_installs_it(monkeypatch):
     monkeypatch.setattr(Scip, "modules", ("no_such_package",))
     with pytest.raises(MissingPackageError, match="pip install pyscipopt"):
-        solving._backend("scip")
+        solver_named("scip")
 
 
 def test_limits_are_ours():

@@ -1,0 +1,43 @@
+"""Standard output that fails, or that knows few characters."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+
+import pytest
+
+from waybound.cli.output import print_json, print_table, write_out
+from waybound.instances.errors import InputError
+from waybound.reports.tables import Column, Table
+
+
+class Failing(io.StringIO):
+    def flush(self) -> None:
+        raise OSError(28, "No space left on device")
+
+
+def test_what_the_system_refuses_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdout", Failing())
+    with pytest.raises(InputError, match="standard output cannot be written to: No space left on device"):
+        write_out("x")
+
+
+def test_a_closed_stream_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    closed = io.StringIO()
+    closed.close()
+    monkeypatch.setattr(sys, "stdout", closed)
+    with pytest.raises(InputError, match="standard output cannot be written to: ValueError: I/O operation on closed file"):
+        write_out("x")
+
+
+def test_characters_that_the_stream_lacks_are_escaped_as_json_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    bytes_out = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(bytes_out, encoding="ascii"))
+    data = {"name": "Zürich \U0001f69a"}
+    print_json(data)
+    print_table(Table("Züge", (Column("a"),), (("1",),)))
+    told, table = bytes_out.getvalue().decode("ascii").split("}\n")
+    assert json.loads(told + "}") == data
+    assert "Z\\u00fc" in table
