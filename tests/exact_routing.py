@@ -48,7 +48,10 @@ class RoutingTruth(Truth):
     def __init__(self, problem: RoutingProblem) -> None:
         super().__init__(problem.senses)
         self.problem = problem
-        self.mixed = any(w < 0 for level in problem.objective.levels() for w, _ in level.terms)
+        terms = [(w, t.name) for level in problem.objective.levels() for w, t in level.terms]
+        timed = any(name == "makespan" for _, name in terms)
+        self.mixed = timed or any(w < 0 for w, _ in terms)
+        self.clock = 0
         s, fleet = problem.sites, problem.fleet
         d, t = problem.travel.distances, problem.travel.durations
         weights = [w for level in problem.objective.levels() for w, _ in level.terms]
@@ -65,6 +68,8 @@ class RoutingTruth(Truth):
                 found = self._drive(fleet[kind], visits)
                 if found is not None:
                     self.driven[kind, visits] = found
+        if timed:  # a duration is the difference of two clocks
+            self.size = Fraction(self.clock, self.unit)
         self._extend(frozenset(customers), {c for c in customers if s.required[c]}, [], [0] * len(fleet))
 
     def _drive(self, vehicle: VehicleType, visits: tuple[int, ...]) -> _Driven | None:
@@ -83,6 +88,7 @@ class RoutingTruth(Truth):
             if k < len(visits):
                 clock = max(clock, self.ready[j])
                 largest = max(largest, abs(clock))
+        self.clock = max(self.clock, largest)
         # The latest departure that keeps the windows; a route that misses one leaves at once.
         latest = self.due[vehicle.end]
         for k in range(len(stops) - 2, -1, -1):
