@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
 
 def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """``numba.njit`` with its cache on disk; without one where no folder for it can be written (containers, system installs).
+
+    Python's lock is released: a kernel that takes long looks at a flag that others set meanwhile (``stop_kernel.asked``).
 
     Parameters
     ----------
@@ -18,11 +21,24 @@ def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Ca
     """
     import numba
 
+    options.setdefault("nogil", True)
+
     def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         try:
             made = numba.njit(*signature, cache=True, **options)(function)
-        except RuntimeError:  # numba's word for "no locator available": nowhere to keep the cache
-            made = numba.njit(*signature, **options)(function)
+        except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
+            return numba.njit(*signature, **options)(function)  # type: ignore[no-any-return]
+        made._cache.save_overload = _forgiving(made._cache.save_overload)
         return made  # type: ignore[no-any-return]
 
     return compiled
+
+
+def _forgiving(save: Callable[..., None]) -> Callable[..., None]:
+    """``save``, which may fail: on a full disk a kernel is compiled anew each time."""
+
+    def attempt(*given: Any) -> None:
+        with contextlib.suppress(OSError):
+            save(*given)
+
+    return attempt

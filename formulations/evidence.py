@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..instances.registry import Registry
+from .stop import Stop
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ class BoundMethod:
     missing : callable
         Features of the problem for which the method proves nothing (empty: it applies).
     compute : callable
-        ``compute(problem, seconds, solve_program)`` returns Evidence, or None where it found nothing in time.
+        ``compute(problem, seconds, solve_program, stop)`` returns Evidence, or None where it found nothing in time. It keeps
+        ``stop.within(seconds)``, in compiled loops too.
         ``solve_program(program, seconds)`` solves an LP and returns its row duals (None if it did not finish).
     order : int
         Cheap methods first.
@@ -75,7 +77,7 @@ class BoundMethod:
 
     name: str
     missing: Callable[[Any], frozenset[str]]
-    compute: Callable[[Any, float, Callable[..., Any]], Evidence | None]
+    compute: Callable[[Any, float, Callable[..., Any], Stop], Evidence | None]
     order: int = 0
     prepare: Callable[[], None] = lambda: None
 

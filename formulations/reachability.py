@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .tolerance import LIMIT
 
@@ -15,6 +16,15 @@ if TYPE_CHECKING:
     from .problems.routing import RoutingProblem
 
 Floats = NDArray[np.float64]
+Sites = NDArray[np.int64]
+Move = Callable[[ArrayLike, ArrayLike], Floats]
+Ways = Callable[[Move, Sites, "VehicleType", Floats], tuple[Floats, Floats]]
+
+MOST_DETOURS = 5_000
+"""Customers up to which ways through others are looked at: each pass looks at all pairs."""
+
+STRIP = 1 << 20
+"""Moves that are looked at at once."""
 
 
 def unreachable(problem: RoutingProblem) -> dict[int, str]:
@@ -29,7 +39,7 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
     dict
         From site index to the reason, with its amounts; with several vehicle types, the reason of each. Every reason is a proof:
         ways are shortest ways through any other customers, services on the way included, and a limit counts as exceeded
-        only beyond what ``evaluate`` lets pass.
+        only beyond what ``evaluate`` lets pass. Beyond ``MOST_DETOURS`` customers, only those who do not fit alone are looked for.
 
     Notes
     -----
@@ -74,11 +84,24 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
 
 
 def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
-    """Why a vehicle of this type cannot serve each customer; None where nothing forbids it."""
+    """Why a vehicle of this type cannot serve each customer; None where nothing forbids it.
+
+    No detour is longer than the direct way, so that shortest ways need not be known where the direct ones do.
+    """
+    reasons = _broken(problem, kind, _direct)
+    too_large = problem.sites.demand[problem.customers] > kind.capacity * (1.0 + LIMIT)
+    if not any(reason is not None and not large for reason, large in zip(reasons, too_large, strict=True)):
+        return reasons
+    if len(reasons) > MOST_DETOURS:
+        return [reason if large else None for reason, large in zip(reasons, too_large, strict=True)]
+    return _broken(problem, kind, _shortest)
+
+
+def _broken(problem: RoutingProblem, kind: VehicleType, ways: Ways) -> list[str | None]:
     sites, at = problem.sites, problem.customers
-    durations, distances = problem.travel.durations, problem.travel.distances
+    duration, distance = problem.travel.duration, problem.travel.distance
     service = sites.service[at]
-    out, back = _ways(durations, at, kind, service)
+    out, back = ways(duration, at, kind, service)
     opens, due = float(sites.ready[kind.start]), sites.due[at]
     begin = np.maximum(opens + out, sites.ready[at])
     finish = begin + service + back
@@ -90,12 +113,12 @@ def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
         (shortest, kind.max_duration, "a route to it lasts {:.6g} at least, the longest duration is {:g}"),
     ]
     if math.isfinite(kind.max_distance):
-        far, home = _ways(distances, at, kind, np.zeros(len(at)))
+        far, home = ways(distance, at, kind, np.zeros(len(at)))
         tests.append((far + home, kind.max_distance, "a route to it is {:.6g} long at least, the longest distance is {:g}"))
     if kind.energy is not None:
         rate, charge, store = kind.energy.rate, kind.energy.charge, kind.energy.capacity
         if charge == "travel":
-            far, home = _ways(durations, at, kind, np.zeros(len(at)))
+            far, home = ways(duration, at, kind, np.zeros(len(at)))
             used = far + home
         elif charge == "elapsed":
             used = shortest
@@ -110,14 +133,19 @@ def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
     return reasons
 
 
-def _ways(matrix: Floats, at: NDArray[np.int64], kind: VehicleType, service: Floats) -> tuple[Floats, Floats]:
+def _direct(move: Move, at: Sites, kind: VehicleType, service: Floats) -> tuple[Floats, Floats]:
+    return move(kind.start, at), move(at, kind.end)
+
+
+def _shortest(move: Move, at: Sites, kind: VehicleType, service: Floats) -> tuple[Floats, Floats]:
     """Shortest ways from the start to each customer, and from it to the end, services on the way included (Bellman-Ford)."""
-    between = matrix[np.ix_(at, at)]
-    np.fill_diagonal(between, 0.0)
-    out, back = matrix[kind.start, at].copy(), matrix[at, kind.end].copy()
+    out, back = _direct(move, at, kind, service)
     for _ in range(len(at)):
-        nearer = np.minimum(out, ((out + service)[:, None] + between).min(axis=0))
-        sooner = np.minimum(back, (between + (service + back)[None, :]).min(axis=1))
+        nearer, sooner = out.copy(), back.copy()
+        for rows in np.array_split(np.arange(len(at)), 1 + len(at) ** 2 // STRIP):
+            between = move(at[rows, None], at[None, :])
+            np.minimum(nearer, ((out + service)[rows, None] + between).min(axis=0), out=nearer)
+            sooner[rows] = np.minimum(back[rows], (between + (service + back)[None, :]).min(axis=1))
         if (nearer >= out).all() and (sooner >= back).all():
             break
         out, back = nearer, sooner

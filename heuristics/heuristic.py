@@ -11,6 +11,7 @@ import numpy as np
 
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
+from ..formulations.stop import Stop
 from ..instances.errors import UsageError
 from ..instances.registry import Registry
 
@@ -28,8 +29,8 @@ class Setting:
     start : answer, optional
     publish : callable
         ``publish(answer)`` reports a better answer.
-    stopped : callable
-        Whether it is asked to end.
+    stop : Stop
+        The wish to end; ``setting.begin()`` adds the time.
     solve_program : callable
         ``solve_program(program, seconds)`` solves a small program and returns its ``RawResult``: the solver is handed
         in, because heuristics lie below solvers.
@@ -39,19 +40,27 @@ class Setting:
     seconds: float
     start: Any
     publish: Callable[[Any], None]
-    stopped: Callable[[], bool]
+    stop: Stop
     solve_program: Callable[..., Any]
+
+    def begin(self) -> Stop:
+        """When a heuristic that starts now has to end: its time is up, or it is asked to."""
+        return self.stop.within(self.seconds)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """An answer, the guarantee that holds for it on this instance, and evidence for bounds found on the way."""
+    """An answer, the guarantee that holds for it on this instance, and evidence for bounds found on the way.
+
+    ``limit`` says what cut it short: ``time``, ``interrupt``, or ``none``.
+    """
 
     answer: Any
     guarantee: Guarantee | None = None
     evidence: tuple[Evidence, ...] = ()
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
+    limit: str = "none"
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError, UsageError
+from .memory import fits, readable
 
 Floats = NDArray[np.float64]
 
@@ -116,6 +117,9 @@ METRICS: dict[str, Metric] = {
     )
 }
 EXPLICIT = "EXPLICIT"
+
+STRIP = 1 << 20
+"""Distances that are computed at once: more would only take more memory, and be slower."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,9 +228,23 @@ class Travel:
 
     @cached_property
     def distances(self) -> Floats:
-        """All distances, shape (sites, sites), zero diagonal, read-only."""
-        every = np.arange(len(self))
-        return _frozen_matrix(self.distance(every[:, None], every[None, :]))
+        """All distances, shape (sites, sites), zero diagonal, read-only.
+
+        Raises
+        ------
+        UsageError
+            If there is no memory for them.
+        """
+        n = len(self)
+        if not fits(16.0 * n * n):  # whoever asks for them makes at least one more such matrix
+            raise UsageError(
+                f"all distances between {n:,} sites need {readable(8.0 * n * n)}, more than there is; savings needs none of them"
+            )
+        made, every = np.empty((n, n)), np.arange(n)
+        step = max(1, STRIP // max(1, n))
+        for first in range(0, n, step):
+            made[first : first + step] = self.distance(every[first : first + step, None], every[None, :])
+        return _frozen_matrix(made)
 
     @cached_property
     def durations(self) -> Floats:

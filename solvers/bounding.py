@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -14,6 +13,7 @@ from ..formulations.certificate import verified_bound
 from ..formulations.evidence import BOUNDS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.program import Program
+from ..formulations.stop import Stop
 from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError, in_words
 from .backend import BACKENDS, Control, Options, ProgramBackend
@@ -66,22 +66,22 @@ def find_bounds(
                 methods.append(method)
         except Exception as fault:
             failed.append(f"no bound by {method.name}: {in_words(fault)}")
-    end = time.perf_counter() + seconds
+    stop = Stop(seconds)
+    control.on_stop(stop.ask)
 
     def solve_program(program: Program, limit: float) -> NDArray[np.float64] | None:
         backend = BACKENDS[LP_SOLVER]()
         assert isinstance(backend, ProgramBackend)
         inner = Control()  # the outer one carries evidence, which a program backend would take for its own incumbent
         control.on_stop(inner.stop)
-        result = backend.run(program, Options(time_limit=min(limit, max(0.0, end - time.perf_counter()))), inner)
+        result = backend.run(program, Options(time_limit=min(limit, stop.seconds_left)), inner)
         return result.row_duals
 
     for method in methods:
-        left = end - time.perf_counter()
-        if control.stopped or left <= 0:
+        if stop.reached():
             break
         try:
-            evidence = method.compute(problem, left, solve_program)
+            evidence = method.compute(problem, stop.seconds_left, solve_program, stop)
         except UnsupportedError:
             continue
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
@@ -92,7 +92,7 @@ def find_bounds(
         found.append(evidence)
         control.publish(list(found))
         if progress is not None:
-            progress({"phase": "bound", "seconds": seconds - (end - time.perf_counter()), "objective": target, "bound": evidence.value})
+            progress({"phase": "bound", "seconds": seconds - stop.seconds_left, "objective": target, "bound": evidence.value})
         if _reaches(evidence.value, target) and _reaches(proved(problem, evidence), target):
             break
     return found

@@ -23,7 +23,7 @@ from ..formulations.export import write_program
 from ..formulations.program import Program
 from ..instances.errors import MissingPackageError, UsageError
 from .backend import Control, Options, RawResult
-from .children import watched
+from .children import child
 
 Floats = NDArray[np.float64]
 
@@ -33,14 +33,20 @@ FEASIBLE_TOLERANCE = 1e-5
 EQUAL_TOLERANCE = 1e-6
 """Relative difference up to which value and bound are the same."""
 
-GRACE = 3.0
-"""Seconds CBC has to write its incumbent once it was asked to stop."""
+GRACE = 0.8
+"""Seconds CBC has to write its incumbent once the user wants the end; less than any process of ours has that waits for it."""
+
+LATE = 3.0
+"""Seconds it has for the same where it overstayed its time limit."""
 
 AGAIN = 0.25
 """Seconds between two such requests."""
 
-OVERTIME = 5.0
-"""Seconds past its own time limit after which it is asked to stop."""
+OVERTIME = 0.5
+"""Seconds past its own time limit after which it is asked to stop: it looks at its clock between two steps only, and some take long."""
+
+MOST_THREADS = 99
+"""What CBC takes as a number of threads: a hundred and above choose a mode of working, in some of which it crashes."""
 
 STATUS_MAP = {
     "optimal": "optimal",
@@ -181,7 +187,7 @@ def _command(cbc: str, program: Program, options: Options, model: Path, solution
         "randomCbcSeed": options.seed % (2**31 - 1),
     }
     if options.threads > 1:
-        words["threads"] = options.threads
+        words["threads"] = min(options.threads, MOST_THREADS)
     if options.iterations is not None:
         words["maxNodes" if program.is_integer else "maxIterations"] = options.iterations
     words.update(options.extra)
@@ -205,23 +211,14 @@ def _one_run(
         _write_start(start, np.asarray(options.start, dtype=np.float64))
     log = Log()
     ours, theirs = _terminal()
-    try:
-        # A group of its own keeps the user's Ctrl-C away; a session leader's child stays where its end reaches it.
-        alone = os.getsid(0) == os.getpid()
-        process = subprocess.Popen(
-            _command(cbc, program, options, model, solution, start), stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
-            cwd=folder, process_group=None if alone else 0,
-        )  # fmt: skip
-    finally:
-        os.close(theirs)
-    try:
-        with watched(process, Path(folder)):
-            asked = _follow(process, ours, log, options, control, hear)
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.wait()
-        os.close(ours)
+    command = _command(cbc, program, options, model, solution, start)
+    with (
+        os.fdopen(ours, "rb", 0),
+        os.fdopen(theirs, "wb", 0) as end,
+        child(command, folder, stdin=subprocess.DEVNULL, stdout=end, stderr=end, cwd=folder) as process,
+    ):
+        end.close()
+        asked = _follow(process, ours, log, options, control, hear)
     return _read_result(solution, log, program, options, process.returncode, asked)
 
 
@@ -235,9 +232,9 @@ def _terminal() -> tuple[int, int]:
 
 def _follow(
     process: subprocess.Popen[bytes], output: int, log: Log, options: Options, control: Control, hear: Callable[[float], None]
-) -> bool:
-    """Pass bounds on until CBC ends; whether the user asked it to."""
-    deadline, asked, again = time.perf_counter() + options.time_limit + OVERTIME, math.inf, math.inf
+) -> str:
+    """Pass bounds on until CBC ends; what asked it to, if anything did: ``interrupt`` or ``time``."""
+    deadline, again, end, why = time.perf_counter() + options.time_limit + OVERTIME, math.inf, math.inf, ""
     while True:
         if select.select([output], [], [], 0.05)[0]:
             try:
@@ -246,32 +243,32 @@ def _follow(
                 text = ""
             if not text:
                 process.wait()
-                return control.stopped and math.isfinite(asked)
+                return why
             bound = log.feed(text)
             if bound is not None:
                 hear(bound)
         now = time.perf_counter()
-        if math.isinf(asked) and (control.stopped or now > deadline):
-            asked = again = now
-        if now > asked + GRACE:
+        if why != "interrupt" and (control.stopped or (now > deadline and not why)):
+            why = "interrupt" if control.stopped else "time"
+            again, end = now, now + (GRACE if control.stopped else LATE)
+        if now > end:
             process.kill()
         elif now >= again:
             process.send_signal(signal.SIGINT)
             again = now + AGAIN  # it hears nothing before its tree search
 
 
-def _read_result(solution: Path, log: Log, program: Program, options: Options, code: int, asked: bool) -> RawResult:
+def _read_result(solution: Path, log: Log, program: Program, options: Options, code: int, asked: str) -> RawResult:
     statistics: dict[str, Any] = {name: getattr(log, name) for name in ("nodes", "iterations") if getattr(log, name) is not None}
     if options.start is not None and program.is_integer:
         statistics["start"] = log.start or "ignored"
-    limit = "interrupt" if asked else log.end or "none"
+    limit = asked or log.end or "none"
     if limit == "nodes" and not program.is_integer:
         limit = "iterations"  # CBC's words for either
-    if not solution.exists():
+    if not solution.exists() or code < 0:  # what it wrote when it was killed may be half of it
         if asked:
-            return RawResult(
-                "unknown", "interrupt", bound=log.bound, statistics=statistics, message="CBC was ended before it wrote an answer"
-            )
+            bound = log.bound if program.is_integer else None
+            return RawResult("unknown", asked, bound=bound, statistics=statistics, message="CBC was ended before it wrote an answer")
         said = " / ".join(log.tail)
         return RawResult("error", statistics=statistics, message=f"CBC ended with code {code} and no answer: {said}")
     said, columns, duals = _read_solution(solution, program)

@@ -1,7 +1,8 @@
 """Any backend in a process of its own: hard limits on time and memory, and a crash that costs one solve only.
 
-The child is a fresh interpreter that runs nothing of the caller's program, in a session of its own, so that a terminal's
-Ctrl-C reaches the parent alone. Incumbents come through a pipe as they are found, and outlive the child.
+The child is a fresh interpreter that runs nothing of the caller's program, in a process group of its own, so that a terminal's
+Ctrl-C reaches the parent alone. Incumbents come through a pipe as they are found, and outlive the child. What it starts and what it
+writes to the folder for temporary files ends with it.
 """
 
 from __future__ import annotations
@@ -27,12 +28,13 @@ from ..formulations.program import Program
 from ..instances import errors
 from ..instances.errors import UsageError, WayboundError
 from .backend import BACKENDS, Control, Options, RawResult
-from .children import watched
+from .children import child, scratch
+from .interrupts import CHILD_GRACE
 
 OVERTIME = 5.0
 """Seconds past its time limit after which a child is asked to stop."""
 
-GRACE = 2.0
+GRACE = CHILD_GRACE
 """Seconds between asking a child to stop and ending it."""
 
 STARTUP = 60.0
@@ -69,13 +71,14 @@ def run_isolated(solver: str, target: Problem | Program, options: Options, contr
         If the problem cannot be sent to another process.
     """
     payload = _payload(solver, target, options)
-    with tempfile.TemporaryFile() as output:
-        child = _Child(payload, options, control, output)
-        try:
-            with watched(child.process):
-                return child.watch()
-        finally:
-            child.end()
+    mine, theirs = Pipe()
+    code = f"import sys; sys.path[:] = {sys.path!r}; from waybound.solvers.isolation import serve; serve({theirs.fileno()})"
+    with mine, tempfile.TemporaryFile() as output, scratch() as folder, child(
+        [sys.executable, "-c", code], folder, stdin=subprocess.DEVNULL, stdout=output, stderr=output, pass_fds=[theirs.fileno()],
+        env={**os.environ, "TMPDIR": str(folder)},
+    ) as process:  # fmt: skip
+        theirs.close()
+        return _Child(process, mine, payload, options, control, output).watch()
 
 
 def _payload(solver: str, target: Problem | Program, options: Options) -> bytes:
@@ -94,15 +97,10 @@ def _as_is(x: Any) -> Any:
 class _Child:
     """The parent's end of a child process."""
 
-    def __init__(self, payload: bytes, options: Options, control: Control, output: IO[bytes]) -> None:
-        self.options, self.control, self.output = options, control, output
-        self.mine, theirs = Pipe()
-        code = f"import sys; sys.path[:] = {sys.path!r}; from waybound.solvers.isolation import serve; serve({theirs.fileno()})"
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=output, stderr=output,
-            start_new_session=True, pass_fds=[theirs.fileno()],
-        )  # fmt: skip
-        theirs.close()
+    def __init__(
+        self, process: subprocess.Popen[bytes], mine: Connection, payload: bytes, options: Options, control: Control, output: IO[bytes]
+    ) -> None:
+        self.process, self.mine, self.options, self.control, self.output = process, mine, options, control, output
         self.began = time.perf_counter()
         self.searching: float | None = None
         self.asked: float | None = None
@@ -121,7 +119,6 @@ class _Child:
             except (EOFError, ConnectionResetError):
                 return self._obituary()
             if self._overdue():
-                self._kill()
                 return self._from_incumbents("the solver did not stop when asked and was ended")
 
     def _take(self, message: _Message) -> RawResult | None:
@@ -180,18 +177,6 @@ class _Child:
         status = "feasible" if control.answer is not None else "error" if limit == "none" else "unknown"
         return RawResult(status, limit, control.answer, control.objective, control.bound, message=message, evidence=control.evidence)
 
-    def _kill(self) -> None:
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.process.pid, signal.SIGKILL)
-
-    def end(self) -> None:
-        """Leave no process behind."""
-        with suppress(subprocess.TimeoutExpired):
-            self.process.wait(0.5 if self.asked is None else 0.0)
-        self._kill()
-        self.process.wait()
-        self.mine.close()
-
 
 @dataclass(frozen=True)
 class _Message:
@@ -224,7 +209,7 @@ class _Relay(Control):
         try:
             self._connection.recv_bytes()
         except (EOFError, OSError):
-            os.killpg(0, signal.SIGKILL)
+            os._exit(1)
         self.stop()
 
 

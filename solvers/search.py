@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..instances.errors import in_words
+from . import interrupts
 from .backend import Control, RawResult
-
-GRACE = 5.0
-"""Seconds an engine has to come back once it was asked to stop; after that its published incumbents count."""
+from .interrupts import GRACE
 
 OVERTIME = 10.0
 """Seconds past its time limit after which an engine is asked to stop from outside."""
@@ -39,8 +38,8 @@ class Searched:
 def search(run: Callable[[Control], RawResult], control: Control, time_limit: float, overtime: float = OVERTIME) -> Searched:
     """Run ``run(control)`` in a worker thread and wait for it.
 
-    The first Ctrl-C asks the engine to stop and waits up to ``GRACE`` seconds for its last word, a second one takes
-    the incumbents at once. An engine that overstays its time limit is treated alike.
+    The first Ctrl-C (of the command line also SIGTERM or SIGHUP) asks the engine to stop and waits up to ``GRACE`` seconds for its last
+    word, a later one takes the incumbents at once. An engine that overstays its time limit is treated alike.
 
     Raises
     ------
@@ -59,26 +58,27 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
         finally:
             done.set()
 
-    worker = threading.Thread(target=work, name=ENGINE_THREAD, daemon=True)
     began = time.perf_counter()
-    interrupted = False
-    give_up = False
     asked: float | None = None
-    worker.start()
-    while not done.is_set() and not give_up:
-        try:
-            done.wait(_TICK)
-            now = time.perf_counter()
-            if asked is None and now - began > time_limit + overtime:
-                asked = now
+    with interrupts.waiting():
+        interrupted = give_up = bool(interrupts.received)  # then nothing is begun any more
+        if not interrupted:
+            threading.Thread(target=work, name=ENGINE_THREAD, daemon=True).start()
+        while not done.is_set() and not give_up:
+            try:
+                done.wait(_TICK)
+                now = time.perf_counter()
+                if interrupts.received and not interrupted:
+                    interrupted, asked = True, now
+                    control.stop()
+                if asked is None and now - began > time_limit + overtime:
+                    asked = now
+                    control.stop()
+                give_up = interrupts.insisted or (asked is not None and now - asked > GRACE)
+            except KeyboardInterrupt:  # from a handler that is not ours
+                give_up = interrupted
+                interrupted, asked = True, time.perf_counter()
                 control.stop()
-            if asked is not None and now - asked > GRACE:
-                give_up = True
-        except KeyboardInterrupt:
-            give_up = interrupted
-            interrupted = True
-            asked = time.perf_counter()
-            control.stop()
     seconds = time.perf_counter() - began
     if "fault" in outcome and control.answer is None:
         raise outcome["fault"]
@@ -91,6 +91,8 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
 def _from_incumbents(control: Control, interrupted: bool, fault: BaseException | None) -> RawResult:
     if fault is not None:
         message = f"the engine failed: {in_words(fault)}"
+    elif not control.stopped:
+        message = "interrupted before the search began"
     else:
         message = "the engine did not stop when asked; its last published answer is used"
     return RawResult(

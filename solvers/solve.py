@@ -19,11 +19,12 @@ from ..formulations.forms import relaxed
 from ..formulations.problem import Problem
 from ..formulations.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
+from ..formulations.stop import Stop
 from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
-from . import claims
+from . import claims, interrupts
 from .backend import Control, Engine, Options, ProgramBackend, RawResult, takers
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_program, solver_named
@@ -142,15 +143,16 @@ def solve(
 
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     crash: Exception | None = None
-    try:
-        searched = search(run.go, control, time_limit)
-    except WayboundError:
-        raise
-    except Exception as fault:  # of the engine, before it published an answer; the start may be one
-        crash = fault
-        message = f"the engine failed: {in_words(fault)}"
-        searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
-    return _conclude(problem, run, searched, control, chosen, budget, progress, crash)
+    with interrupts.held():  # an answer that is found is judged, whatever signal comes then
+        try:
+            searched = search(run.go, control, time_limit)
+        except WayboundError:
+            raise
+        except Exception as fault:  # of the engine, before it published an answer; the start may be one
+            crash = fault
+            message = f"the engine failed: {in_words(fault)}"
+            searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
+        return _conclude(problem, run, searched, control, chosen, budget, progress, crash)
 
 
 def _problem_of(program: Program) -> Problem:
@@ -220,15 +222,19 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
         def solve_program(program: Program, seconds: float) -> RawResult:
             backend = solver_named("highs")
             assert isinstance(backend, ProgramBackend)
-            return backend.run(program, Options(time_limit=seconds, seed=options.seed), Control())
+            inner = Control()
+            control.on_stop(inner.stop)
+            return backend.run(program, Options(time_limit=seconds, seed=options.seed), inner)
 
+        stop = Stop()
+        control.on_stop(stop.ask)
         setting = Setting(
             rng=np.random.default_rng(options.seed), seconds=options.time_limit, start=options.start,
-            publish=lambda answer: control.publish(answer), stopped=lambda: control.stopped, solve_program=solve_program,
+            publish=lambda answer: control.publish(answer), stop=stop, solve_program=solve_program,
         )  # fmt: skip
         outcome = method.run(problem, setting, **options.extra)
         outcomes.append(outcome)
-        return RawResult("unknown", answer=outcome.answer, statistics=outcome.statistics, message=outcome.message)
+        return RawResult("unknown", outcome.limit, outcome.answer, statistics=outcome.statistics, message=outcome.message)
 
     return _Run(name, None, Exactness.NEITHER, go, lambda a: a, None, {}, 0.0, outcomes, [])
 

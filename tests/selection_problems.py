@@ -11,6 +11,7 @@ import numpy as np
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
 from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Outcome, Setting
 from waybound.instances.selection import (
     Cardinality,
@@ -29,7 +30,7 @@ CONSTRAINTS = ("cardinality", "partition", "knapsack")
 
 def setting(seed: int = 1, seconds: float = 60.0) -> Setting:
     """What a heuristic gets when nobody listens to it and no solver is at hand."""
-    return Setting(np.random.default_rng(seed), seconds, None, lambda a: None, lambda: False, lambda *a: None)
+    return Setting(np.random.default_rng(seed), seconds, None, lambda a: None, NEVER, lambda *a: None)
 
 
 def run(name: str, problem: Problem, seed: int = 1, **options: object) -> Outcome:

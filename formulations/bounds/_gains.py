@@ -3,7 +3,7 @@
 A function is handed over as ``(kind, indptr, indices, weights, matrix)`` (see ``as_arrays``): the weights that elements give to items,
 in CSR form or as a matrix; coverage is facility location whose weights are those of the items. A set S is ``best``, the largest weight
 that one of its elements gives to each item, so that f(S) = sum(best). Sums are in float64 whatever the matrix holds, and in one order
-of additions, so that two loops that ask for the same gain get the same number to the bit.
+of additions, so that two loops that ask for the same gain get the same number to the bit. Loops over elements take a ``Stop.flag`` first.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...instances.selection import Coverage, DenseFacilityLocation, FacilityLocation
 from ..compiled import kernel
+from ..stop_kernel import asked
 
 Floats = NDArray[np.float64]
 Arrays = tuple[int, NDArray[np.int32], NDArray[np.int32], Floats, NDArray[np.floating[Any]]]
@@ -79,19 +80,22 @@ def take(e, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-un
 
 
 @kernel()
-def gains_of(elements, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Gain of each of ``elements``, shape (elements,)."""
-    found = np.empty(len(elements))
+def gains_of(flag, elements, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Gain of each of ``elements``, shape (elements,); 0 where it was asked to stop before."""
+    found = np.zeros(len(elements))
     for k in range(len(elements)):
+        if asked(flag):
+            break
         found[k] = gain(elements[k], best, kind, indptr, indices, weights, matrix)
     return found
 
 
 @kernel()
-def sweep(costs, budget, groups, room, most, floor, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def sweep(flag, costs, budget, groups, room, most, floor, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """A set picked almost greedily: sweeps with a falling threshold on the gain per cost, each a tenth below the last.
 
-    Every set proves a bound; one near greedy's proves a good one, and this needs no heap.
+    Every set proves a bound; one near greedy's proves a good one, and this needs no heap. The number of sweeps is fixed beforehand: a
+    threshold among the smallest numbers falls no further.
     """
     n = len(groups)
     known = np.empty(n)  # an upper bound on the gain per cost of each element
@@ -101,10 +105,16 @@ def sweep(costs, budget, groups, room, most, floor, best, kind, indptr, indices,
         if costs[e] > budget or room[groups[e]] == 0:
             known[e] = -1.0
         top = max(top, known[e])
+        if asked(flag):
+            return np.empty(0, np.int64)
     picks = np.empty(most, np.int64)
     count, threshold = 0, 0.9 * top
-    while count < most and threshold > floor * top:
+    for _ in range(int(np.ceil(np.log(floor) / np.log(0.9))) - 1):
+        if count == most:
+            break
         for e in range(n):
+            if asked(flag):
+                return picks[:count]
             if known[e] < threshold:
                 continue
             if costs[e] > budget or room[groups[e]] == 0:

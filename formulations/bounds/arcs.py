@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.memory import fits
+from ..stop import NEVER, Stop
 from ..tolerance import LIMIT
 
 if TYPE_CHECKING:
@@ -19,6 +21,12 @@ if TYPE_CHECKING:
     from ..problems.routing import RoutingProblem
 
 Floats = NDArray[np.float64]
+
+MATRICES = 8
+"""Of one number an arc, that stand in memory at once in the search for a bound, and again in its check."""
+
+ARCS_PER_SECOND = 2e6
+"""Arcs that are looked at in a second of the budget; the check takes about as long again."""
 
 ARC_TERMS = ("total-cost", "vehicles")
 
@@ -54,8 +62,16 @@ def lacks_arc_costs(problem: Problem) -> frozenset[str]:
     return frozenset(missing)
 
 
-def arc_costs(problem: RoutingProblem) -> Arcs:
-    """Arcs, costs and limits on the number of routes of a problem that ``lacks_arc_costs`` finds nothing against."""
+def too_many_arcs(problem: RoutingProblem, seconds: float) -> bool:
+    """Whether all arcs are more than the memory holds, or than can be looked at in the time."""
+    arcs = (len(problem.customers) + 2) ** 2
+    return arcs > ARCS_PER_SECOND * seconds or not fits(8 * MATRICES * arcs)
+
+
+def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
+    """Arcs, costs and limits on the number of routes of a problem that ``lacks_arc_costs`` finds nothing against; None if too many."""
+    if too_many_arcs(problem, stop.seconds_left):
+        return None
     sites, travel, fleet = problem.sites, problem.travel, problem.fleet
     at = problem.customers
     weights = dict.fromkeys(ARC_TERMS, 0.0)

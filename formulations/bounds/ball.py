@@ -12,7 +12,6 @@ the dual of the whole.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -24,6 +23,7 @@ from ...instances.sensing import SensingGraph
 from ..balls import Floats, Indices, ball_graph, even_shares, grown, near_one, num_edges
 from ..balls import coverage as covered_by
 from ..evidence import BOUNDS, BoundMethod, Evidence
+from ..stop import NEVER, Stop
 
 if TYPE_CHECKING:
     from ..problem import Problem
@@ -99,6 +99,7 @@ def ball_evidence(
     coverage: Floats | None,
     solve_lp: Solve,
     seconds: float,
+    stop: Stop = NEVER,
     *,
     seeds: int = SEEDS,
     most_edges: int = MOST_EDGES,
@@ -117,6 +118,7 @@ def ball_evidence(
     solve_lp : callable
         ``solve_lp(program, seconds)`` returns the row duals of a linear program, or None.
     seconds : float
+    stop : Stop
     seeds : int
         Targets that the first ball is grown around.
     most_edges : int
@@ -131,7 +133,7 @@ def ball_evidence(
     -----
     Source: linear programming duality; see the module's text.
     """
-    end = time.perf_counter() + seconds
+    stop = stop.within(seconds)
     graph = problem.graph
     if len(graph.unseen_targets):
         name = graph.target_name(int(graph.unseen_targets[0]))
@@ -142,7 +144,7 @@ def ball_evidence(
     count = min(seeds, graph.num_targets)
     while True:
         worst = np.sort(np.argpartition(coverage, count - 1)[:count])
-        found = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, solve_lp, end, most_edges)
+        found = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, solve_lp, stop, most_edges)
         if found is None:
             break
         if best is None or found[0] < best[0]:
@@ -157,14 +159,13 @@ def ball_evidence(
 
 
 def _grown_weights(
-    graph: SensingGraph, seeds: Indices, solve_lp: Solve, end: float, most_edges: int
+    graph: SensingGraph, seeds: Indices, solve_lp: Solve, stop: Stop, most_edges: int
 ) -> tuple[float, Indices, Floats] | None:
     """The best of the bounds of a ball that grows until its bound stands still."""
     best: tuple[float, Indices, Floats] | None = None
     ball: Indices | None = seeds
     while ball is not None:
-        left = end - time.perf_counter()
-        found = ball_weights(graph, ball, solve_lp, left) if left > 0 else None
+        found = None if stop.reached() else ball_weights(graph, ball, solve_lp, stop.seconds_left)
         if found is None:
             break
         standing = best is not None and found[0] >= best[0] * (1.0 - STILL)
@@ -174,7 +175,7 @@ def _grown_weights(
     return best
 
 
-def ball_bound(problem: Problem, seconds: float, solve_program: Solve) -> Evidence | None:
+def ball_bound(problem: Problem, seconds: float, solve_program: Solve, stop: Stop = NEVER) -> Evidence | None:
     """Evidence from balls around the targets that robots who divide themselves evenly cover worst, in half of the time.
 
     Parameters
@@ -183,6 +184,7 @@ def ball_bound(problem: Problem, seconds: float, solve_program: Solve) -> Eviden
     seconds : float
     solve_program : callable
         As ``solve_lp`` of ``ball_evidence``.
+    stop : Stop
 
     Returns
     -------
@@ -192,11 +194,11 @@ def ball_bound(problem: Problem, seconds: float, solve_program: Solve) -> Eviden
     from ..problems.bottleneck_sata import BottleneckSATA
 
     if isinstance(problem, BottleneckSATA):
-        return ball_evidence(problem, None, solve_program, TIME_SHARE * seconds)
+        return ball_evidence(problem, None, solve_program, TIME_SHARE * seconds, stop)
     from ..single_packing import as_row_prices, as_sensing
 
     graph, _ = as_sensing(problem)  # type: ignore[arg-type]
-    found = ball_evidence(BottleneckSATA(graph, fractional=True), None, solve_program, TIME_SHARE * seconds)
+    found = ball_evidence(BottleneckSATA(graph, fractional=True), None, solve_program, TIME_SHARE * seconds, stop)
     return None if found is None else as_row_prices(graph, found)
 
 

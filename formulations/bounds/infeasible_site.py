@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..certificate import verified_bound
 from ..evidence import BOUNDS, BoundMethod, Evidence
+from ..stop import NEVER, Stop
 
 if TYPE_CHECKING:
     from ...instances.instance import VehicleType
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from ..problems.routing import RoutingProblem
 
 
-def infeasible_site_evidence(problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None) -> Evidence | None:
+def infeasible_site_evidence(
+    problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None, stop: Stop = NEVER
+) -> Evidence | None:
     """A required site that no vehicle can serve, if there is one.
 
     Parameters
@@ -39,12 +41,12 @@ def infeasible_site_evidence(problem: RoutingProblem, seconds: float, solve_prog
     Sites that some vehicle can serve on a route of their own are ruled out at once. Whether a detour helps one of the others (distances
     need not obey the triangle inequality) is for the checker to say.
     """
-    end = time.perf_counter() + seconds
+    stop = stop.within(seconds)
     served = np.zeros(len(problem.sites), dtype=bool)
     for vehicle in problem.fleet:
         served[problem.customers] |= _served_alone(problem, vehicle)
     for site in np.nonzero(problem.sites.required & ~served)[0].tolist():
-        if time.perf_counter() >= end:
+        if stop.reached():
             return None
         name = problem.sites.ids[site]
         found = Evidence("infeasible-site", f"no vehicle can serve site {name}", _none(problem), {"site": name})
@@ -53,7 +55,9 @@ def infeasible_site_evidence(problem: RoutingProblem, seconds: float, solve_prog
     return None
 
 
-def too_few_vehicles_evidence(problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None) -> Evidence | None:
+def too_few_vehicles_evidence(
+    problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None, stop: Stop = NEVER
+) -> Evidence | None:
     """Evidence of kind ``too-few-vehicles`` if the fleet cannot carry the total demand of the required sites, else None."""
     limit = problem.vehicle_limit
     if limit is None:
@@ -71,11 +75,11 @@ def _none(problem: Problem) -> float:
 def _served_alone(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
     """Whether ``vehicle`` can serve each customer on a direct route of its own, by exact comparison."""
     sites, travel, at = problem.sites, problem.travel, problem.customers
-    out, back = travel.durations[vehicle.start, at], travel.durations[at, vehicle.end]
+    out, back = travel.duration(vehicle.start, at), travel.duration(at, vehicle.end)
     opening, service = float(sites.ready[vehicle.start]), sites.service[at]
     begin = np.maximum(sites.ready[at], opening + out)
     finish = begin + service + back
-    driven = travel.distances[vehicle.start, at] + travel.distances[at, vehicle.end]
+    driven = travel.distance(vehicle.start, at) + travel.distance(at, vehicle.end)
     # Leaving as late as possible, a vehicle waits for the window only if its depot closes first.
     latest = np.minimum(np.maximum(begin - out, opening), float(sites.due[vehicle.start]))
     elapsed = finish - latest

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from ..certificate import verified_bound
 from ..evidence import BOUNDS, BoundMethod, Evidence
-from .arcs import lacks_arc_costs
+from ..stop import NEVER, Stop
+from .arcs import lacks_arc_costs, too_many_arcs
 
 if TYPE_CHECKING:
     from ..preparation import Preparation
@@ -47,7 +48,7 @@ NEIGHBOURS = (3, 10)
 """Moves out of and into each customer that the first LP has at least (with fewer it says too little to be worth its time) and at most."""
 
 
-def linear_relaxation_bound(problem: Problem, seconds: float, solve_program: Solve) -> Evidence | None:
+def linear_relaxation_bound(problem: Problem, seconds: float, solve_program: Solve, stop: Stop = NEVER) -> Evidence | None:
     """Evidence from the duals of a form's linear relaxation.
 
     Parameters
@@ -57,6 +58,7 @@ def linear_relaxation_bound(problem: Problem, seconds: float, solve_program: Sol
         Budget, compiling included.
     solve_program : callable
         ``solve_program(program, seconds)`` returns row duals, or None if it did not finish.
+    stop : Stop
 
     Returns
     -------
@@ -69,11 +71,11 @@ def linear_relaxation_bound(problem: Problem, seconds: float, solve_program: Sol
     valid as any others once all moves are priced with them, which the checker does; moves of negative reduced cost are added and the
     LP is solved again while there is time (sifting: Bixby et al. 1992).
     """
-    end = time.perf_counter() + seconds
-    if seconds <= 0:
+    stop = stop.within(seconds)
+    if stop.reached():
         return None
     if problem.family == "routing":
-        return _sifted(problem, end, solve_program)  # type: ignore[arg-type]
+        return _sifted(problem, stop, solve_program)  # type: ignore[arg-type]
     from ..forms import relaxed
 
     first_order = problem.family == "selection" and _entries(problem) > SMALL
@@ -86,7 +88,7 @@ def linear_relaxation_bound(problem: Problem, seconds: float, solve_program: Sol
     program = relaxed(program)
     if program.dual_evidence is None or not program.exactness.bound_is_valid or len(program.data) > most:
         return None
-    duals = _duals(program, end, solve_program, FIRST_ORDER if first_order else {**ADVICE, **program.advice})
+    duals = _duals(program, stop, solve_program, FIRST_ORDER if first_order else {**ADVICE, **program.advice})
     return None if duals is None else program.dual_evidence(duals)
 
 
@@ -98,34 +100,35 @@ def _entries(problem: Problem) -> int:
     return len(getattr(f, "indices", getattr(getattr(problem, "graph", None), "indices", ())))
 
 
-def _duals(program: Any, end: float, solve_program: Solve, advice: dict[str, dict[str, Any]] = ADVICE) -> Floats | None:
-    left = end - time.perf_counter()
-    if left <= 0:
+def _duals(program: Any, stop: Stop, solve_program: Solve, advice: dict[str, dict[str, Any]] = ADVICE) -> Floats | None:
+    if stop.reached():
         return None
-    duals = solve_program(replace(program, advice={**program.advice, **advice}), left)
+    duals = solve_program(replace(program, advice={**program.advice, **advice}), stop.seconds_left)
     if duals is None or not np.isfinite(duals).all():
         return None
     return np.asarray(duals, dtype=np.float64)
 
 
-def _sifted(problem: RoutingProblem, end: float, solve_program: Solve) -> Evidence | None:
+def _sifted(problem: RoutingProblem, stop: Stop, solve_program: Solve) -> Evidence | None:
     from ..forms import relaxed
     from ..forms.two_index import build, needed_resources
     from ..preparation import prepare
 
-    began = time.perf_counter()
+    if too_many_arcs(problem, stop.seconds_left):
+        return None
+    left = stop.seconds_left
     prep = prepare(problem)
     resources = needed_resources(problem, prep)
     if set(resources) == {"order"}:
         return None  # its prices are no evidence, and what is left is an assignment (46 % gap on TSPLIB, spanning trees 1 %)
     entries = 2 + 6 * len(resources)  # an arc is in two visits, and in six entries of each resource
-    room = ENTRIES_PER_SECOND * (end - began) / entries
+    room = ENTRIES_PER_SECOND * left / entries
     kept = _nearest(prep, room)
     best: Evidence | None = None
     while kept is not None:
         began = time.perf_counter()
         program = relaxed(build(problem, ROUTING_FORM, lambda name: True, _restricted(prep, kept)))
-        duals = _duals(program, end, solve_program)
+        duals = _duals(program, stop, solve_program)
         if duals is None or program.dual_evidence is None:
             return best
         found = program.dual_evidence(duals)
@@ -135,7 +138,7 @@ def _sifted(problem: RoutingProblem, end: float, solve_program: Solve) -> Eviden
         negative = _reduced_costs(prep, found.data, problem) < -1e-7 * max(1.0, abs(found.value)) / prep.nodes
         missing = np.nonzero(negative & ~kept)[0]
         took = time.perf_counter() - began
-        if len(missing) == 0 or 1.3 * took > end - time.perf_counter():
+        if len(missing) == 0 or 1.3 * took > stop.seconds_left:
             return best
         kept = kept.copy()
         kept[missing] = True

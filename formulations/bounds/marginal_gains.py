@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from ...instances.selection import Cardinality, DenseFacilityLocation, FacilityLocation, Knapsack, PartitionMatroid, SetFunction
 from ..certificate import verified_bound
 from ..evidence import BOUNDS, BoundMethod, Evidence
+from ..stop import NEVER, Stop
 
 if TYPE_CHECKING:
     from ..problem import Problem
@@ -27,7 +27,7 @@ CHUNK = 1 << 24
 """Bytes of masks that a user's function is given at once."""
 
 
-def best_prefix(problem: SubmodularSelection, picks: Sequence[int], until: float = float("inf")) -> tuple[Evidence | None, int]:
+def best_prefix(problem: SubmodularSelection, picks: Sequence[int], stop: Stop = NEVER) -> tuple[Evidence | None, int]:
     """The strongest evidence ``marginal-gains`` among prefixes of ``picks``, and how many gains were looked at.
 
     Parameters
@@ -35,13 +35,12 @@ def best_prefix(problem: SubmodularSelection, picks: Sequence[int], until: float
     problem : SubmodularSelection
     picks : sequence of int
         Elements in the order in which a method took them; they need not be feasible.
-    until : float
-        ``time.perf_counter()`` at which to stop.
+    stop : Stop
 
     Returns
     -------
     (Evidence or None, int)
-        No evidence for a user's function that is not declared monotone and submodular.
+        No evidence for a user's function that is not declared monotone and submodular, or where the time was up before the first prefix.
 
     Notes
     -----
@@ -59,14 +58,13 @@ def best_prefix(problem: SubmodularSelection, picks: Sequence[int], until: float
     tried = sorted({0, len(picks), *np.linspace(0, len(picks), min(affordable, passes)).round().astype(int).tolist()})
     best: tuple[float, int] | None = None
     looked = 0
-    for size, value, gains in _prefixes(problem, picks, tried):
+    for size, value, gains in _prefixes(problem, picks, tried, stop):
         looked += len(gains)
         bound = value + best_sum(problem, gains)
         if best is None or bound < best[0]:
             best = (bound, size)
-        if time.perf_counter() > until:
-            break
-    assert best is not None  # the empty prefix is always looked at
+    if best is None:
+        return None, looked
     chosen = [int(e) for e in picks[: best[1]]]
     made = Evidence("marginal-gains", source_of(problem, len(chosen)), best[0], {"prefix": chosen})
     return replace(made, value=verified_bound(problem, made)), looked
@@ -108,15 +106,18 @@ def best_sum(problem: SubmodularSelection, gains: Floats) -> float:
     return float(g[c.costs == 0].sum() + (worth[order] * (room / costs[order])).sum())
 
 
-def _prefixes(problem: SubmodularSelection, picks: Sequence[int], sizes: Sequence[int]) -> Iterable[tuple[int, float, Floats]]:
-    """Value of, and all gains over, the prefixes of the given ascending sizes."""
+def _prefixes(problem: SubmodularSelection, picks: Sequence[int], sizes: Sequence[int], stop: Stop) -> Iterable[tuple[int, float, Floats]]:
+    """Value of, and all gains over, the prefixes of the given ascending sizes, as far as the time goes."""
     f, n = problem.function, problem.num_elements
     if f.name == "user":
         inside = np.zeros(n, dtype=bool)
         for size in sizes:
             inside[list(picks[:size])] = True
             value = float(f.values(inside[None, :])[0])  # type: ignore[union-attr]
-            yield size, value, user_gains(f, inside, value, np.arange(n))
+            gains = user_gains(f, inside, value, np.arange(n), stop)
+            if stop.reached():
+                return
+            yield size, value, gains
         return
     from ._gains import as_arrays, gains_of, take
 
@@ -126,14 +127,19 @@ def _prefixes(problem: SubmodularSelection, picks: Sequence[int], sizes: Sequenc
         for e in picks[done:size]:
             take(e, best, *arrays)
         done = size
-        yield size, float(best.sum()), gains_of(every, best, *arrays)
+        gains = gains_of(stop.flag, every, best, *arrays)
+        if stop.reached():
+            return
+        yield size, float(best.sum()), gains
 
 
-def user_gains(function: Any, inside: NDArray[np.bool_], value: float, elements: NDArray[np.int64]) -> Floats:
-    """Gains of ``elements`` over the set ``inside`` of value ``value``, in as many calls as memory asks for."""
-    found = np.empty(len(elements))
+def user_gains(function: Any, inside: NDArray[np.bool_], value: float, elements: NDArray[np.int64], stop: Stop = NEVER) -> Floats:
+    """Gains of ``elements`` over the set ``inside`` of value ``value``, in as many calls as memory asks for; 0 once it has to end."""
+    found = np.zeros(len(elements))
     step = max(1, CHUNK // max(1, len(inside)))
     for first in range(0, len(elements), step):
+        if stop.reached():
+            break
         some = elements[first : first + step]
         masks = np.repeat(inside[None, :], len(some), axis=0)
         masks[np.arange(len(some)), some] = True
@@ -145,7 +151,7 @@ def user_gains(function: Any, inside: NDArray[np.bool_], value: float, elements:
 # -- the method for problems whose solver brings no such evidence -----------------------------------------------------
 
 
-def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callable[..., Any]) -> Evidence | None:
+def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callable[..., Any], stop: Stop = NEVER) -> Evidence | None:
     """Evidence from a set picked almost greedily.
 
     Parameters
@@ -155,6 +161,7 @@ def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callab
         Budget.
     solve_program : callable
         Not used.
+    stop : Stop
 
     Returns
     -------
@@ -164,13 +171,14 @@ def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callab
     -----
     The set is picked with a falling threshold (Badanidiyuru and Vondrák 2014). A user's function, one call a round, is picked plainly.
     """
-    end = time.perf_counter() + seconds
+    stop = stop.within(seconds)
     selection: SubmodularSelection = problem  # type: ignore[assignment]
-    picks = _user_picks(selection, end) if selection.function.name == "user" else _swept(selection)
-    return best_prefix(selection, picks, end)[0]
+    half = stop.within(0.5 * seconds)
+    picks = _user_picks(selection, half) if selection.function.name == "user" else _swept(selection, half)
+    return best_prefix(selection, picks, stop)[0]
 
 
-def _swept(problem: SubmodularSelection) -> list[int]:
+def _swept(problem: SubmodularSelection, stop: Stop) -> list[int]:
     from ._gains import as_arrays, sweep, take
 
     c, n = problem.constraint, problem.num_elements
@@ -190,17 +198,17 @@ def _swept(problem: SubmodularSelection) -> list[int]:
             take(e, best, *arrays)
         costs, budget = np.where(cheap, 2.0 * c.budget + 1.0, c.costs), c.budget
     most = int(room.sum())
-    picks: list[int] = sweep(costs, budget, groups, room, most, 1e-4, best, *arrays).tolist()
+    picks: list[int] = sweep(stop.flag, costs, budget, groups, room, most, 1e-4, best, *arrays).tolist()
     return free + picks
 
 
-def _user_picks(problem: SubmodularSelection, end: float) -> list[int]:
+def _user_picks(problem: SubmodularSelection, stop: Stop) -> list[int]:
     """Plain greedy, as far as the time goes."""
     f, c, n = problem.function, problem.constraint, problem.num_elements
     inside, value = np.zeros(n, dtype=bool), 0.0
     picks: list[int] = []
     spent = np.zeros(len(c.limits) if isinstance(c, PartitionMatroid) else 1)
-    while time.perf_counter() < end:
+    while not stop.reached():
         if isinstance(c, Cardinality):
             allowed = ~inside if len(picks) < c.limit else np.zeros(n, dtype=bool)
         elif isinstance(c, PartitionMatroid):
@@ -210,7 +218,7 @@ def _user_picks(problem: SubmodularSelection, end: float) -> list[int]:
         left = np.nonzero(allowed)[0]
         if not len(left):
             break
-        gains = user_gains(f, inside, value, left)
+        gains = user_gains(f, inside, value, left, stop)
         rate = gains / np.maximum(c.costs[left], 1e-300) if isinstance(c, Knapsack) else gains
         at = int(np.argmax(rate))
         if not gains[at] > 0:
@@ -236,7 +244,7 @@ def _prepare() -> None:
     functions: list[SetFunction] = [FacilityLocation(*one, np.ones(1), 1)]
     functions += [DenseFacilityLocation(np.ones((1, 1), dtype)) for dtype in (np.float32, np.float64)]
     for function in functions:
-        marginal_gains_bound(SubmodularSelection(function, Cardinality(1)), 1.0, lambda *_: None)
+        marginal_gains_bound(SubmodularSelection(function, Cardinality(1)), 3600.0, lambda *_: None)
 
 
 BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=0, prepare=_prepare))

@@ -7,14 +7,17 @@ import math
 import numpy as np
 
 from ..compiled import kernel
+from ..stop_kernel import asked
 
 
-@kernel("Tuple((f8, i8[::1]))(f8[:, ::1], f8[::1])")
-def spanning_tree_degrees(edges, price):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel("Tuple((f8, i8[::1]))(i8[::1], f8[:, ::1], f8[::1])")
+def spanning_tree_degrees(flag, edges, price):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Weight and node degrees of the minimum spanning tree for ``edges[i, j] + price[i] + price[j]``.
 
     Parameters
     ----------
+    flag : array
+        Of a ``Stop``.
     edges : array of shape (nodes, nodes)
         Symmetric; infinite where there is no edge.
     price : array of shape (nodes,)
@@ -22,7 +25,7 @@ def spanning_tree_degrees(edges, price):  # type: ignore[no-untyped-def] # pragm
     Returns
     -------
     (float, array of int)
-        The weight is infinite if the edges do not join all nodes.
+        The weight is infinite if the edges do not join all nodes, NaN where it was asked to stop.
     """
     n = len(price)
     degree = np.zeros(n, np.int64)
@@ -31,6 +34,8 @@ def spanning_tree_degrees(edges, price):  # type: ignore[no-untyped-def] # pragm
     left = np.arange(1, n)
     count, node, total = n - 1, 0, 0.0
     while count > 0:
+        if asked(flag):
+            return math.nan, degree
         best, chosen = math.inf, -1
         for k in range(count):
             j = left[k]

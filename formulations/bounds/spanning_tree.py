@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evidence import BOUNDS, BoundMethod, Evidence
+from ..stop import NEVER, Stop
 from .arcs import Arcs, arc_costs, lacks_arc_costs
 
 if TYPE_CHECKING:
@@ -26,7 +26,9 @@ _SMALLEST_AIM = 1e-6
 """Relative rise at which the ascent gives up aiming higher."""
 
 
-def spanning_tree_bound(problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None) -> Evidence | None:
+def spanning_tree_bound(
+    problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None, stop: Stop = NEVER
+) -> Evidence | None:
     """Evidence from the best prices that an ascent finds.
 
     Parameters
@@ -36,21 +38,23 @@ def spanning_tree_bound(problem: RoutingProblem, seconds: float, solve_program: 
         Budget of the ascent; it ends earlier when it stalls.
     solve_program : unused
         No program is solved.
+    stop : Stop
 
     Returns
     -------
-    Evidence of kind ``spanning-tree``, or None without a budget
+    Evidence of kind ``spanning-tree``, or None where the budget does not suffice for the arcs and the first tree
 
     Notes
     -----
     Every step aims at a rise above the best bound so far; the aim is halved when it is out of reach and widened when it is met
     (level control after Brännlund 1993, Goffin and Kiwiel 1999), so no value of an answer is needed.
     """
-    end = time.perf_counter() + seconds
-    if seconds <= 0:
+    stop = stop.within(seconds)
+    arcs = arc_costs(problem, stop)
+    found = None if arcs is None else _ascend(arcs, stop)
+    if arcs is None or found is None:
         return None
-    arcs = arc_costs(problem)
-    prices, theta, value = _ascend(arcs, end)
+    prices, theta, value = found
     listed = np.zeros(len(problem.sites))
     listed[arcs.customers] = prices
     return Evidence("spanning-tree", "spanning tree with node prices", value, {"multipliers": listed.tolist(), "depot": float(theta)})
@@ -64,7 +68,7 @@ class _Point:
     slope: Floats
 
 
-def _ascend(arcs: Arcs, end: float) -> tuple[Floats, float, float]:
+def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
     from .prim import spanning_tree_degrees
 
     edges = np.minimum(arcs.cost, arcs.cost.T)
@@ -75,7 +79,7 @@ def _ascend(arcs: Arcs, end: float) -> tuple[Floats, float, float]:
     routes = np.arange(arcs.fewest, arcs.most + 1)
 
     def look(price: Floats) -> _Point:
-        tree, degree = spanning_tree_degrees(edges, price)
+        tree, degree = spanning_tree_degrees(stop.flag, edges, price)
         last = closing + price[1:]
         order = np.argsort(last, kind="stable")
         sums = np.concatenate([[0.0], np.cumsum(last[order])])[routes] - price[0] * routes
@@ -87,12 +91,13 @@ def _ascend(arcs: Arcs, end: float) -> tuple[Floats, float, float]:
         return _Point(tree + float(sums[k]) - 2.0 * float(price[1:].sum()), slope)
 
     price = np.zeros(len(edges))
-    if len(routes) == 0 or not np.isfinite(point := look(price).value):
+    if len(routes) == 0 or math.isinf((here := look(price)).value):
         return price[1:], 0.0, math.inf
-    here = look(price)
+    if math.isnan(point := here.value):
+        return None
     best, best_price = point, price
     aim, direction, waited = 0.05 * max(abs(best), 1e-3), np.zeros(len(price)), 0
-    while time.perf_counter() < end and aim > _SMALLEST_AIM * max(abs(best), 1e-3):
+    while not stop.reached() and aim > _SMALLEST_AIM * max(abs(best), 1e-3):
         direction = here.slope + _MEMORY * direction
         length = float(direction @ direction)
         if length == 0.0:

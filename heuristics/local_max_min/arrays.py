@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...formulations.stop import NEVER, Stop
 from ...instances.errors import UsageError
 from ...instances.sensing import SensingGraph
 from .cleaning import CleanGraph, Floats, clean
@@ -67,6 +68,7 @@ def local_shares(
     step: float = 0.1,
     smoothing: str = "layers",
     normalise: bool = True,
+    stop: Stop = NEVER,
 ) -> LocalShares:
     """Shares of the robots among their actions that make the worst-covered target's coverage large, each from its surroundings alone.
 
@@ -86,6 +88,7 @@ def local_shares(
         ``layers`` (the least level over the trees that hold a copy) or ``ball`` (over all robots within h - 1 hops: less memory).
     normalise : bool
         Let every robot use itself up: no target loses by it.
+    stop : Stop
 
     Returns
     -------
@@ -95,6 +98,8 @@ def local_shares(
     ------
     UsageError
         If an option is out of range.
+    Stopped
+        If it has to end before.
 
     Notes
     -----
@@ -108,15 +113,17 @@ def local_shares(
         nothing = np.zeros(0)
         return LocalShares(cleaned.spread(nothing), cleaned.spread(nothing, np.nan), float(eps), cleaned)
     if search == "secant":
-        levels, relative = SecantSearch(cleaned, h, eps).run(), float(eps)
+        levels, relative = SecantSearch(cleaned, h, eps, stop).run(), float(eps)
     else:
-        levels, relative = step_search(cleaned, h, step)
-    shares = shares_at_levels(cleaned, levels * (1.0 - MARGIN), h, smoothing=smoothing, normalise=normalise)
+        levels, relative = step_search(cleaned, h, step, stop)
+    shares = shares_at_levels(cleaned, levels * (1.0 - MARGIN), h, smoothing=smoothing, normalise=normalise, stop=stop)
     relative = (1.0 + relative) / (1.0 - MARGIN) - 1.0
     return LocalShares(cleaned.spread(shares), cleaned.spread(levels, np.nan), relative, cleaned)
 
 
-def shares_at_levels(cleaned: CleanGraph, levels: Floats, h: int, *, smoothing: str = "layers", normalise: bool = True) -> Floats:
+def shares_at_levels(
+    cleaned: CleanGraph, levels: Floats, h: int, *, smoothing: str = "layers", normalise: bool = True, stop: Stop = NEVER
+) -> Floats:
     """All of the algorithm that follows the search: smoothing, the layered solution, and its average over copies.
 
     Parameters
@@ -136,10 +143,12 @@ def shares_at_levels(cleaned: CleanGraph, levels: Floats, h: int, *, smoothing: 
     layers = np.empty((h if smoothing == "layers" else 1, actions))
     if smoothing == "layers":
         near, next_near = aligned_rows(targets, 4), aligned_rows(targets, 4)
-        kernels.tree_minima(graph, levels, np.empty(0), near, next_near, own, back, layers, h)
+        kernels.tree_minima(stop.flag, graph, levels, np.empty(0), near, next_near, own, back, layers, h)
     else:
-        kernels.ball_minima(graph, levels, np.empty(targets), np.empty(cleaned.num_robots), h - 1, layers[0])
+        kernels.ball_minima(stop.flag, graph, levels, np.empty(targets), np.empty(cleaned.num_robots), h - 1, layers[0])
     total = np.empty(actions)
-    kernels.solve_layers(graph, layers, h, np.empty(actions), np.empty(targets), np.empty(targets), own, back, total)
+    stop.check()
+    kernels.solve_layers(stop.flag, graph, layers, h, np.empty(actions), np.empty(targets), np.empty(targets), own, back, total)
+    stop.check()
     kernels.average(graph, total, h, normalise)
     return total

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 from .lane_kernels import bare, inlined
 
 INFINITE = math.inf
@@ -74,7 +75,7 @@ def _minima_layer(  # type: ignore[no-untyped-def]
 
 
 @kernel()
-def tree_minima(graph, start, floor, near, next_near, own, back, layers, h):  # type: ignore[no-untyped-def]
+def tree_minima(flag, graph, start, floor, near, next_near, own, back, layers, h):  # type: ignore[no-untyped-def]
     """Minima over trees: row l of ``layers`` gets, per blue copy B(v, l), the least of ``start`` over the roots above it.
 
     ``start`` has one value a root; ``floor`` (or an empty array) is joined in at every layer. Where ``layers`` has a single row,
@@ -83,6 +84,8 @@ def tree_minima(graph, start, floor, near, next_near, own, back, layers, h):  # 
     first, starts, targets, _, private, _ = graph
     rows = layers.shape[0]
     for layer in range(h):
+        if asked(flag):
+            break
         above, out = layers[min(max(layer - 1, 0), rows - 1)], layers[min(layer, rows - 1)]
         _minima_layer(
             first, starts, targets, private, start, floor, above, near, next_near, own, back, out, layer == 0, layer == h - 1
@@ -91,7 +94,7 @@ def tree_minima(graph, start, floor, near, next_near, own, back, layers, h):  # 
 
 
 @bare
-def ball_minima(graph, start, near, lowest, hops, out):  # type: ignore[no-untyped-def]
+def ball_minima(flag, graph, start, near, lowest, hops, out):  # type: ignore[no-untyped-def]
     """``out`` of each action: the least of ``start`` over all actions of robots within ``hops`` hops of its robot."""
     first, starts, targets, _, _, _ = graph
     for i in range(len(lowest)):
@@ -99,6 +102,8 @@ def ball_minima(graph, start, near, lowest, hops, out):  # type: ignore[no-untyp
         for v in range(first[i], first[i + 1]):
             lowest[i] = min(lowest[i], start[v])
     for _ in range(hops):
+        if asked(flag):
+            break
         near[:] = INFINITE
         for i in range(len(lowest)):
             for e in range(starts[first[i]], starts[first[i + 1]]):
@@ -148,7 +153,7 @@ def _solve_layer(  # type: ignore[no-untyped-def]
 
 
 @kernel()
-def solve_layers(graph, layers, h, reds, sums, next_sums, blues, back, total):  # type: ignore[no-untyped-def]
+def solve_layers(flag, graph, layers, h, reds, sums, next_sums, blues, back, total):  # type: ignore[no-untyped-def]
     """The recursion with a level of its own for each blue copy; ``total`` gets the sum of all copies of each action.
 
     Row l of ``layers`` has the levels of layer l; a single row holds for all layers.
@@ -161,6 +166,8 @@ def solve_layers(graph, layers, h, reds, sums, next_sums, blues, back, total):  
             for e in range(starts[v], starts[v + 1]):
                 sums[targets[e]] += weights[e] * caps[i]
     for layer in range(h - 1, -1, -1):
+        if asked(flag):
+            break
         levels = layers[min(layer, layers.shape[0] - 1)]
         _solve_layer(first, starts, targets, weights, private, caps, levels, reds, sums, next_sums, blues, back, total, layer == 0)
         sums, next_sums = next_sums, sums

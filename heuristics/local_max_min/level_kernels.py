@@ -17,6 +17,7 @@ import math
 import numpy as np
 
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 from .lane_kernels import add, bare, inlined, larger, load, multiply, splat, store, subtract
 from .layer_kernels import clear, least_of_others, note
 
@@ -26,7 +27,7 @@ BELOW = -1.0
 
 
 @kernel()
-def place(graph, sight, robot_of, roots, h, distance, marked, robots, targets):  # type: ignore[no-untyped-def]
+def place(flag, graph, sight, robot_of, roots, h, distance, marked, robots, targets):  # type: ignore[no-untyped-def]
     """Find the robots within h hops of the roots, in ascending order, and their ``distance`` (elsewhere -1).
 
     ``targets`` are those that robots within h - 1 hops see. Returns the lengths of both lists.
@@ -41,7 +42,7 @@ def place(graph, sight, robot_of, roots, h, distance, marked, robots, targets): 
             robots[reached] = i
             reached += 1
     done = 0
-    while done < reached:
+    while done < reached and not asked(flag):
         i = robots[done]
         done += 1
         if distance[i] == h:
@@ -151,8 +152,8 @@ def _bottom(first, starts, targets, weights, caps, robots, within, levels, reds,
 
 @bare
 def _step(  # type: ignore[no-untyped-def]
-    first, starts, targets, weights, private, caps, robots, within, distance, reach, levels, secant, slack, reds, least, room, near, noted,
-    next_room, next_near, blues, below,
+    flag, first, starts, targets, weights, private, caps, robots, within, distance, reach, levels, secant, slack, reds, least,
+    room, near, noted, next_room, next_near, blues, below,
 ):  # fmt: skip
     """One depth more, for robots of distance at most ``reach``; returns whether any crossing was noted for the next."""
     q = load(levels, 0)
@@ -161,6 +162,8 @@ def _step(  # type: ignore[no-untyped-def]
     next_noted = False
     for p in range(len(robots)):
         i = robots[p]
+        if asked(flag):
+            break
         if distance[i] > reach:
             continue
         cap, start, end = splat(caps[i]), first[i], first[i + 1]
@@ -205,7 +208,7 @@ def _step(  # type: ignore[no-untyped-def]
 
 
 @kernel()
-def sweep(graph, scratch, robots, within, distance, h, levels, secant, slack):  # type: ignore[no-untyped-def]
+def sweep(flag, graph, scratch, robots, within, distance, h, levels, secant, slack):  # type: ignore[no-untyped-def]
     """Test eight levels for the roots in ``robots`` of distance 0; ``scratch.least`` gets what limits each action's root.
 
     That is the least of all crossings (see ``_crossing``) in the root's tree: ``BELOW`` where the first level is not valid already,
@@ -217,8 +220,10 @@ def sweep(graph, scratch, robots, within, distance, h, levels, secant, slack):  
     _bottom(first, starts, targets, weights, caps, robots, within, levels, reds, least, room)
     noted = False
     for d in range(1, h + 1):
+        if asked(flag):
+            break
         noted = _step(
-            first, starts, targets, weights, private, caps, robots, within, distance, h - d, levels, secant, slack, reds, least,
+            flag, first, starts, targets, weights, private, caps, robots, within, distance, h - d, levels, secant, slack, reds, least,
             room, near, noted, next_room, next_near, blues, below,
         )  # fmt: skip
         room, next_room, near, next_near = next_room, room, next_near, near
@@ -259,23 +264,23 @@ def capacities(graph, sums, lowest):  # type: ignore[no-untyped-def]
 
 
 @kernel()
-def step_groups(graph, sight, robot_of, scratch, lists, h, step, stride, slack, order, ceilings, base):  # type: ignore[no-untyped-def]
+def step_groups(flag, graph, sight, robot_of, scratch, lists, h, step, stride, slack, order, ceilings, base):  # type: ignore[no-untyped-def]
     """One digit of the additive search: in ``order`` roots of one ceiling U and one ``base`` stand together.
 
     The first valid of the levels U - k step has k from base to base + 8 stride - 1; base moves to the part of it where it lies.
     """
     levels = np.empty((1, 8))
     start = 0
-    while start < len(order):
+    while start < len(order) and not asked(flag):
         end, v = start + 1, order[start]
         while end < len(order) and ceilings[order[end]] == ceilings[v] and base[order[end]] == base[v]:
             end += 1
         for j in range(8):
             levels[0, j] = ceilings[v] - (base[v] + stride * (8 - j) - 1) * step
         roots = order[start:end]
-        reached, seen = place(graph, sight, robot_of, roots, h, lists.distance, lists.marked, lists.robots, lists.targets)
+        reached, seen = place(flag, graph, sight, robot_of, roots, h, lists.distance, lists.marked, lists.robots, lists.targets)
         robots, targets = lists.robots[:reached], lists.targets[:seen]
-        sweep(graph, scratch, robots, targets, lists.distance, h, levels, False, slack)
+        sweep(flag, graph, scratch, robots, targets, lists.distance, h, levels, False, slack)
         unplace(lists.distance, lists.marked, robots, targets)
         for p in range(len(roots)):
             last = min(max(scratch.least[roots[p]], 0.0), 7.0)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ...formulations.stop import NEVER, Stop
 from ...instances.sensing import SensingGraph
 from .arrays import check_options
 from .cleaning import Floats
@@ -113,6 +114,7 @@ def exchange(
     step: float = 0.1,
     smoothing: str = "layers",
     normalise: bool = True,
+    stop: Stop = NEVER,
 ) -> MessageRun:
     """Run the local algorithm by messages; the parameters are those of ``local_shares``.
 
@@ -125,6 +127,8 @@ def exchange(
     ------
     UsageError
         If an option is out of range.
+    Stopped
+        If it has to end before.
 
     Notes
     -----
@@ -137,6 +141,7 @@ def exchange(
     watchers: dict[int, list[int]] = {}
     starts, actions = graph.by_robot
     for i in range(graph.num_robots):
+        stop.check()
         live = [v for v in actions[starts[i] : starts[i + 1]].tolist() if graph.indptr[v + 1] > graph.indptr[v]]
         if live:
             edges = [slice(graph.indptr[v], graph.indptr[v + 1]) for v in live]
@@ -153,6 +158,7 @@ def exchange(
     while running:
         outboxes, ended = {}, []
         for i, programme in running.items():
+            stop.check()
             try:
                 outboxes[i] = programme.send(inboxes[i])
             except StopIteration as end:

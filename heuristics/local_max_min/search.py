@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...formulations.stop import NEVER, Stop
 from ...instances.errors import UsageError
 from .cleaning import CleanGraph, Floats, Indices
 from .level_grid import LevelGrid
@@ -103,9 +104,11 @@ class SecantSearch:
     clean : CleanGraph
     h : int
     eps : float
+    stop : Stop
     """
 
-    def __init__(self, clean: CleanGraph, h: int, eps: float) -> None:
+    def __init__(self, clean: CleanGraph, h: int, eps: float, stop: Stop = NEVER) -> None:
+        self._stop = stop
         self._clean, self._h, self._grid = clean, h, LevelGrid(eps)
         self._scratch = _scratch(clean)
         self._all = Lists(
@@ -116,7 +119,7 @@ class SecantSearch:
         self._found = np.full(clean.num_actions, np.nan)
 
     def run(self) -> Floats:
-        """The level of each action's root, shape (actions,)."""
+        """The level of each action's root, shape (actions,); raises Stopped where it has to end before."""
         from . import level_kernels as kernels
 
         clean = self._clean
@@ -163,9 +166,10 @@ class SecantSearch:
             self._part = _reachable(self._clean)
         sight, lists, owner = self._part
         reached, seen = kernels.place(
-            self._clean.layout, sight, owner, roots, self._h, lists.distance, lists.marked, lists.robots, lists.targets
+            self._stop.flag, self._clean.layout, sight, owner, roots, self._h, lists.distance, lists.marked, lists.robots, lists.targets
         )
         kernels.unplace(lists.distance, lists.marked, lists.robots[:reached], lists.targets[:seen])
+        self._stop.check()
         return bool(reached <= limit)
 
     def _split(self, roots: Indices, low: int, high: int, start: int, stride: int) -> list[tuple[Indices, int, int]]:
@@ -197,21 +201,22 @@ class SecantSearch:
 
     def _limits(self, kernels: Any, roots: Indices, levels: Floats, secant: bool) -> Floats:
         clean, h = self._clean, self._h
-        graph = clean.layout
+        graph, flag = clean.layout, self._stop.flag
         if 3 * len(roots) < clean.num_actions:
             if self._part is None:
                 self._part = _reachable(clean)
             sight, lists, owner = self._part
-            reached, seen = kernels.place(graph, sight, owner, roots, h, lists.distance, lists.marked, lists.robots, lists.targets)
+            reached, seen = kernels.place(flag, graph, sight, owner, roots, h, lists.distance, lists.marked, lists.robots, lists.targets)
             robots, targets = lists.robots[:reached], lists.targets[:seen]
-            kernels.sweep(graph, self._scratch, robots, targets, lists.distance, h, levels, secant, 0.0)
+            kernels.sweep(flag, graph, self._scratch, robots, targets, lists.distance, h, levels, secant, 0.0)
             kernels.unplace(lists.distance, lists.marked, robots, targets)
         else:
-            kernels.sweep(graph, self._scratch, self._all.robots, self._all.targets, self._all.distance, h, levels, secant, 0.0)
+            kernels.sweep(flag, graph, self._scratch, self._all.robots, self._all.targets, self._all.distance, h, levels, secant, 0.0)
+        self._stop.check()
         return np.asarray(self._scratch.least[roots], dtype=np.float64)
 
 
-def step_search(clean: CleanGraph, h: int, step: float) -> tuple[Floats, float]:
+def step_search(clean: CleanGraph, h: int, step: float, stop: Stop = NEVER) -> tuple[Floats, float]:
     """Levels U, U - step, U - 2 step, ... for each root from its own ceiling U: the first that is valid, never below U/2.
 
     U is the least value that a target in the root's tree has with all its viewers at their caps. The levels are not tried one by one:
@@ -235,7 +240,8 @@ def step_search(clean: CleanGraph, h: int, step: float) -> tuple[Floats, float]:
     level_kernels.capacities(graph, np.zeros(targets), lowest)
     near, next_near = aligned_rows(targets, 4), aligned_rows(targets, 4)
     own, back = np.empty(clean.delta_r), np.empty(clean.delta_r)
-    layer_kernels.tree_minima(graph, lowest, lowest, near, next_near, own, back, ceilings, h)
+    layer_kernels.tree_minima(stop.flag, graph, lowest, lowest, near, next_near, own, back, ceilings, h)
+    stop.check()
     ceiling = ceilings[0]
     steps = float(ceiling.max()) / (2 * step) + 2
     if steps > _MOST_STEPS:
@@ -247,7 +253,8 @@ def step_search(clean: CleanGraph, h: int, step: float) -> tuple[Floats, float]:
         stride *= 8
     while stride >= 1:
         order = np.lexsort((base, ceiling)).astype(np.int32)
-        level_kernels.step_groups(graph, sight, owner, scratch, lists, h, step, float(stride), SLACK, order, ceiling, base)
+        level_kernels.step_groups(stop.flag, graph, sight, owner, scratch, lists, h, step, float(stride), SLACK, order, ceiling, base)
+        stop.check()
         stride //= 8
     levels = np.maximum(ceiling - base * step, ceiling / 2)
     relative = float((np.minimum(ceiling, levels + step) / levels).max() - 1.0)

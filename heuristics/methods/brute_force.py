@@ -15,10 +15,11 @@ from ...formulations.problem import Problem
 from ...formulations.problems.bottleneck_sata import BottleneckSATA
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
 from ...formulations.selections import Selection
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.selection import Knapsack
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from ..selection.ending import CUT_SHORT, concluded, watch
+from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions
 from ..selection.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, spendable
 
@@ -57,11 +58,12 @@ def brute_force(problem: Problem, setting: Setting) -> Outcome:
     UsageError
         If there are too many answers.
     """
+    stop = setting.begin()
     if isinstance(problem, BottleneckSATA):
-        return _bottleneck(problem)
+        return _bottleneck(problem, stop)
     assert isinstance(problem, SubmodularSelection)
     if isinstance(problem.function, UserFunction):
-        return _of_user(problem, problem.function, setting)
+        return _of_user(problem, problem.function, stop)
     c, n = problem.constraint, problem.num_elements
     from ...formulations.bounds._gains import as_arrays, gains_of
     from ..selection.enumeration import best_set
@@ -71,18 +73,21 @@ def brute_force(problem: Problem, setting: Setting) -> Outcome:
     total = 2**n if knapsack else _full_sets(limits)
     _refuse(total, MOST_ANSWERS)
     arrays, items = as_arrays(problem.function), int(problem.function.num_items)
-    single = gains_of(np.arange(n), np.zeros(items), *arrays)
+    single = gains_of(stop.flag, np.arange(n), np.zeros(items), *arrays)
     starts, members = limits.members()
     slot_group = np.repeat(np.arange(len(limits.room)), limits.room)
     _refuse_memory(len(slot_group), items)
     rest = _rest(single, limits)
     tail = np.append(np.cumsum(single[members][::-1])[::-1], 0.0)
     costs, budget = (np.array(c.costs), spendable(c)) if isinstance(c, Knapsack) else (np.zeros(n), 0.0)
-    _, picks, looked = best_set(slot_group, starts, members, _up(rest), costs, budget, _up(tail), knapsack, items, *arrays)
+    _, picks, looked, whole = best_set(
+        stop.flag, slot_group, starts, members, _up(rest), costs, budget, _up(tail), knapsack, items, *arrays
+    )
     statistics = {"answers": total, "enumerated": int(looked)}
     holds, _ = assumptions(problem)
     chosen = picks.tolist() if knapsack else _filled(picks.tolist(), limits)
-    return concluded(problem, chosen, holds, _optimal(total, holds), statistics)
+    guarantee, message = (_optimal(total, holds), "") if whole else (None, _cut(looked, "sets"))
+    return concluded(problem, stop, chosen, holds, guarantee, statistics, message, whole=bool(whole))
 
 
 def _filled(picks: list[int], limits: Limits) -> list[int]:
@@ -133,7 +138,11 @@ def _optimal(total: int, assumed: tuple[str, ...]) -> Guarantee:
     return Guarantee(1.0, "f(S) = f(OPT)", (*assumed, everything), "exhaustive enumeration")
 
 
-def _bottleneck(problem: BottleneckSATA) -> Outcome:
+def _cut(looked: int, what: str) -> str:
+    return f"{looked:,} {what} were looked at: {CUT_SHORT}"
+
+
+def _bottleneck(problem: BottleneckSATA, stop: Stop) -> Outcome:
     from ..selection.enumeration import best_bottleneck
 
     g = problem.graph
@@ -148,13 +157,15 @@ def _bottleneck(problem: BottleneckSATA) -> Outcome:
             edges = slice(g.indptr[a], g.indptr[a + 1])
             most[g.indices[edges]] = np.maximum(most[g.indices[edges]], g.weights[edges])
         rest[robot] = rest[robot + 1] + most
-    _, winner, looked = best_bottleneck(starts, actions, g.indptr, g.indices, g.weights, _up(rest))
+    _, winner, looked, whole = best_bottleneck(stop.flag, starts, actions, g.indptr, g.indices, g.weights, _up(rest))
     statistics = {"answers": total, "enumerated": int(looked)}
     chosen = Selection(tuple(winner[winner >= 0].tolist()))
+    if not whole:
+        return Outcome(chosen, statistics=statistics, message=_cut(looked, "answers"), limit=stop.reached() or "time")
     return Outcome(chosen, _optimal(total, ("weights >= 0, so that every robot may act",)), statistics=statistics)
 
 
-def _of_user(problem: SubmodularSelection, f: UserFunction, setting: Setting) -> Outcome:
+def _of_user(problem: SubmodularSelection, f: UserFunction, stop: Stop) -> Outcome:
     c, n = problem.constraint, problem.num_elements
     if isinstance(c, Knapsack):
         total = 2**n
@@ -172,7 +183,7 @@ def _of_user(problem: SubmodularSelection, f: UserFunction, setting: Setting) ->
         _refuse(total, MOST_USER_SETS)
         choices = [[s for k in r for s in itertools.combinations(g, k)] for g, r in zip(groups, sizes, strict=True)]
         sets = (tuple(itertools.chain.from_iterable(parts)) for parts in itertools.product(*choices))
-    best, picks, looked, whole, ended = -math.inf, (), 0, True, watch(setting)
+    best, picks, looked, whole = -math.inf, (), 0, True
     while some := list(itertools.islice(sets, CHUNK)):
         masks = np.zeros((len(some), n), dtype=bool)
         for row, members_of in zip(masks, some, strict=True):
@@ -181,14 +192,14 @@ def _of_user(problem: SubmodularSelection, f: UserFunction, setting: Setting) ->
         looked += len(some)
         if found.max() > best:
             best, picks = float(found.max()), some[int(np.argmax(found))]
-        if ended():
+        if stop.reached():
             whole = next(sets, None) is None
             break
     holds, message = assumptions(problem)
     guarantee = _optimal(total, ("monotone as declared by the user: only full sets are tried",) if f.monotone else ()) if whole else None
-    outcome = concluded(problem, picks, holds, None, {"answers": total, "enumerated": looked}, message)
-    said = "" if whole else "; ".join(m for m in (outcome.message, f"{looked:,} sets were looked at: {CUT_SHORT}") if m)
-    return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said)
+    outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole)
+    said = "" if whole else "; ".join(m for m in (outcome.message, _cut(looked, "sets")) if m)
+    return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said, outcome.limit)
 
 
 def _refuses(problem: Any) -> frozenset[str]:

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.selection import DenseFacilityLocation, FacilityLocation
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from ..selection.ending import concluded, watch
+from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions, rounded_down
 from ..selection.limits import FUNCTIONS, GROUPED, Limits
 
@@ -22,6 +23,9 @@ SOURCE = (
 )
 
 MOST_STEPS = 1_000_000
+
+SORTED = 1_000_000
+"""Entries that are sorted at once: a tenth of a second."""
 
 MOST_ENTRIES = 50_000_000
 """Positive weights of a matrix that are turned into sparse form; each takes about 30 bytes."""
@@ -62,7 +66,7 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     from ...formulations.bounds._gains import COVERAGE, as_arrays
     from ..selection import multilinear
 
-    ended = watch(setting)
+    stop = setting.begin()
     limits, f = Limits.of(problem), problem.function
     assert not isinstance(f, UserFunction)
     if isinstance(f, DenseFacilityLocation):
@@ -72,25 +76,20 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     if kind == COVERAGE:
         state, by_item, position = np.ones(items), (np.zeros(1, np.int64), np.zeros(0, np.int32), np.zeros(0)), np.zeros(0, np.int64)
     else:
-        order = np.lexsort((np.repeat(np.arange(len(indptr) - 1), np.diff(indptr)), -weights, indices))
-        position = np.empty(len(order), np.int64)
-        position[order] = np.arange(len(order))
-        starts = np.zeros(items + 1, np.int64)
-        np.cumsum(np.bincount(indices, minlength=items), out=starts[1:])
-        by_item = starts, np.repeat(np.arange(len(indptr) - 1, dtype=np.int32), np.diff(indptr))[order], weights[order]
+        position, by_item = _by_item(indptr, indices, weights, items, stop)
         state = by_item[2].copy()  # the slope of an item's value when nothing is chosen
     count = np.zeros(problem.num_elements, np.int64)
     data = (state, position, *by_item, kind, indptr, indices, weights)
     bounds = np.full(problem.num_elements, np.inf)
     done = evaluations = 0
-    while done < steps and not (done and ended()):
+    while done < steps and not stop.reached():
         some = min(steps - done, max(1, int(2e5 // max(1, problem.num_elements))))
-        evaluations += multilinear.climb(some, bounds, limits.groups, limits.room, limits.most, count, int(steps), data)
-        done += some
-    if done < steps:
-        return _of_counts(problem, limits, count, evaluations, done, int(steps))
-    expected = float(multilinear.value(count, int(steps), data))
-    trades = int(multilinear.pipage(*limits.members(), count, int(steps), data))
+        evaluations += multilinear.climb(stop.flag, some, bounds, limits.groups, limits.room, limits.most, count, int(steps), data)
+        done += 0 if stop.reached() else some
+    expected = float(multilinear.value(stop.flag, count, int(steps), data))
+    trades = 0 if stop.reached() else int(multilinear.pipage(stop.flag, *limits.members(), count, int(steps), data))
+    if stop.reached():
+        return _of_counts(problem, stop, limits, count, evaluations, done, int(steps))
     picks = np.nonzero(count == steps)[0].tolist()
     holds, _ = assumptions(problem)
     share = -math.expm1(-steps * math.log1p(1.0 / steps))
@@ -99,15 +98,40 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     statement += f"1 - 1/e less {loss:.2g} for steps of 1/{steps}"
     guarantee = Guarantee(1.0 / share, statement, (*holds, f"{problem.constraint.name} constraint", f"all {steps} steps were made"), SOURCE)
     statistics = {"steps": int(steps), "evaluations": evaluations, "fractional_value": expected, "trades": trades}
-    return concluded(problem, picks, holds, guarantee, statistics)
+    return concluded(problem, stop, picks, holds, guarantee, statistics)
 
 
-def _of_counts(problem: SubmodularSelection, limits: Limits, count: NDArray[np.int64], evaluations: int, done: int, steps: int) -> Outcome:
-    """The elements of largest probability, where the time was up before the last step."""
+def _by_item(
+    indptr: NDArray[np.int32], indices: NDArray[np.int32], weights: NDArray[np.float64], items: int, stop: Stop
+) -> tuple[NDArray[np.int64], tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]]:
+    """The place of each entry in the transpose, and this with the elements of an item by falling weight; as far as the time goes."""
+    from ...formulations.bounds._gains import SPARSE
+    from ..selection.loops import transpose
+
+    everything = np.arange(len(indices), dtype=np.float64)
+    starts, elements, entries = transpose(stop.flag, items, SPARSE, indptr, indices, everything)
+    entries = entries.astype(np.int64)
+    sorted_weights, position = np.empty(len(entries)), np.zeros(len(entries), np.int64)
+    first = 0
+    while first < items and not stop.reached():
+        last = max(first + 1, int(np.searchsorted(starts, starts[first] + SORTED, side="right")) - 1)
+        some = slice(int(starts[first]), int(starts[last]))
+        given = weights[entries[some]]
+        order = np.lexsort((-given, np.repeat(np.arange(last - first), np.diff(starts[first : last + 1]))))
+        elements[some], sorted_weights[some] = elements[some][order], given[order]
+        position[entries[some][order]] = np.arange(some.start, some.stop)
+        first = last
+    return position, (starts, elements, sorted_weights)
+
+
+def _of_counts(
+    problem: SubmodularSelection, stop: Stop, limits: Limits, count: NDArray[np.int64], evaluations: int, done: int, steps: int
+) -> Outcome:
+    """The elements of largest probability, where the time was up before the last step or trade."""
     picks = limits.first(np.lexsort((np.arange(len(count)), -count))).tolist()
     statistics = {"steps": done, "evaluations": evaluations}
-    message = f"the time was up after {done} of {steps} steps; the largest probabilities were taken"
-    return concluded(problem, picks, assumptions(problem)[0], None, statistics, message)
+    message = f"{CUT_SHORT} after {done} of {steps} steps; the largest probabilities were taken"
+    return concluded(problem, stop, picks, assumptions(problem)[0], None, statistics, message, whole=False)
 
 
 def _sparse(f: DenseFacilityLocation) -> FacilityLocation:

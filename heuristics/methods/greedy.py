@@ -50,10 +50,11 @@ def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: 
     if isinstance(problem, BottleneckSATA):
         if eps > 0 or evaluation != "auto":
             raise UsageError("eps and evaluation are options for selection problems; a bottleneck has none")
-        return _bottleneck(problem)
+        return _bottleneck(problem, setting)
     assert isinstance(problem, SubmodularSelection)
     limits = Limits.of(problem)
-    taken = pick(problem, limits, setting, evaluation=evaluation, eps=float(eps))
+    stop = setting.begin()
+    taken = pick(problem, limits, stop, evaluation=evaluation, eps=float(eps))
     holds, message = assumptions(problem)
     guarantee = greedy_guarantee(problem, holds)
     if taken.ended != "full":
@@ -62,17 +63,21 @@ def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: 
     statistics = {
         "evaluation": taken.evaluation, "evaluations": taken.evaluations, "plain_evaluations": limits.plain_evaluations(taken.elements),
     }  # fmt: skip
-    return concluded(problem, taken.elements, holds, guarantee, statistics, message)
+    return concluded(problem, stop, taken.elements, holds, guarantee, statistics, message, whole=taken.ended != "stopped")
 
 
-def _bottleneck(problem: BottleneckSATA) -> Outcome:
+def _bottleneck(problem: BottleneckSATA, setting: Setting) -> Outcome:
     from ..selection.bottleneck import best_worst_target
 
-    g = problem.graph
+    g, stop = problem.graph, setting.begin()
     starts, actions = g.by_robot
-    picks = best_worst_target(starts, actions, g.indptr, g.indices, g.weights, g.num_targets)
+    picks, asked = best_worst_target(stop.flag, starts, actions, g.indptr, g.indices, g.weights, g.num_targets)
     chosen = picks[picks >= 0].tolist()
-    return Outcome(Selection(tuple(chosen)), statistics={"evaluations": g.num_actions})
+    answer = Selection(tuple(chosen))
+    if asked < g.num_robots:
+        message = f"{asked:,} of {g.num_robots:,} robots chose: {CUT_SHORT}"
+        return Outcome(answer, statistics={"robots_asked": int(asked)}, message=message, limit=stop.reached() or "time")
+    return Outcome(answer, statistics={"evaluations": g.num_actions})
 
 
 def _refuses(problem: Any) -> frozenset[str]:

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Guarantee
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
 from ...formulations.selections import Selection
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.selection import DenseFacilityLocation, Knapsack
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from ..selection.ending import concluded, watch
+from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions, rounded_down
 from ..selection.limits import ANY_FUNCTION, spendable
 from ..selection.sets import UserSet
@@ -70,13 +71,13 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
     budget = spendable(c)
     usable = np.nonzero((c.costs > 0) & (c.costs <= budget))[0]
     depth = _affordable(problem, len(usable)) if enumerate is None else int(enumerate)
-    ended = watch(setting)
+    stop = setting.begin()
     free = np.nonzero(c.costs == 0)[0].tolist()
-    filling = (_UserFilling if isinstance(problem.function, UserFunction) else _ArrayFilling)(problem, free, budget)
+    filling = (_UserFilling if isinstance(problem.function, UserFunction) else _ArrayFilling)(problem, free, budget, stop)
     best, picks = filling.after(np.zeros(0, np.int64), -1, 0, -1.0)
     if len(usable):
         best, picks = filling.single(usable, best, picks)
-    starts, finished = 1, 0
+    starts, finished, begun_whole = 1, 0, not stop.reached()
     for size in range(1, depth + 1):
         for begun, lo, hi in _starts(usable, size, len(c.costs)):
             value, found = filling.after(begun, lo, hi, best)
@@ -84,22 +85,25 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
             if len(found):
                 best, picks = value, found
                 setting.publish(Selection((*free, *picks)))
-            if ended():
+            if stop.reached():
                 break
         else:
             finished = size
             continue
         break
     holds, message = assumptions(problem)
-    if finished < depth:
+    if not begun_whole:
+        message = "; ".join(m for m in (message, f"ended before the first filling: {CUT_SHORT}") if m)
+    elif finished < depth:
         message = "; ".join(m for m in (message, f"the time was up among the starting sets of {finished + 1} elements") if m)
     guarantee: Guarantee | None = None
-    if holds:
+    if holds and begun_whole:
         share, words, source = PROVED[finished]
         statement = f"f(S) >= {words} f(OPT), that is {rounded_down(share)} f(OPT)"
         guarantee = Guarantee(1.0 / share, statement, (*holds, f"knapsack; all starting sets of up to {finished} elements"), source)
     statistics = {"enumerate": finished, "starts": starts}
-    return concluded(problem, [*free, *picks], holds, guarantee, statistics, message)
+    whole = begun_whole and finished == depth
+    return concluded(problem, stop, [*free, *picks], holds, guarantee, statistics, message, whole=whole)
 
 
 def _affordable(problem: SubmodularSelection, n: int) -> int:
@@ -122,13 +126,14 @@ def _starts(usable: NDArray[np.int64], size: int, n: int) -> Iterator[tuple[NDAr
 class _ArrayFilling:
     """Fillings of a knapsack beside the elements ``free``, for functions given by arrays."""
 
-    def __init__(self, problem: SubmodularSelection, free: list[int], budget: float) -> None:
+    def __init__(self, problem: SubmodularSelection, free: list[int], budget: float, stop: Stop) -> None:
         from ...formulations.bounds._gains import as_arrays, take
 
         assert isinstance(problem.constraint, Knapsack)
         self.costs, self.budget = np.array(problem.constraint.costs), budget
         self.arrays = as_arrays(problem.function)  # type: ignore[arg-type]
         self.free_best = np.zeros(problem.function.num_items)  # type: ignore[union-attr]
+        self.stop = stop
         for e in free:
             take(e, self.free_best, *self.arrays)
 
@@ -136,7 +141,7 @@ class _ArrayFilling:
         """The best single element, if it is worth more than ``most``, the value of ``picks``."""
         from ...formulations.bounds._gains import gains_of
 
-        gains = gains_of(usable, self.free_best, *self.arrays)
+        gains = gains_of(self.stop.flag, usable, self.free_best, *self.arrays)
         at = int(np.argmax(gains))
         value = float(self.free_best.sum() + gains[at])
         return (value, [int(usable[at])]) if value > most else (most, picks)
@@ -145,18 +150,18 @@ class _ArrayFilling:
         """See ``fill_after``."""
         from ..selection.filling import fill_after
 
-        value, picks = fill_after(begun, lo, hi, most, self.free_best, self.costs, self.budget, *self.arrays)
+        value, picks = fill_after(self.stop.flag, begun, lo, hi, most, self.free_best, self.costs, self.budget, *self.arrays)
         return float(value), picks.tolist()
 
 
 class _UserFilling:
     """The same for a user's function, all gains of a round in one call."""
 
-    def __init__(self, problem: SubmodularSelection, free: list[int], budget: float) -> None:
+    def __init__(self, problem: SubmodularSelection, free: list[int], budget: float, stop: Stop) -> None:
         assert isinstance(problem.constraint, Knapsack) and isinstance(problem.function, UserFunction)
         self.function, self.free = problem.function, free
         self.costs: Any = problem.constraint.costs
-        self.budget = budget
+        self.budget, self.stop = budget, stop
 
     def _begin(self, picks: list[int]) -> UserSet:
         chosen = UserSet(self.function)
@@ -167,19 +172,21 @@ class _UserFilling:
 
     def single(self, usable: NDArray[np.int64], most: float, picks: list[int]) -> tuple[float, list[int]]:
         chosen = self._begin([])
-        element, gain = chosen.best_of(usable)
-        return (chosen.value + gain, [element]) if chosen.value + gain > most else (most, picks)
+        element, gain = chosen.best_of(usable, self.stop)
+        return (chosen.value + gain, [element]) if element >= 0 and chosen.value + gain > most else (most, picks)
 
     def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
         winner: list[int] = []
         for e in range(lo, hi):
+            if self.stop.reached():
+                break
             picks = [*begun.tolist(), *([e] if e >= 0 else [])]
             left = self.budget - math.fsum(self.costs[picks])
             if left < 0 or (e >= 0 and self.costs[e] == 0):
                 continue
             chosen = self._begin(picks)
             while len(able := np.nonzero((self.costs > 0) & (self.costs <= left) & ~chosen.inside)[0]):
-                gains = chosen.gains(able)
+                gains = chosen.gains(able, self.stop)
                 at = int(np.argmax(gains / self.costs[able]))
                 if not gains[at] > 0:
                     break

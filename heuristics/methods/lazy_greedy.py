@@ -46,7 +46,8 @@ def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 
     check_threshold(eps)
     begun = chosen_elements("base", base, problem)
     limits = Limits.of(problem)
-    taken = pick(problem, limits, setting, evaluation="lazy", eps=float(eps), base=begun)
+    stop = setting.begin()
+    taken = pick(problem, limits, stop, evaluation="lazy", eps=float(eps), base=begun)
     holds, message = assumptions(problem)
     guarantee = None if begun else greedy_guarantee(problem, holds)
     if taken.ended != "full":
@@ -55,7 +56,7 @@ def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 
     statistics = {
         "evaluation": "lazy", "evaluations": taken.evaluations, "plain_evaluations": limits.plain_evaluations(taken.elements, begun),
     }  # fmt: skip
-    return concluded(problem, [*begun, *taken.elements], holds, guarantee, statistics, message)
+    return concluded(problem, stop, [*begun, *taken.elements], holds, guarantee, statistics, message, whole=taken.ended != "stopped")
 
 
 HEURISTICS.add(

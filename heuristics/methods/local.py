@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,16 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...formulations.balls import even_shares
 from ...formulations.evidence import Evidence, Guarantee
 from ...formulations.problems.bottleneck_sata import BottleneckSATA
 from ...formulations.problems.max_min_lp import MaxMinLP
 from ...formulations.selections import Selection
+from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
 from ...instances.sensing import SensingGraph
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from ..local_max_min.arrays import MOST_LAYERS, check_options, local_shares
 from ..local_max_min.cleaning import CleanGraph, clean
 from ..local_max_min.rounding import check_ties, largest_shares
+from ..selection.ending import CUT_SHORT
 
 Floats = NDArray[np.float64]
 
@@ -95,23 +97,31 @@ def local(
     for name, value in (("normalise", normalise), ("ball", ball), ("messages", messages)):
         if not isinstance(value, bool):
             raise UsageError(f"{name} must be true or false, not {value!r}")
-    began = time.perf_counter()
+    stop = setting.begin()
     task = _task(problem)
     options = {"eps": eps, "search": search, "step": step, "smoothing": smoothing, "normalise": normalise}
     runs: list[_Run] = []
     for height in layers:
-        if runs and setting.stopped():
+        try:
+            run = _run(task, height, messages, options, ties, setting.rng, stop)
+        except Stopped:
             break
-        run = _run(task, height, messages, options, ties, setting)
         if not runs or run.rank > max(r.rank for r in runs):
             setting.publish(run.answer)
         runs.append(run)
+    cut = len(runs) < len(layers)
+    if not runs:  # better than nothing
+        runs.append(_judged(task, 0, even_shares(task.graph), math.nan, {}, ties, setting.rng))
     best = max(runs, key=lambda run: run.rank)
     evidence: tuple[Evidence, ...] = ()
     if ball or task.unseen.size:
-        evidence = _bound(task, best.coverage, setting, setting.seconds - (time.perf_counter() - began))
+        evidence = _bound(task, best.coverage, setting, stop)
     guarantee, notes = _guarantee(task, runs, search)
-    return Outcome(best.answer, guarantee, evidence, _statistics(task, best, runs), "; ".join(notes))
+    if cut:
+        done = f"the largest h was {best.h}" if best.h else "robots divide themselves evenly"
+        notes.append(f"{done}: {CUT_SHORT}")
+    limit = stop.reached() or "time" if cut else "none"
+    return Outcome(best.answer, guarantee, evidence, _statistics(task, best, runs), "; ".join(notes), limit)
 
 
 @dataclass(frozen=True)
@@ -132,7 +142,10 @@ class _Task:
 
 @dataclass(frozen=True)
 class _Run:
-    """One run. ``value`` and ``rounded`` are of the targets that somebody sees; ``rank`` orders runs."""
+    """One run; with h = 0 robots that divide themselves evenly.
+
+    ``value`` and ``rounded`` are of the targets that somebody sees; ``rank`` orders runs.
+    """
 
     h: int
     answer: Any
@@ -179,20 +192,24 @@ def _task(problem: BottleneckSATA | MaxMinLP) -> _Task:
     return _Task(asked, graph, clean(graph), not asked.fractional, graph.unseen_targets, answer, translate)
 
 
-def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str, setting: Setting) -> _Run:
+def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str, rng: np.random.Generator, stop: Stop) -> _Run:
     counts: dict[str, int] = {}
     if messages:
         from ..local_max_min.messages import exchange
 
-        talk = exchange(task.graph, h, **options)
+        talk = exchange(task.graph, h, stop=stop, **options)
         shares, relative = talk.shares, talk.relative_eps
         counts = {"rounds": talk.rounds, "messages": talk.messages, "bytes": talk.bytes, "largest_message_bytes": talk.most_bytes}
     else:
-        found = local_shares(task.cleaned, h, **options)
+        found = local_shares(task.cleaned, h, stop=stop, **options)
         shares, relative = found.shares, found.relative_eps
+    return _judged(task, h, shares, relative, counts, ties, rng)
+
+
+def _judged(task: _Task, h: int, shares: Floats, relative: float, counts: dict[str, int], ties: str, rng: np.random.Generator) -> _Run:
     coverage = task.problem.coverage(shares)
     value = _least(task, coverage)
-    actions = largest_shares(task.graph, shares, ties, setting.rng) if task.whole else np.zeros(0, dtype=np.int32)
+    actions = largest_shares(task.graph, shares, ties, rng) if task.whole else np.zeros(0, dtype=np.int32)
     rounded = math.nan
     if task.whole:
         chosen = np.zeros(task.graph.num_actions)
@@ -226,6 +243,8 @@ def _guarantee(task: _Task, runs: list[_Run], search: str) -> tuple[Guarantee | 
         notes.append("whole actions are the largest shares, for which nothing is guaranteed: the guarantee is one of shares")
     if notes:
         return None, notes
+    if not runs[0].h:
+        return None, notes
     cleaned, run = task.cleaned, min(runs, key=lambda run: _ratio(task.cleaned, run))
     statement = (
         "OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T) "
@@ -242,12 +261,14 @@ def _guarantee(task: _Task, runs: list[_Run], search: str) -> tuple[Guarantee | 
     return Guarantee(_ratio(cleaned, run), statement, assumptions, SOURCE), notes
 
 
-def _bound(task: _Task, coverage: Floats, setting: Setting, seconds: float) -> tuple[Evidence, ...]:
-    if setting.stopped():
+def _bound(task: _Task, coverage: Floats, setting: Setting, stop: Stop) -> tuple[Evidence, ...]:
+    if stop.reached() and not task.unseen.size:
         return ()
     from ...formulations.bounds.ball import ball_evidence
 
-    found = ball_evidence(task.problem, coverage, lambda program, limit: setting.solve_program(program, limit).row_duals, seconds)
+    found = ball_evidence(
+        task.problem, coverage, lambda program, limit: setting.solve_program(program, limit).row_duals, stop.seconds_left, stop
+    )
     return () if found is None else (task.translate(found),)
 
 
@@ -257,6 +278,8 @@ def _statistics(task: _Task, best: _Run, runs: list[_Run]) -> dict[str, Any]:
         "h": best.h, "delta_r": cleaned.delta_r, "delta_t": cleaned.delta_t, "relative_eps": best.relative_eps,
         "fractional_value": best.value, **best.counts,
     }  # fmt: skip
+    if not best.h:
+        del statistics["relative_eps"]
     if task.whole:
         statistics["rounded_value"] = best.rounded
     if task.unseen.size:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -51,15 +50,16 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     """
     if ties not in ("last", "first"):
         raise UsageError(f"ties must be last or first, not {ties!r}")
-    began = time.perf_counter()
+    stop = setting.begin()
     linear = [form for form in problem.forms() if FORMS[form].kind(problem) in ("LP", "MILP")]
     if not linear:
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
     program = problem.compile(linear[0], relax=True)
-    result = setting.solve_program(program, max(0.0, setting.seconds - (time.perf_counter() - began)))
+    result = setting.solve_program(program, stop.seconds_left)
     statistics = {"form": program.form, "lp_status": result.status}
     if result.answer is None or result.status != "optimal":
-        return Outcome(None, statistics=statistics, message=f"the LP was not solved in time: {result.message or result.status}")
+        message = f"the LP was not solved in time: {result.message or result.status}"
+        return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
     n = program.variables[0].size  # every form's first block has one variable an element, named x
     shares = np.asarray(result.answer, dtype=np.float64)[:n]
     statistics["lp_value"] = program.value(np.asarray(result.answer, dtype=np.float64))

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Guarantee
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
 from ...formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from ..selection.ending import CUT_SHORT, concluded, watch
+from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import FNW, assumptions
 from ..selection.limits import ANY_FUNCTION, Limits
 from ..selection.sets import UserSet
@@ -47,18 +48,18 @@ def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: 
     nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978). With picks g_i in turn
     and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2 F(G).
     """
-    limits = Limits.of(problem)
+    stop, limits = setting.begin(), Limits.of(problem)
     turns = _turns(problem, order, len(limits.room))
     if isinstance(problem.function, UserFunction):
-        picks, evaluations, whole = _of_user(problem.function, limits, turns, watch(setting))
+        picks, evaluations, whole = _of_user(problem.function, limits, turns, stop)
     else:
         from ...formulations.bounds._gains import as_arrays
         from ..selection.loops import in_order
 
         taken, _, evaluations = in_order(
-            turns, *limits.members(), limits.room, np.zeros(problem.function.num_items), *as_arrays(problem.function)
+            stop.flag, turns, *limits.members(), limits.room, np.zeros(problem.function.num_items), *as_arrays(problem.function)
         )
-        picks, whole = taken.tolist(), True
+        picks, whole = taken.tolist(), len(taken) == limits.most
     holds, message = assumptions(problem)
     guarantee: Guarantee | None = None
     if not whole:
@@ -69,7 +70,7 @@ def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: 
             source = FNW
         guarantee = Guarantee(2.0, "f(S) >= f(OPT) / 2, for every order", (*holds, "partition matroid"), source)
     statistics = {"evaluations": evaluations, "communication_rounds": len(turns)}
-    return concluded(problem, picks, holds, guarantee, statistics, message)
+    return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=whole)
 
 
 def _turns(problem: SubmodularSelection, order: Any, groups: int) -> NDArray[np.int64]:
@@ -88,16 +89,16 @@ def _turns(problem: SubmodularSelection, order: Any, groups: int) -> NDArray[np.
     raise UsageError(f"order must be a permutation of all {groups} {what}, by number from 0 or by name, not {str(order)[:80]!r}")
 
 
-def _of_user(f: UserFunction, limits: Limits, turns: NDArray[np.int64], ended: Callable[[], bool]) -> tuple[list[int], int, bool]:
+def _of_user(f: UserFunction, limits: Limits, turns: NDArray[np.int64], stop: Stop) -> tuple[list[int], int, bool]:
     chosen = UserSet(f)
     picks: list[int] = []
     starts, members = limits.members()
-    for turn, g in enumerate(turns.tolist()):
-        if turn and ended():
-            return picks, chosen.evaluations, False
+    for g in turns.tolist():
         left = members[starts[g] : starts[g + 1]]
         for _ in range(int(limits.room[g])):
-            element, gain = chosen.best_of(left)
+            element, gain = chosen.best_of(left, stop)
+            if element < 0:
+                return picks, chosen.evaluations, False
             if gain < 0:
                 break  # a function that is not monotone: rather nothing
             chosen.take(element, gain)

@@ -10,7 +10,7 @@ from ...formulations.evidence import Guarantee
 from ...formulations.problems.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from ..selection.ending import CUT_SHORT, concluded, watch
+from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions, rounded_down
 from ..selection.limits import ANY_FUNCTION, Limits
 from ..selection.sets import empty_set
@@ -53,11 +53,13 @@ def stochastic_greedy(problem: SubmodularSelection, setting: Setting, *, eps: fl
     chosen, picks = empty_set(problem), []
     # The first ``left`` places hold what is not chosen; a chosen element changes places with the last of these.
     order, place, left = np.arange(n), np.arange(n), n
-    ended, rounds = watch(setting), 0
-    while rounds < k and not (rounds and ended()):
-        rounds += 1
+    stop, rounds = setting.begin(), 0
+    while rounds < k and not (rounds and stop.reached()):
         drawn = order[:left] if size >= left else order[setting.rng.choice(left, size, replace=False)]
-        element, gain = chosen.best_of(np.sort(drawn))
+        element, gain = chosen.best_of(np.sort(drawn), stop)
+        if element < 0:
+            break
+        rounds += 1
         if gain < 0:
             continue  # a user's function that is not monotone
         chosen.take(element, gain)
@@ -73,7 +75,7 @@ def stochastic_greedy(problem: SubmodularSelection, setting: Setting, *, eps: fl
         statement = f"E[f(S)] >= (1 - 1/e - {eps:g}) f(OPT), that is {rounded_down(most - eps)} f(OPT), in expectation over the samples"
         guarantee = Guarantee(1.0 / (most - eps), statement, (*holds, f"at most k = {k} elements, {size} drawn a round"), SOURCE)
     statistics = {"evaluations": chosen.evaluations, "plain_evaluations": limits.plain_evaluations(picks), "sample": size}
-    return concluded(problem, picks, holds, guarantee, statistics, message)
+    return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=rounds == k)
 
 
 HEURISTICS.add(

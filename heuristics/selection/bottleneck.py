@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 
 
 @kernel()
@@ -28,8 +29,11 @@ def set_leaf(tree, leaf, value):  # type: ignore[no-untyped-def] # pragma: no co
 
 
 @kernel()
-def best_worst_target(starts, actions, indptr, indices, weights, targets):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """For each robot in turn the action after which the worst target is covered best, the first of equal ones; -1 without actions."""
+def best_worst_target(flag, starts, actions, indptr, indices, weights, targets):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """For each robot in turn the action after which the worst target is covered best, the first of equal ones; -1 without actions.
+
+    Returns the actions, and how many robots had their turn before the ``flag`` was set.
+    """
     size = 1
     while size < targets:
         size *= 2
@@ -46,6 +50,9 @@ def best_worst_target(starts, actions, indptr, indices, weights, targets):  # ty
     for robot in range(len(picks)):
         worst = -1.0
         for k in range(starts[robot], starts[robot + 1]):
+            if asked(flag):
+                picks[robot] = -1
+                return picks, robot
             a = actions[k]
             for p in range(indptr[a], indptr[a + 1]):
                 before[p - indptr[a]] = tree[size + indices[p]]
@@ -57,4 +64,4 @@ def best_worst_target(starts, actions, indptr, indices, weights, targets):  # ty
         if picks[robot] >= 0:
             for p in range(indptr[picks[robot]], indptr[picks[robot] + 1]):
                 lift(tree, size + indices[p], weights[p])
-    return picks
+    return picks, len(picks)

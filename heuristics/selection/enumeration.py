@@ -6,17 +6,18 @@ import numpy as np
 
 from ...formulations.bounds._gains import gain, take
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 
 
 @kernel()
 def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    slot_group, starts, members, rest, costs, budget, tail, optional, items, kind, indptr, indices, weights, matrix
+    flag, slot_group, starts, members, rest, costs, budget, tail, optional, items, kind, indptr, indices, weights, matrix
 ):
     """The set of largest value: each slot holds an element of its group, ascending within a group.
 
     ``rest[t]`` bounds what the slots from t on can add; with ``optional`` (a knapsack: a slot an element) ``tail[k]`` bounds what the
-    members from place k on can add. Returns ``(value, picks, sets looked at)``, of the sets those that are full
-    (with ``optional`` all of them).
+    members from place k on can add. Returns ``(value, picks, sets looked at, whether it came to its end)``, of the sets those that are full
+    (with ``optional`` all of them); with the ``flag`` set, the best of those.
     """
     slots = len(slot_group)
     best = np.zeros((slots + 1, items))
@@ -25,7 +26,7 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     value, left = np.zeros(slots + 1), np.zeros(slots + 1)
     left[0] = budget
     most, looked, t = 0.0, 0, 0
-    while t >= 0:
+    while t >= 0 and not asked(flag):
         if t == slots:
             t -= 1
             continue
@@ -54,18 +55,18 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         take(e, best[t + 1], kind, indptr, indices, weights, matrix)
         value[t + 1], left[t + 1] = reached, left[t] - costs[e]
         t += 1
-    return most, winner, looked
+    return most, winner, looked, t < 0
 
 
 @kernel()
-def best_bottleneck(starts, actions, indptr, indices, weights, rest):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def best_bottleneck(flag, starts, actions, indptr, indices, weights, rest):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One action a robot such that the worst target is covered best; ``rest[i, j]`` bounds what robots from i on can give target j."""
     robots, targets = len(starts) - 1, rest.shape[1]
     covered = np.zeros((robots + 1, targets))
     place = np.full(robots + 1, -1, np.int64)
     chosen, winner = np.full(robots, -1, np.int64), np.full(robots, -1, np.int64)
     most, looked, t = -1.0, 0, 0
-    while t >= 0:
+    while t >= 0 and not asked(flag):
         if t == robots:
             looked += 1
             worst = covered[t].min()
@@ -96,4 +97,4 @@ def best_bottleneck(starts, actions, indptr, indices, weights, rest):  # type: i
         if hope > most:
             chosen[t] = a
             t += 1
-    return most, winner, looked
+    return most, winner, looked, t < 0

@@ -6,18 +6,21 @@ import numpy as np
 
 from ...formulations.bounds._gains import gain, take
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 from .loops import sift
 
 
 @kernel()
-def fill(costs, left, heap, keys, size, best, picks, count, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Add the element of largest gain per cost that still fits, until none does; ``keys`` on the heap are upper bounds of these rates.
+def fill(flag, costs, left, heap, keys, size, best, picks, count, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Add the element of largest gain per cost that still fits, until none does or the ``flag`` is set.
+
+    ``keys`` on the heap are upper bounds of these rates.
 
     Returns the gain of all and the number of picks; ``heap``, ``keys``, ``best`` and ``picks`` are changed in place.
     """
     total, round_ = 0.0, count
     evaluated = np.full(len(costs), -1, np.int32)
-    while size > 0:
+    while size > 0 and not asked(flag):
         e = heap[0]
         if costs[e] <= left:
             if evaluated[e] != round_:
@@ -41,7 +44,7 @@ def fill(costs, left, heap, keys, size, best, picks, count, kind, indptr, indice
 
 @kernel()
 def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    begun, lo, hi, most_value, free_best, costs, budget, kind, indptr, indices, weights, matrix
+    flag, begun, lo, hi, most_value, free_best, costs, budget, kind, indptr, indices, weights, matrix
 ):
     """The best filling that starts with ``begun`` and one element of ``lo`` to ``hi`` (with ``begun`` alone where ``lo`` is negative).
 
@@ -62,6 +65,8 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     # Rates over what has begun are upper bounds for all that starts with it.
     first_heap, first_keys, size = np.empty(n, np.int32), np.empty(n), 0
     for e in range(n):
+        if asked(flag):
+            return most_value, winner
         if 0.0 < costs[e] <= left:
             first_heap[size] = e
             first_keys[size] = gain(e, best, kind, indptr, indices, weights, matrix) / costs[e]
@@ -70,6 +75,8 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         sift(first_keys, first_heap, size, at)
     heap, keys, trial = np.empty(n, np.int32), np.empty(n), np.empty(len(best))
     for e in range(lo, hi):
+        if asked(flag):
+            break
         if e >= 0 and not 0.0 < costs[e] <= left:
             continue
         trial[:] = best
@@ -81,7 +88,7 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             picks[count] = e
             count += 1
             rest -= costs[e]
-        more, count = fill(costs, rest, heap, keys, size, trial, picks, count, kind, indptr, indices, weights, matrix)
+        more, count = fill(flag, costs, rest, heap, keys, size, trial, picks, count, kind, indptr, indices, weights, matrix)
         if reached + more > most_value:
             most_value = reached + more
             winner = picks[:count].copy()

@@ -1,7 +1,8 @@
 """Greedy loops over coverage and facility location, compiled.
 
 All of them pick the largest gain, the smallest index among equal ones, until each group has as many elements as it has room for
-(a cardinality limit is one group), ``most`` are picked, or the gain is below ``eps``. They return ``(picks, gains, evaluations)``.
+(a cardinality limit is one group), ``most`` are picked, the gain is below ``eps``, or the ``flag`` of a ``Stop`` is set: then what was
+picked so far is a prefix of the whole. They return ``(picks, gains, evaluations)``.
 A function comes as the arrays of ``waybound.formulations.bounds._gains``, and a set as ``best``, which is raised in place.
 """
 
@@ -11,16 +12,19 @@ import numpy as np
 
 from ...formulations.bounds._gains import COVERAGE, gain, take
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 
 
 @kernel()
-def plain(free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def plain(flag, free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Every gain afresh in every round."""
     n, count, evaluations = len(groups), 0, 0
     picks, gains = np.empty(most, np.int64), np.empty(most)
     while count < most:
         chosen, most_gain = -1, -1.0
         for e in range(n):
+            if asked(flag):
+                return picks[:count], gains[:count], evaluations
             if free[e] and room[groups[e]] > 0:
                 found = gain(e, best, kind, indptr, indices, weights, matrix)
                 evaluations += 1
@@ -57,12 +61,15 @@ def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cov
 
 
 @kernel()
-def lazy(free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def lazy(flag, free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gains of earlier rounds, which can only have fallen since, on a heap; only what comes up is evaluated again."""
     n, count, size = len(groups), 0, 0
     heap, keys = np.empty(n, np.int32), np.empty(n)
     evaluated = np.zeros(n, np.int32)  # the round in which an element was evaluated last
+    picks, gains = np.empty(most, np.int64), np.empty(most)
     for e in range(n):
+        if asked(flag):
+            return picks[:0], gains[:0], size
         if free[e] and room[groups[e]] > 0:
             keys[size] = gain(e, best, kind, indptr, indices, weights, matrix)
             heap[size] = e
@@ -70,8 +77,7 @@ def lazy(free, groups, room, most, eps, best, kind, indptr, indices, weights, ma
     evaluations = size
     for at in range(size // 2 - 1, -1, -1):
         sift(keys, heap, size, at)
-    picks, gains = np.empty(most, np.int64), np.empty(most)
-    while count < most and size > 0:
+    while count < most and size > 0 and not asked(flag):
         e = heap[0]
         full = room[groups[e]] == 0
         if not full and evaluated[e] != count:
@@ -94,7 +100,7 @@ def lazy(free, groups, room, most, eps, best, kind, indptr, indices, weights, ma
 
 
 @kernel()
-def transpose(items, kind, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def transpose(flag, items, kind, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """The elements of each item, and (but for coverage) the weights that they give it."""
     starts = np.zeros(items + 1, np.int64)
     for p in range(len(indices)):
@@ -104,6 +110,8 @@ def transpose(items, kind, indptr, indices, weights):  # type: ignore[no-untyped
     at = starts[:-1].copy()
     elements, given = np.empty(len(indices), np.int32), np.empty(0 if kind == COVERAGE else len(indices))
     for e in range(len(indptr) - 1):
+        if asked(flag):
+            break
         for p in range(indptr[e], indptr[e + 1]):
             j = indices[p]
             elements[at[j]] = e
@@ -118,7 +126,7 @@ BLOCK = 256
 
 @kernel()
 def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, kind, indptr, indices, weights, matrix
+    flag, free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, kind, indptr, indices, weights, matrix
 ):
     """Gains kept up to date through the transposed CSR: when an item's weight rises, the gains of its elements fall.
 
@@ -130,14 +138,16 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     near = np.full(n, -np.inf)
     blocks = (n + BLOCK - 1) // BLOCK
     highest = np.full(blocks, -np.inf)
+    picks, gains = np.empty(most, np.int64), np.empty(most)
     for e in range(n):
+        if asked(flag):
+            return picks[:0], gains[:0], evaluations
         if free[e]:
             near[e] = gain(e, best, kind, indptr, indices, weights, matrix)
             evaluations += 1
             highest[e // BLOCK] = max(highest[e // BLOCK], near[e])
     slack = 4.0 * np.finfo(np.float64).eps * (changes + 2.0) * max(0.0, highest.max()) if blocks > 0 else 0.0
-    picks, gains = np.empty(most, np.int64), np.empty(most)
-    while count < most:
+    while count < most and not asked(flag):
         top = -np.inf
         for b in range(blocks):
             if highest[b] > top:
@@ -152,6 +162,8 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                 top = max(top, most_near)
         chosen, most_gain = -1, -1.0
         for b in range(blocks):
+            if asked(flag):
+                return picks[:count], gains[:count], evaluations
             if highest[b] >= top - slack and highest[b] > -np.inf:
                 for e in range(b * BLOCK, min(n, (b + 1) * BLOCK)):
                     if near[e] >= top - slack and room[groups[e]] > 0:
@@ -162,6 +174,8 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         if chosen < 0 or most_gain < eps:
             break
         for p in range(indptr[chosen], indptr[chosen + 1]):
+            if asked(flag):
+                break
             j = indices[p]
             old, w = best[j], weights[j] if kind == COVERAGE else weights[p]
             if w > old:
@@ -179,7 +193,7 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 
 
 @kernel()
-def in_order(order, starts, members, room, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def in_order(flag, order, starts, members, room, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One group after the other picks its best elements, as many as it has room for."""
     most = 0
     for g in order:
@@ -191,6 +205,8 @@ def in_order(order, starts, members, room, best, kind, indptr, indices, weights,
         for _ in range(min(room[g], len(left))):
             at, most_gain = -1, -1.0
             for k in range(len(left)):
+                if asked(flag):
+                    return picks[:count], gains[:count], evaluations
                 if left[k] >= 0:
                     found = gain(left[k], best, kind, indptr, indices, weights, matrix)
                     evaluations += 1

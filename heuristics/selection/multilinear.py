@@ -20,6 +20,7 @@ import numpy as np
 
 from ...formulations.bounds._gains import COVERAGE
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 from .loops import sift
 
 
@@ -63,8 +64,8 @@ def move(e, to, count, steps, data):  # type: ignore[no-untyped-def] # pragma: n
 
 
 @kernel()
-def value(count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """F(x)."""
+def value(flag, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """F(x); a part of it where it was asked to stop."""
     state, _, item_starts, item_elements, item_weights, kind, _, _, weights = data
     total = 0.0
     if kind == COVERAGE:
@@ -72,6 +73,8 @@ def value(count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cove
             total += weights[j] * (1.0 - state[j])
         return total
     for j in range(len(item_starts) - 1):
+        if asked(flag):
+            break
         before = 1.0
         for q in range(item_starts[j], item_starts[j + 1]):
             x = count[item_elements[q]] / steps
@@ -81,8 +84,10 @@ def value(count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cove
 
 
 @kernel()
-def climb(rounds, bounds, groups, room, most, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """``rounds`` steps of the continuous greedy: each adds 1 / steps to every element of a base, picked one by one by the slope.
+def climb(flag, rounds, bounds, groups, room, most, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """``rounds`` steps of the continuous greedy, as far as the ``flag`` lets it.
+
+    Each adds 1 / steps to every element of a base, picked one by one by the slope.
 
     Slopes never rise, so old ones (``bounds``) are upper bounds, and a heap finds the largest with few evaluations.
     """
@@ -98,7 +103,7 @@ def climb(rounds, bounds, groups, room, most, count, steps, data):  # type: igno
                 size += 1
         for at in range(size // 2 - 1, -1, -1):
             sift(keys, heap, size, at)
-        while moved < most and size > 0:
+        while moved < most and size > 0 and not asked(flag):
             e = heap[0]
             if left[groups[e]] > 0:
                 if moved_at[e] != moved:
@@ -118,7 +123,7 @@ def climb(rounds, bounds, groups, room, most, count, steps, data):  # type: igno
 
 
 @kernel()
-def pipage(starts, members, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def pipage(flag, starts, members, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Make every count 0 or ``steps``: within a group, two broken ones trade until one is whole, uphill.
 
     Along x_a + t, x_b - t the extension is convex (submodularity), so F rises, or stays, on the side of the larger slope.
@@ -128,6 +133,8 @@ def pipage(starts, members, count, steps, data):  # type: ignore[no-untyped-def]
         open_ = -1
         for k in range(starts[g], starts[g + 1]):
             e = members[k]
+            if asked(flag):
+                return trades
             if count[e] == 0 or count[e] == steps:
                 continue
             if open_ < 0:

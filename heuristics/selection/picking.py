@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.selection import Coverage, DenseFacilityLocation, FacilityLocation
-from ..heuristic import Setting
-from .ending import watch
 from .limits import Limits
 from .sets import UserSet
 
@@ -55,7 +54,7 @@ def check_threshold(eps: Any) -> None:
 
 
 def pick(
-    problem: SubmodularSelection, limits: Limits, setting: Setting, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()
+    problem: SubmodularSelection, limits: Limits, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()
 ) -> Picked:
     """The best element that there is room for, again and again; ties go to the smallest index.
 
@@ -76,11 +75,11 @@ def pick(
     most = int(np.minimum(room, open_).sum())
     f = problem.function
     if isinstance(f, UserFunction):
-        elements, gains, count, stopped = _of_user(f, limits, room.copy(), free, most, eps, base, how == "lazy", setting)
+        elements, gains, count, stopped = _of_user(f, limits, room.copy(), free, most, eps, base, how == "lazy", stop)
     else:
-        picks, found, count = _of_arrays(f, how, (free, limits.groups, room.copy(), most, eps), base)
-        elements, gains, stopped = picks.tolist(), found.tolist(), False
-    ended = "stopped" if stopped else "full" if len(elements) == most else "eps"
+        picks, found, count = _of_arrays(f, how, (stop.flag, free, limits.groups, room.copy(), most, eps), base)
+        elements, gains, stopped = picks.tolist(), found.tolist(), bool(stop.reached())
+    ended = "full" if len(elements) == most else "stopped" if stopped else "eps"
     return Picked(elements, gains, count, how, ended)
 
 
@@ -115,15 +114,14 @@ def _of_arrays(
         return getattr(loops, how)(*state, best, *arrays)  # type: ignore[no-any-return]
     assert not isinstance(f, DenseFacilityLocation)
     # How often a gain can change: an item of a coverage once, one of a facility location with each pick.
-    changes = int(np.diff(f.indptr).max(initial=0)) * (1 if isinstance(f, Coverage) else state[3])
-    return loops.incremental(*state, best, *loops.transpose(f.num_items, *arrays[:4]), changes, *arrays)  # type: ignore[no-any-return]
+    changes = int(np.diff(f.indptr).max(initial=0)) * (1 if isinstance(f, Coverage) else state[4])
+    return loops.incremental(*state, best, *loops.transpose(state[0], f.num_items, *arrays[:4]), changes, *arrays)  # type: ignore[no-any-return]
 
 
 def _of_user(
     f: UserFunction, limits: Limits, room: NDArray[np.int64], free: NDArray[np.bool_], most: int, eps: float, base: Sequence[int],
-    lazy: bool, setting: Setting,
+    lazy: bool, stop: Stop,
 ) -> tuple[list[int], list[float], int, bool]:  # fmt: skip
-    ended = watch(setting)
     chosen = UserSet(f)
     if len(base):
         chosen.inside[list(base)] = True
@@ -133,7 +131,9 @@ def _of_user(
     known = np.full(f.num_elements, np.inf)
     while len(picks) < most:
         left = np.nonzero(free & (room > 0)[limits.groups])[0]
-        element, gain = _lazy_round(chosen, left, known) if lazy else chosen.best_of(left)
+        element, gain = _lazy_round(chosen, left, known, stop) if lazy else chosen.best_of(left, stop)
+        if element < 0:
+            return picks, gains, chosen.evaluations, True
         if gain < eps:
             break
         chosen.take(element, gain)
@@ -141,12 +141,10 @@ def _of_user(
         gains.append(gain)
         free[element] = False
         room[limits.groups[element]] -= 1
-        if ended():
-            return picks, gains, chosen.evaluations, len(picks) < most
     return picks, gains, chosen.evaluations, False
 
 
-def _lazy_round(chosen: UserSet, left: NDArray[np.int64], known: NDArray[np.float64]) -> tuple[int, float]:
+def _lazy_round(chosen: UserSet, left: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
     """The best of ``left``, whose gains are at most ``known``; in calls of 1, 2, 4, ... sets, so that few do where many must be asked."""
     order = left[np.lexsort((left, -known[left]))]
     best, gain, at, size = -1, -np.inf, 0, 1
@@ -154,7 +152,9 @@ def _lazy_round(chosen: UserSet, left: NDArray[np.int64], known: NDArray[np.floa
         size = len(order)
     while at < len(order) and (known[order[at]] > gain or (known[order[at]] == gain and order[at] < best)):
         some = order[at : at + size]
-        known[some] = chosen.gains(some)
+        known[some] = chosen.gains(some, stop)
+        if stop.reached():
+            return -1, 0.0
         for e, g in zip(some.tolist(), known[some].tolist(), strict=True):
             if g > gain or (g == gain and e < best):
                 best, gain = e, g

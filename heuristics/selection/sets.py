@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...formulations.bounds.marginal_gains import user_gains
 from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.stop import NEVER, Stop
 
 Floats = NDArray[np.float64]
 Elements = NDArray[np.int64]
@@ -30,16 +31,18 @@ class GrowingSet(ABC):
         self.evaluations = 0
 
     @abstractmethod
-    def gains(self, elements: Elements) -> Floats:
-        """What each of ``elements`` would add."""
+    def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
+        """What each of ``elements`` would add; 0 for those that were not asked for before it had to end."""
 
     @abstractmethod
     def take(self, element: int, gain: float) -> None:
         """Add ``element``, whose gain is known."""
 
-    def best_of(self, elements: Elements) -> tuple[int, float]:
-        """The element of largest gain, the smallest index among equal ones, and the gain; ``elements`` ascend."""
-        found = self.gains(elements)
+    def best_of(self, elements: Elements, stop: Stop = NEVER) -> tuple[int, float]:
+        """The element of largest gain, the smallest index among equal ones, and the gain; ``elements`` ascend; -1 once it has to end."""
+        found = self.gains(elements, stop)
+        if stop.reached():
+            return -1, 0.0
         at = int(np.argmax(found))
         return int(elements[at]), float(found[at])
 
@@ -54,11 +57,11 @@ class ArraySet(GrowingSet):
         self.arrays = as_arrays(problem.function)  # type: ignore[arg-type]
         self.best = np.zeros(problem.function.num_items)  # type: ignore[union-attr]
 
-    def gains(self, elements: Elements) -> Floats:
+    def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
         from ...formulations.bounds._gains import gains_of
 
         self.evaluations += len(elements)
-        found: Floats = gains_of(elements, self.best, *self.arrays)
+        found: Floats = gains_of(stop.flag, elements, self.best, *self.arrays)
         return found
 
     def take(self, element: int, gain: float) -> None:
@@ -76,9 +79,9 @@ class UserSet(GrowingSet):
         self.function = function
         self.inside = np.zeros(function.num_elements, dtype=bool)
 
-    def gains(self, elements: Elements) -> Floats:
+    def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
         self.evaluations += len(elements)
-        return user_gains(self.function, self.inside, self.value, elements)
+        return user_gains(self.function, self.inside, self.value, elements, stop)
 
     def take(self, element: int, gain: float) -> None:
         self.inside[element] = True

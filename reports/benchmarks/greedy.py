@@ -25,6 +25,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 
 from waybound.formulations.problems.submodular_selection import SubmodularSelection
+from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Setting
 from waybound.heuristics.selection.limits import Limits
 from waybound.heuristics.selection.picking import pick
@@ -36,7 +37,7 @@ TARGET_EVALUATIONS = 0.05
 
 
 def setting() -> Setting:
-    return Setting(np.random.default_rng(1), 600.0, None, lambda a: None, lambda: False, lambda *a: None)
+    return Setting(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, lambda *a: None)
 
 
 def generate(what: str, elements: int, picks: int, seed: int) -> SubmodularSelection:
@@ -65,7 +66,7 @@ def with_waybound(problem: SubmodularSelection, heuristic: str, **options: Any) 
 
 def picking_alone(problem: SubmodularSelection) -> tuple[float, list[int], dict[str, Any]]:
     began = time.process_time()
-    taken = pick(problem, Limits.of(problem), setting())
+    taken = pick(problem, Limits.of(problem), NEVER)
     return time.process_time() - began, taken.elements, {"evaluation": taken.evaluation}
 
 

@@ -17,6 +17,7 @@ from ...formulations.solution import Solution, relative_gap
 from ...heuristics.heuristic import HEURISTICS
 from ...instances.errors import UsageError
 from ...instances.worlds import World
+from ...solvers import interrupts
 from ...solvers.backend import BACKENDS, STATUSES
 from ...solvers.solve import solve
 from .mission import MISSIONS, Decision, Mission
@@ -196,9 +197,13 @@ def _first(value: Any) -> float | None:
 def _interrupts() -> Iterator[Callable[[], bool]]:
     """Tells whether Ctrl-C was pressed, also where ``solve`` took it for the end of its own search alone."""
     seen: list[int] = []
+
+    def interrupted() -> bool:
+        return bool(seen or interrupts.received)
+
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield lambda: bool(seen)
+        yield interrupted
         return
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -207,6 +212,6 @@ def _interrupts() -> Iterator[Callable[[], bool]]:
 
     signal.signal(signal.SIGINT, note)
     try:
-        yield lambda: bool(seen)
+        yield interrupted
     finally:
         signal.signal(signal.SIGINT, before)

@@ -15,6 +15,7 @@ from ...formulations.certificate import better_bound, check_certificate, verifie
 from ...formulations.evidence import Guarantee
 from ...formulations.problem import Problem
 from ...formulations.program import Program
+from ...formulations.stop import NEVER
 from ...heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ...instances.errors import CheckFailedError, InputError
 from .optimum import Optimum, optimum
@@ -113,7 +114,7 @@ def ratio_of(sense: str, value: float, best: float) -> float:
 def run_heuristic(problem: Problem, name: str, options: Mapping[str, Any], seed: int) -> Outcome:
     """The heuristic alone, without the search around it: what ``solve`` runs, with the same random draws."""
     setting = Setting(
-        rng=np.random.default_rng(seed), seconds=SECONDS, start=None, publish=lambda answer: None, stopped=lambda: False,
+        rng=np.random.default_rng(seed), seconds=SECONDS, start=None, publish=lambda answer: None, stop=NEVER,
         solve_program=_solve_program,
     )  # fmt: skip
     return HEURISTICS[name].run(problem, setting, **options)

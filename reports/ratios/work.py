@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 import signal
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -63,7 +66,6 @@ def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs:
 def _in_processes(
     function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, results: list[Any], told: Told, what: Callable[[Any], str]
 ) -> None:
-    import multiprocessing
     from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
 
@@ -96,5 +98,13 @@ def _in_processes(
 
 
 def _prepare() -> None:
-    """A Ctrl-C reaches every process of the terminal's group; the parent alone decides what it means."""
+    """A Ctrl-C reaches every process of the terminal's group; the parent alone decides what it means, and is not outlived."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)

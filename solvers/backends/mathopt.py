@@ -116,7 +116,7 @@ class MathOpt(ProgramBackend):
             return RawResult(run.which(parameters))
         except _Refused as fault:
             text = str(fault)
-            if "support" in text or "UNIMPLEMENTED" in text:
+            if "support" in text or "UNIMPLEMENTED" in text or "finite range" in text:
                 raise UnsupportedError(self._label, {text}, takers(program.kind, self._label)) from None
             return RawResult("error", message=f"MathOpt ended with an error: {text}")
 
@@ -147,6 +147,9 @@ def _parameters(solver: str, program: Program, options: Options) -> Any:
         made.threads = int(options.threads)
     if solver != "pdlp":
         made.random_seed = int(options.seed) % (2**31 - 1)
+    # Ctrl-C is Python's to hear: SCIP takes it for itself, and CP-SAT aborts in any thread but its own.
+    made.gscip.bool_params["misc/catchctrlc"] = False
+    made.cp_sat.catch_sigint_signal = False
     if program.is_integer:
         made.relative_gap_tolerance, made.absolute_gap_tolerance = float(options.gap), 0.0
     if solver == "pdlp":

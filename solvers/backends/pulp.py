@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import inspect
-import tempfile
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +14,7 @@ from ...formulations.program import Program
 from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..cbc import find_cbc, run_cbc
+from ..children import scratch
 from ..sanity import settled
 from .highs import set_option
 
@@ -37,9 +36,13 @@ class PuLP(ProgramBackend):
     package = "pulp"
     modules = ("pulp",)
     summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
-    interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME cannot be stopped"
+    interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME is ended without an answer"
     kinds = frozenset({"LP", "MILP"})
     variants = ("CBC", "HiGHS", "GLPK_CMD", "SCIP_CMD", "GUROBI", "CPLEX_PY")
+
+    def __init__(self, variant: str = "") -> None:
+        super().__init__(variant)
+        self.needs_process = not self.is_cbc  # they hear no wish to stop
 
     @property
     def is_cbc(self) -> bool:
@@ -50,12 +53,12 @@ class PuLP(ProgramBackend):
         """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
-        with tempfile.TemporaryDirectory(prefix="waybound-") as folder:
-            if self.is_cbc:
-                cbc = find_cbc()
-                return settled(program) or run_cbc(cbc, program, options, control, Path(folder))
-            solver = self._solver(options)
-            return settled(program) or _through_pulp(solver, self.variant, program, options)
+        if self.is_cbc:
+            cbc = find_cbc()
+            with scratch() as folder:
+                return settled(program) or run_cbc(cbc, program, options, control, folder)
+        solver = self._solver(options)
+        return settled(program) or _through_pulp(solver, self.variant, program, options)
 
     def _solver(self, options: Options) -> Any:
         """PuLP's solver object for ``variant``, with those of the common options that it knows."""

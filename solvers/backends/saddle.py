@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 from typing import Any
 
@@ -12,6 +13,7 @@ from ...formulations.bounds.ball import weights_evidence
 from ...formulations.evidence import Evidence
 from ...formulations.problem import Problem
 from ...formulations.problems.bottleneck_sata import BottleneckSATA
+from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UnsupportedError, UsageError
 from ...instances.sensing import SensingGraph
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
@@ -151,7 +153,9 @@ class _Task:
 
 def _search(task: _Task, h: int, options: Options, control: Control) -> RawResult:
     graph = task.scaled
-    limits = Limits(options.time_limit, stopped=lambda: control.stopped)
+    stop = Stop(options.time_limit)
+    control.on_stop(stop.ask)
+    limits = Limits(stop)
 
     def news(record: Record, what: str) -> None:
         if what == "answer":
@@ -170,13 +174,16 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
             from ...heuristics.local_max_min.arrays import local_shares
 
             record.offer(shares)  # before it takes its time
-            shares = task.used_up(local_shares(graph, h).shares)
+            with contextlib.suppress(Stopped):
+                shares = task.used_up(local_shares(graph, h, stop=stop).shares)
     refine(game, shares, FIRST_PASSES * game.pass_work + FIRST_WORK)
     matching = None
     if not (record.closed() or limits.reached()):
         matching = RegretMatching(game)
     while matching is not None and not (record.closed() or limits.reached()):
         matching.run(max(FIRST_STEPS, int(MORE_STEPS * matching.steps)))
+        if not matching.steps:
+            break
         shares, cover = matching.conclude()
         if np.count_nonzero(cover < record.wanted) <= max(FEW * len(cover), LEAST_FEW):
             refine(game, shares, REFINE_SHARE * matching.steps * game.pass_work)
@@ -205,7 +212,7 @@ def _compile() -> None:
     graph = SensingGraph(
         np.zeros(2, dtype=np.int32), np.array([0, 1, 2], dtype=np.int32), np.array([0, 1], dtype=np.int32), np.ones(2), 1, 2
     )
-    limits = Limits(60.0)
+    limits = Limits(Stop())
     game = Game(graph, Record(graph, 1.0), limits, Programs(lambda: limits.seconds_left))
     shares = np.array([1.0, 0.0])
     game.descend(shares, coverage(graph, shares), 0.4, 0.0, 100.0)

@@ -11,15 +11,19 @@ from typing import Any
 import numpy as np
 
 from ...formulations.program import Floats, Program
+from ...formulations.scaling import scaled
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
-from ..sanity import settled
+from ..sanity import prepared, settled
 
 FEASIBLE_TOLERANCE = 1e-5
 EQUAL_TOLERANCE = 1e-6
 """Relative difference up to which value and bound are the same."""
 
 DUAL_TOLERANCE = 1e-7
+
+INFINITE = 1e20
+"""What SCIP takes for infinite."""
 
 LIMITS = {
     "timelimit": "time", "nodelimit": "nodes", "totalnodelimit": "nodes", "memlimit": "memory", "userinterrupt": "interrupt",
@@ -30,6 +34,7 @@ LIMITS = {
 OWN_PARAMETERS = {
     "limits/time": "the time limit", "limits/gap": "the gap", "limits/nodes": "the iterations", "limits/totalnodes": "the iterations",
     "lp/threads": "the threads", "randomization/randomseedshift": "the seed", "display/verblevel": "the verbosity",
+    "misc/catchctrlc": "Ctrl-C",
 }  # fmt: skip
 """SCIP's parameters that have a name common to all solvers."""
 
@@ -47,12 +52,24 @@ class Scip(ProgramBackend):
     summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"
     kinds = frozenset({"LP", "MILP", "QP", "MIQP"})
 
+    def lacks(self, program: Program) -> frozenset[str]:
+        """See ``ProgramBackend.lacks``: numbers that SCIP takes for infinite."""
+        program = scaled(prepared(program)).program
+        parts = [program.cost, program.data, program.lower, program.upper, program.row_lower, program.row_upper]
+        if program.quadratic is not None:
+            parts.append(program.quadratic.data)
+        large = any((np.isfinite(part) & (np.abs(part) >= INFINITE)).any() for part in parts)
+        return frozenset({f"numbers of {INFINITE:g} and more"}) if large else frozenset()
+
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         if program.kind not in self.kinds:
             raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
         if options.iterations is not None and program.kind == "LP":
             raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
+        lacking = self.lacks(program)
+        if lacking:
+            raise UnsupportedError(self.name, lacking, takers(program.kind, self.name))
         result = settled(program)
         if result is not None:
             return result
@@ -83,6 +100,7 @@ class _Search:
         self.program, self.options, self.control = program, options, control
         self.model = model = pyscipopt.Model(program.form)
         model.hideOutput()
+        model.setParam("misc/catchctrlc", False)  # Ctrl-C is Python's to hear
         model.setParam("limits/gap", float(options.gap))
         model.setParam("lp/threads", min(64, int(options.threads)))
         model.setParam("randomization/randomseedshift", int(options.seed) % (2**31 - 1))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 
 MOVES = 4
 """Shifts between two actions that a robot makes in one visit; robots of two actions need one."""
@@ -108,9 +109,9 @@ def _shift(deficits, gains, count, most):  # type: ignore[no-untyped-def]
     return shift, steps
 
 
-@kernel(nogil=True)
-def descend(graph, scratch, shares, cover, level, negligible, queue, queued, head, size, most_work):  # type: ignore[no-untyped-def]
-    """Visit the robots in the queue until it is empty, or until ``most_work`` edges were read.
+@kernel()
+def descend(flag, graph, scratch, shares, cover, level, negligible, queue, queued, head, size, most_work):  # type: ignore[no-untyped-def]
+    """Visit the robots in the queue until it is empty, ``most_work`` edges were read, or the ``flag`` of a ``Stop`` is set.
 
     A visit shifts the robot's shares, between two actions at a time, to where the sum over targets of max(0, level - cover)^2 is least
     along the shift. Robots that see a target whose coverage has changed, and whose deficit exceeded or exceeds ``negligible``, are queued
@@ -120,7 +121,7 @@ def descend(graph, scratch, shares, cover, level, negligible, queue, queued, hea
     """
     targets, gains, deficits = scratch
     robots, work = len(queued), 0
-    while size > 0 and work < most_work:
+    while size > 0 and work < most_work and not asked(flag):
         robot = queue[head]
         head = head + 1 if head + 1 < robots else 0
         size -= 1

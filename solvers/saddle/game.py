@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.balls import Floats, Indices, Positions, coverage, even_shares, robots_seeing, weights_bound
+from ...formulations.stop import Stop
 from ...instances.sensing import SensingGraph
 from .programs import Programs
 
@@ -55,29 +55,23 @@ class Limits:
 
     Parameters
     ----------
-    seconds : float
+    stop : Stop
     most_work : float
         Edges that the compiled loops may read.
-    stopped : callable
     """
 
-    def __init__(self, seconds: float, most_work: float = math.inf, stopped: Callable[[], bool] = lambda: False) -> None:
-        self._end = time.perf_counter() + seconds
-        self._stopped = stopped
+    def __init__(self, stop: Stop, most_work: float = math.inf) -> None:
+        self.stop = stop
         self.most_work = most_work
         self.work = 0.0
 
     @property
     def seconds_left(self) -> float:
-        return max(0.0, self._end - time.perf_counter())
+        return self.stop.seconds_left
 
     def reached(self) -> str:
         """Which limit is reached: ``interrupt``, ``time``, ``iterations``, or none (empty)."""
-        if self._stopped():
-            return "interrupt"
-        if self.seconds_left <= 0.0:
-            return "time"
-        return "iterations" if self.work >= self.most_work else ""
+        return self.stop.reached() or ("iterations" if self.work >= self.most_work else "")
 
 
 class Record:
@@ -193,7 +187,18 @@ class Game:
         while size > 0 and limits.work < end and not limits.reached():
             block = max(1.0, min(BLOCK, end - limits.work, limits.most_work - limits.work))
             head, size, work = descend(
-                self.layout, self._scratch, shares, cover, level, negligible, self._queue, self._queued, head, size, int(block)
+                limits.stop.flag,
+                self.layout,
+                self._scratch,
+                shares,
+                cover,
+                level,
+                negligible,
+                self._queue,
+                self._queued,
+                head,
+                size,
+                int(block),
             )
             limits.work += work
         return bool(size == 0)

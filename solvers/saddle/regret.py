@@ -39,13 +39,13 @@ class RegretMatching:
         limits, one = self._game.limits, self._game.pass_work
         while steps > 0 and not limits.reached():
             count = min(steps, max(1, int(min(BLOCK, limits.most_work - limits.work) / one)))
-            play(
-                self._game.layout, self._shares, self._prices, self._regrets, self._grudges, self._mean_shares, self._mean_prices,
-                self._cover, self.steps + 1, count,
+            made = play(
+                limits.stop.flag, self._game.layout, self._shares, self._prices, self._regrets, self._grudges, self._mean_shares,
+                self._mean_prices, self._cover, self.steps + 1, count,
             )  # fmt: skip
-            self.steps += count
+            self.steps += made
             steps -= count
-            limits.work += count * one
+            limits.work += made * one
 
     def conclude(self) -> tuple[Floats, Floats]:
         """Offer the mean shares and prices to the record; returns a copy of the shares, and their coverage."""

@@ -5,17 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from ...formulations.compiled import kernel
+from ...formulations.stop_kernel import asked
 
 
-@kernel(nogil=True)
-def play(graph, shares, prices, regrets, grudges, mean_shares, mean_prices, cover, first_step, count):  # type: ignore[no-untyped-def]
-    """``count`` steps of the game; all arrays change in place.
+@kernel()
+def play(flag, graph, shares, prices, regrets, grudges, mean_shares, mean_prices, cover, first_step, count):  # type: ignore[no-untyped-def]
+    """``count`` steps of the game, fewer where the ``flag`` of a ``Stop`` is set; all arrays change in place. Returns the steps made.
 
     Robots answer the targets' prices, then the targets answer the robots' shares (alternation). Either side keeps the positive
     part of its regrets, and plays in proportion to them as they would be if the last payoff came again. The means weigh step t with t^2.
     """
     worth = np.empty(len(shares))
     for step in range(first_step, first_step + count):
+        if asked(flag):
+            return step - first_step
         # 6 t^2 / (t (t + 1) (2 t + 1)): weight of step t in the mean of squares up to it.
         part = 6.0 * step / ((step + 1.0) * (2.0 * step + 1.0))
         cover[:] = 0.0
@@ -54,3 +57,4 @@ def play(graph, shares, prices, regrets, grudges, mean_shares, mean_prices, cove
             if scale > 0.0:
                 prices[target] = max(0.0, grudges[target] + value - cover[target]) / scale
             mean_prices[target] += part * (prices[target] - mean_prices[target])
+    return count

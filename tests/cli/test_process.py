@@ -47,33 +47,142 @@ def test_an_interrupt_prints_the_best_answer_verified_and_is_exit_0(solver):
     assert problem.evaluate(problem.answer_from_json(data["answer"])).values[0] == pytest.approx(data["objective"])
 
 
-WAITING = """
+MADE = """
 import os, signal, sys, threading, time
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routes import Route, Routes
 from waybound.solvers.backend import BACKENDS, Engine, RawResult
 
-class Waiting(Engine):
-    name, family, package, modules, summary, features = "waiting", "routing", "waybound", ("json",), "for tests", frozenset()
+NUMBER = getattr(signal, sys.argv.pop(1))
+ANSWER = Routes.of([Route((7, 5, 3, 2), 0), Route((4, 1, 6), 0)])
+
+def send(number=NUMBER):
+    os.kill(os.getpid(), number)
+
+class Made(Engine):
+    name, family, package, modules, summary, features = "made", "routing", "waybound", ("json",), "for tests", frozenset()
     def missing(self, problem):
         return frozenset()
     def run(self, problem, options, control):
-        threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-        while not control.stopped:
-            time.sleep(0.01)
-        return RawResult("unknown", limit="interrupt")
+        {body}
 
 BACKENDS.names()
-BACKENDS.add("waiting", Waiting)
-sys.argv = ["waybound", "solve", "demo-tiny", "--solver", "waiting", "--json", "-q"]
+BACKENDS.add("made", Made)
+{more}
+sys.argv = ["waybound", *sys.argv[1:]]
 from waybound.cli import main
 main()
 """
 
+WAITS = """
+        threading.Timer(0.2, send).start()
+        while not control.stopped:
+            time.sleep(0.01)
+        return RawResult("unknown", limit="interrupt")
+"""
 
-def test_an_interrupt_without_an_answer_is_exit_130():
-    done = subprocess.run([sys.executable, "-c", WAITING], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 130, done.stderr
+DEAF = """
+        control.publish(ANSWER)
+        threading.Timer(0.2, send).start()
+        time.sleep(60)
+"""
+
+ANSWERS = """
+        return RawResult("feasible", answer=ANSWER)
+"""
+
+WHILE_JUDGING = """
+judge = RoutingProblem.evaluate
+def judging(self, answer):
+    send()
+    time.sleep(0.05)
+    return judge(self, answer)
+RoutingProblem.evaluate = judging
+"""
+
+SOLVE = ("solve", "demo-tiny", "--solver", "made", "--json", "-q")
+CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129}
+
+
+def made(number: str, body: str, more: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    code = MADE.replace("{body}", body.strip()).replace("{more}", more)
+    done = subprocess.run([sys.executable, "-c", code, number, *arguments], capture_output=True, text=True, timeout=60)
     assert "Traceback" not in done.stderr
+    return done
+
+
+@pytest.mark.parametrize("number", CODES)
+def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
+    done = made(number, WAITS, "", *SOLVE)
+    assert done.returncode == CODES[number], done.stderr
     assert json.loads(done.stdout)["answer"] is None
+
+
+@pytest.mark.parametrize(("number", "body", "more"), [("SIGINT", ANSWERS, WHILE_JUDGING), ("SIGTERM", DEAF, ""), ("SIGHUP", DEAF, "")])
+def test_an_answer_is_written_whenever_the_signal_comes(number, body, more, tmp_path):
+    began = time.perf_counter()
+    done = made(number, body, more, *SOLVE, "--out", str(tmp_path / "a.json"), "--certificate", str(tmp_path / "c.json"))
+    assert time.perf_counter() - began < 20
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["certificate"]["feasible"]
+    problem = wb.read("demo-tiny")
+    assert wb.check(problem, tmp_path / "a.json", tmp_path / "c.json").feasible
+
+
+FINDING = """
+import waybound.solvers.bounding as bounding
+def waits(problem, seconds, *, control, **given):
+    send()
+    while not control.stopped:
+        time.sleep(0.01)
+    return []
+bounding.find_bounds = waits
+"""
+
+EXPLAINING = """
+import waybound.solvers.explaining as explaining
+def waits(problem, form, end, control):
+    send()
+    while not control.stopped:
+        time.sleep(0.01)
+explaining._explain_by_rows = waits
+"""
+
+
+@pytest.mark.parametrize(("number", "command", "more"), [("SIGINT", "bound", FINDING), ("SIGTERM", "explain", EXPLAINING)])
+def test_bounding_and_explaining_end_with_the_code_of_the_signal_where_nothing_was_found(number, command, more):
+    done = made(number, ANSWERS, more, command, "demo-tiny", "--json")
+    assert done.returncode == CODES[number], done.stderr
+
+
+READING = """
+import hashlib
+import waybound.api as api
+def reads(*given, **named):
+    threading.Timer(0.2, send).start()
+    {wait}
+api.read = reads
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "wait"), [("SIGHUP", "time.sleep(60)"), ("SIGTERM", "hashlib.pbkdf2_hmac('sha256', b'1', b'2', 2**31 - 1)")]
+)
+def test_a_signal_ends_a_command_that_has_nothing_to_lose_though_it_is_in_native_code(number, wait):
+    began = time.perf_counter()
+    done = made(number, ANSWERS, READING.replace("{wait}", wait), *SOLVE)
+    assert time.perf_counter() - began < 20
+    assert done.returncode == CODES[number], done.stderr
+    assert done.stdout == ""
+
+
+def test_what_the_caller_has_ignored_stays_ignored():
+    code = (
+        "import os, signal, sys, time\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\nimport waybound.cli.app as face\n"
+        "def hang_up(**given): os.kill(os.getpid(), signal.SIGHUP); time.sleep(0.1); sys.exit(7)\nface.app = hang_up\n"
+        "import waybound.cli\nwaybound.cli.main()"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, timeout=60).returncode == 7
 
 
 def test_an_interrupt_before_anything_has_begun_is_exit_130_without_a_traceback():

@@ -11,6 +11,7 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.certificate import check_certificate
+from waybound.solvers import interrupts
 from waybound.solvers.backend import BACKENDS, Engine, RawResult
 
 QUICK = ("--solver", "pyvrp", "--iterations", "30", "--bound-time", "0", "--quiet")
@@ -211,10 +212,13 @@ def test_a_solver_that_breaks_down_is_exit_1_with_a_hint(refused, engine):
 
 
 @pytest.fixture
-def own_signals():
+def own_signals(monkeypatch):
     """The command's main changes the handling of signals for the rest of its process, which here goes on."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.getsignal(number) for number in interrupts.SIGNALS}
+    for name in ("_ours", "_held"):
+        monkeypatch.setattr(interrupts, name, getattr(interrupts, name))
     yield
+    signal.set_wakeup_fd(-1)
     for number, handler in before.items():
         signal.signal(number, handler)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from oracles import ASYM_5, SQUARE_4, TWO_INDEX, best_routes, optimum, routing, 
 from waybound.formulations.objective import Objective, Vehicles
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.reachability import minimum_vehicles, unreachable
-from waybound.instances.instance import Energy, VehicleType
+from waybound.instances.instance import Energy, Sites, VehicleType
+from waybound.instances.travel import Travel
 
 DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
@@ -117,3 +119,15 @@ def test_forms_agree_that_unreachable_optional_sites_are_left_out() -> None:
     assert unreachable(problem).keys() == {2}
     for form in ("three-index", *TWO_INDEX):
         assert solved(problem.compile(form))[0] == "optimal"
+
+
+def test_where_direct_ways_will_do_no_others_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = RoutingProblem(
+        Sites.of(range(100_000)),
+        Travel("EUC_2D", np.random.default_rng(1).uniform(0, 100, (100_000, 2))),
+        (VehicleType(max_distance=300.0),),
+    )
+    monkeypatch.setattr(Travel, "distances", property(lambda self: pytest.fail("all distances")))
+    assert unreachable(problem) == {}
+    tight = replace(problem, fleet=(VehicleType(max_distance=10.0),))
+    assert unreachable(tight) == {}  # ways through others are too many to be looked at

@@ -7,18 +7,18 @@ import sys
 
 def main() -> None:
     """Entry point of the command ``waybound``."""
-    import signal
+    from ..solvers import interrupts
 
     _keep_streams_apart()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that solvers in processes of their own are ended
+    interrupts.take_over()
     try:
         from .app import app
 
         app(prog_name="waybound")
     except KeyboardInterrupt:  # before a command has begun
-        _leave(130)
+        _leave(interrupts.exit_code())
     except SystemExit as end:
-        _leave(end.code)
+        _leave(interrupts.exit_code() if end.code == 130 else end.code)  # Typer's, where it met the signal
     except OSError as fault:  # help or version, where it cannot be printed
         from .options import complain
         from .output import unprinted
@@ -41,18 +41,16 @@ def _keep_streams_apart() -> None:
 
 
 def _leave(code: str | int | None) -> None:
-    """Exit; at once if an engine that did not stop when asked still runs, for ending its thread in order would abort."""
+    """Exit; at once after a signal, or if an engine that did not stop when asked still runs: ending its thread in order would abort."""
     import signal
     import threading
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is said: one more Ctrl-C must not change the exit code
-    search = sys.modules.get("waybound.solvers.search")
-    if search is not None and any(t.name == search.ENGINE_THREAD for t in threading.enumerate()):
-        import os
+    from ..solvers import interrupts
 
-        if "waybound.solvers.children" in sys.modules:
-            sys.modules["waybound.solvers.children"].end_all()
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code if isinstance(code, int) else int(code is not None))
+    for number in interrupts.SIGNALS:
+        signal.signal(number, signal.SIG_IGN)  # all is said: one more Ctrl-C must not change the exit code
+    search = sys.modules.get("waybound.solvers.search")
+    running = search is not None and any(t.name == search.ENGINE_THREAD for t in threading.enumerate())
+    if running or interrupts.received:
+        interrupts.leave(code if isinstance(code, int) else int(code is not None))
     sys.exit(code)

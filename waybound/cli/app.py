@@ -13,7 +13,7 @@ app = typer.Typer(
     name="waybound",
     help="Routing for vehicle fleets and robot teams: answers that carry their own evidence.",
     epilog="Exit codes: 0 a verified answer, 1 internal error, 2 usage or bad input, 3 proven infeasible or unbounded, "
-    "4 no answer within the limit, 5 a check failed, 130 interrupted without an answer.",
+    "4 no answer within the limit, 5 a check failed, 130 interrupted without an answer (143 by SIGTERM, 129 by SIGHUP).",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

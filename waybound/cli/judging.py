@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import UsageError
+from ..solvers import interrupts
 from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, bounded, output_path, read_problem, remark
 
 if TYPE_CHECKING:
@@ -121,6 +122,7 @@ def bound(
     from .progress import Progress
 
     unable: list[str] = []
+    interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
         evidence, seconds = _bounded(asked, bound_time, progress, unable)
     made = certify(asked, None, evidence, unproved=unable)
@@ -155,7 +157,7 @@ def bound(
     delivery = Delivery(verbose)
     delivery.file("--certificate", certificate, lambda path: atomic_write(path, json_text(made.to_json(with_evidence=True))))
     delivery.show(lambda: json_text(figures) if json else shown(), lambda: json_text(figures))
-    raise typer.Exit(delivery.code or (3 if made.infeasible else 4 if made.bound is None else 0))
+    raise typer.Exit(delivery.code or (3 if made.infeasible else 0 if made.bound is not None else _nothing()))
 
 
 def _bounded(problem: Problem, seconds: float, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
@@ -192,6 +194,7 @@ def explain(
     from ..solvers.explaining import explain as find
     from .output import print_json, print_lines, print_table, stdout_is_ours
 
+    interrupts.keep()
     with stdout_is_ours():
         made = find(asked, time_limit=time_limit, form=form)
     if json:
@@ -211,4 +214,9 @@ def explain(
             columns = (Column(made.reasons[0].kind), Column("reason", wide=True))
             title = f"Reasons (rows of form {made.form})" if made.form else "Reasons"
             print_table(Table(title, columns, tuple((r.where, r.message) for r in made.reasons)))
-    raise typer.Exit({"infeasible": 3, "feasible": 0, "undecided": 4}[made.verdict])
+    raise typer.Exit({"infeasible": 3, "feasible": 0}[made.verdict] if made.verdict != "undecided" else _nothing())
+
+
+def _nothing() -> int:
+    """The exit code where nothing was found out, within the limit or before a signal came."""
+    return interrupts.exit_code() if interrupts.received else 4

@@ -16,6 +16,7 @@ import typer
 from ..instances.errors import InputError, UsageError, WayboundError
 from ..instances.limits import check_number, check_whole
 from ..instances.printable import one_line, printable
+from ..solvers import interrupts
 
 if TYPE_CHECKING:
     from ..formulations.problem import Problem
@@ -165,7 +166,7 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
             raise typer.Exit(error.exit_code) from None
         except KeyboardInterrupt:
             complain("interrupted")
-            raise typer.Exit(130) from None
+            raise typer.Exit(interrupts.exit_code()) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
         except MemoryError as error:

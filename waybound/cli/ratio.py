@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..solvers import interrupts
 from .options import Json, Quiet, Verbose, bounded, complain, remark
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def ratio(
         print_json({"schema": 1, "seed": seed, "studies": [r.to_json(f) for r, f in zip(reports, files, strict=True)]})
     if any(report.num_faults for report in reports):
         raise typer.Exit(5)
-    raise typer.Exit(0 if reports else 130)
+    raise typer.Exit(0 if reports else interrupts.exit_code())
 
 
 def _check(instances: int | None, seed: int, jobs: int, out: Path | None) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import MissingPackageError, UsageError
+from ..solvers import interrupts
 from .options import Json, Quiet, Verbose, bounded, complain, distinct_paths, output_path, parse_pairs, remark
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ def run(
         from ..reports.missions.animation import Film
 
         film = Film(played)
+    interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
         log = play(
             played, solver=solver, heuristic=heuristic, policy=policy, steps=steps, seed=seed, time_limit=time_limit, bound_time=bound_time,

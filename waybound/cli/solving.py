@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..instances.errors import MissingPackageError, UsageError
+from ..solvers import interrupts
 from .delivery import Delivery
 from .options import (
     Convention,
@@ -106,6 +107,7 @@ def solve(
         begin = read.answer
         for note in read.notes:
             remark(f"{start}: {note}")
+    interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
         solution = search(
             asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
@@ -137,7 +139,7 @@ def exit_code(solution: Solution) -> int:
     if solution.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
         return 3
     if solution.limit == "interrupt":
-        return 130
+        return interrupts.exit_code()
     return 1 if solution.status == "error" else 4
 
 

@@ -16,6 +16,7 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import BOUNDS
 from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.stop import Stop
 from waybound.instances.selection import Cardinality, Coverage, Knapsack, PartitionMatroid
 from waybound.instances.sensing import SensingGraph
 
@@ -113,3 +114,21 @@ def test_large_functions_are_bounded_close_to_what_greedy_reaches() -> None:
         assert evidence is not None
         reached = value(problem, run(heuristic, problem))
         assert reached <= verified_bound(problem, evidence) <= 1.6 * reached
+
+
+@pytest.mark.parametrize("weight", [5e-324, 1e-310, 1e300])
+@pytest.mark.parametrize("constraint", [Cardinality(3), Knapsack(np.ones(4), 2.0)], ids=["cardinality", "knapsack"])
+def test_thresholds_among_the_smallest_numbers_end(weight: float, constraint: Cardinality | Knapsack) -> None:
+    problem = SubmodularSelection(Coverage.from_sets([[0], [1], [0, 1], [2]], np.array([weight, 1.0, weight])), constraint)
+    evidence = marginal_gains_bound(problem, 5.0, lambda *_: None)
+    assert evidence is not None and evidence.value >= optimum(problem)
+    alone = SubmodularSelection(Coverage.from_sets([[0], [1], [0, 1], [2]], np.full(3, weight)), constraint)
+    evidence = marginal_gains_bound(alone, 5.0, lambda *_: None)
+    assert evidence is not None and evidence.value >= optimum(alone)
+
+
+def test_no_evidence_comes_after_the_time() -> None:
+    asked = Stop()
+    asked.ask()
+    assert marginal_gains_bound(cover_30(3), 5.0, lambda *_: None, asked) is None
+    assert best_prefix(cover_30(3), [0, 1], Stop(0.0)) == (None, 0)

@@ -101,13 +101,22 @@ def test_the_depth_follows_from_the_size_by_itself() -> None:
 
 def test_the_time_limit_lowers_what_is_promised() -> None:
     rng = np.random.default_rng(1)
-    f = Coverage.from_sets([rng.integers(0, 50, 5) for _ in range(60)], rng.random(50))
-    problem = SubmodularSelection(f, Knapsack(rng.uniform(1, 2, 60), 6.0))
-    outcome = HEURISTICS["knapsack-greedy"].run(problem, setting(seconds=0.0), enumerate=3)
+    f = Coverage.from_sets([rng.integers(0, 500, 50) for _ in range(400)], rng.random(500))
+    problem = SubmodularSelection(f, Knapsack(rng.uniform(1, 2, 400), 60.0))
+    run("knapsack-greedy", problem, enumerate=0)  # compiled by now
+    outcome = HEURISTICS["knapsack-greedy"].run(problem, setting(seconds=0.2), enumerate=3)
     assert problem.evaluate(outcome.answer).feasible and len(outcome.answer) > 0
-    assert outcome.statistics["enumerate"] == 0
+    assert outcome.statistics["enumerate"] < 2
     assert outcome.guarantee is not None and outcome.guarantee.ratio == pytest.approx(2 / E)
     assert "the time was up" in outcome.message
+    assert outcome.limit == "time"
+
+
+def test_before_the_first_filling_nothing_is_promised() -> None:
+    problem = sums([1.0, 2.0], [1.0, 1.0], 1.0)
+    outcome = HEURISTICS["knapsack-greedy"].run(problem, setting(seconds=0.0))
+    assert problem.evaluate(outcome.answer).feasible
+    assert (outcome.guarantee, outcome.limit) == (None, "time")
 
 
 @pytest.mark.parametrize("depth", [-1, 4, 1.0, True, "all"])

@@ -11,6 +11,7 @@ from sata_cases import CASES
 from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problems.max_min_lp import MaxMinLP
 from waybound.formulations.selections import Selection
+from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS, Outcome, Setting
 from waybound.heuristics.local_max_min.arrays import local_shares
 from waybound.instances.errors import UnsupportedError, UsageError
@@ -20,7 +21,10 @@ from waybound.solvers.solve import solve
 
 def run(problem: Any, published: list[Any] | None = None, stopped: bool = False, **options: Any) -> Outcome:
     keep: list[Any] = [] if published is None else published
-    setting = Setting(np.random.default_rng(1), 10.0, None, keep.append, lambda: stopped, lambda program, seconds: None)
+    stop = Stop()
+    if stopped:
+        stop.ask()
+    setting = Setting(np.random.default_rng(1), 10.0, None, keep.append, stop, lambda program, seconds: None)
     return HEURISTICS["local"].run(problem, setting, **{"ball": False, **options})
 
 
@@ -77,8 +81,10 @@ def test_several_heights_keep_the_best_answer_and_the_best_guarantee() -> None:
     assert run(problem, heights=[2]).statistics["h"] == 2
 
 
-def test_being_asked_to_stop_ends_after_the_first_height() -> None:
-    assert run(shares_of("S1"), stopped=True, heights=4).statistics["h"] == 1
+def test_whoever_is_asked_to_stop_at_once_divides_evenly_and_guarantees_nothing() -> None:
+    outcome = run(shares_of("S1"), stopped=True, heights=4)
+    assert outcome.answer == pytest.approx([0.5] * 6)
+    assert (outcome.guarantee, outcome.limit, outcome.statistics["h"]) == (None, "interrupt", 0)
 
 
 def test_messages_are_counted_and_give_the_same_answer() -> None:

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,12 +11,13 @@ from hypothesis import strategies as st
 
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.routes import Routes
+from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Setting
 from waybound.instances.errors import UsageError
 from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import Travel
+from waybound.instances.travel import EXPLICIT, Travel
 
-SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, lambda: False, lambda *a: None)
+SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, lambda *a: None)
 
 
 def run(problem: RoutingProblem, **parameters: float) -> Routes:
@@ -84,3 +87,49 @@ def test_a_fleet_too_small_is_said() -> None:
 def test_a_shape_out_of_range_is_refused(shape: object) -> None:
     with pytest.raises(UsageError, match="shape"):
         HEURISTICS["savings"].run(problem_of(np.random.default_rng(1), 3, windows=False, limit=False), SETTING, shape=shape)
+
+
+# -- large instances, and being cut short ------------------------------------------------------------------------------
+
+
+def scattered(n: int, seed: int = 1, matrix: bool = False, **fleet: Any) -> RoutingProblem:
+    rng = np.random.default_rng(seed)
+    sites = Sites.of(range(n), demand=np.concatenate([[0], rng.integers(1, 10, n - 1)]))
+    travel = Travel("EUC_2D", rng.integers(0, 1000, (n, 2)))
+    return RoutingProblem(sites, Travel(EXPLICIT, matrix=travel.distances) if matrix else travel, (VehicleType(**fleet),))
+
+
+@pytest.mark.parametrize("matrix", [False, True])
+@pytest.mark.parametrize("fleet", [{"count": 1}, {"capacity": 40.0}, {"max_distance": 4000.0}, {"capacity": 40.0, "count": 80}])
+def test_joins_of_near_sites_are_nearly_as_good_as_all(fleet: dict[str, Any], matrix: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = scattered(500, matrix=matrix, **fleet)
+    plain = HEURISTICS["savings"].run(problem, SETTING)
+    monkeypatch.setattr("waybound.heuristics.methods.savings.ALL_PAIRS", 100)
+    monkeypatch.setattr("waybound.heuristics.methods.savings.NEIGHBOURS", 20)
+    near = HEURISTICS["savings"].run(problem, SETTING)
+    judged = problem.evaluate(near.answer)
+    assert judged.feasible
+    assert judged.values[0] <= 1.02 * problem.evaluate(plain.answer).values[0]
+    assert "20 nearest" in near.message and "nearest" not in plain.message
+
+
+def test_many_sites_need_no_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = scattered(5_000, capacity=200.0)
+    monkeypatch.setattr(Travel, "distances", property(lambda self: pytest.fail("all distances")))
+    outcome = HEURISTICS["savings"].run(problem, SETTING)
+    assert problem.evaluate(outcome.answer).feasible
+    assert 100 < len(outcome.answer) < 200
+
+
+def test_more_sites_than_there_is_memory_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("waybound.instances.memory.available", lambda: 1e6)
+    with pytest.raises(UsageError, match=r"savings for 2,500 sites needs 14 MiB, more than there is"):
+        HEURISTICS["savings"].run(scattered(2_500), SETTING)
+
+
+@pytest.mark.parametrize("n", [300, 3_000])
+def test_cut_short_it_has_joined_fewer_routes(n: int) -> None:
+    problem = scattered(n, capacity=100.0)
+    outcome = HEURISTICS["savings"].run(problem, replace(SETTING, seconds=0.0))
+    assert problem.evaluate(outcome.answer).feasible
+    assert outcome.limit == "time" and "routes were left" in outcome.message

@@ -12,6 +12,7 @@ from selection_problems import random_function
 
 from waybound.formulations.bounds._gains import COVERAGE, as_arrays
 from waybound.formulations.problems.submodular_selection import SubmodularSelection
+from waybound.formulations.stop import NEVER
 from waybound.heuristics.selection import multilinear
 from waybound.instances.selection import Cardinality, Coverage, FacilityLocation
 
@@ -54,7 +55,7 @@ def test_values_and_slopes_after_any_moves(seed: int, kind: str, whole: bool) ->
             multilinear.move(e, int(rng.integers(0, steps)), count, steps, data)
     x = count / steps
     if f.num_items:
-        assert multilinear.value(count, steps, data) == pytest.approx(expected(f, x), abs=1e-9)
+        assert multilinear.value(NEVER.flag, count, steps, data) == pytest.approx(expected(f, x), abs=1e-9)
     for e in range(n):
         high, low = x.copy(), x.copy()
         high[e], low[e] = 1.0, 0.0
@@ -82,6 +83,6 @@ def test_pipage_makes_whole_what_sums_to_whole_and_loses_nothing(seed: int, kind
     if missing:
         return
     before = expected(f, count / steps)
-    multilinear.pipage(np.array([0, n]), np.arange(n), count, steps, data)
+    multilinear.pipage(NEVER.flag, np.array([0, n]), np.arange(n), count, steps, data)
     assert set(count.tolist()) <= {0, steps} and int(count.sum()) == room * steps
     assert expected(f, count / steps) >= before - 1e-9

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import sys
+import time
 
+import psutil
 import pytest
 
 from waybound.instances.errors import WayboundError
@@ -40,6 +43,27 @@ def test_an_interrupt_keeps_what_was_done():
 @pytest.mark.long
 def test_processes_bring_the_same_results():
     assert spread(pow, [(2, k) for k in range(6)], 2, silent, str).results == [1, 2, 4, 8, 16, 32]
+
+
+@pytest.mark.long
+def test_processes_do_not_outlive_their_parent(tmp_path):
+    code = (
+        "import time\nfrom waybound.reports.ratios.work import spread\n"
+        "if __name__ == '__main__': spread(time.sleep, [(60,), (60,)], 2, lambda *told: None, str)"
+    )
+    (tmp_path / "script.py").write_text(code)
+    parent = psutil.Popen([sys.executable, str(tmp_path / "script.py")])
+
+    def workers():
+        return [p for p in parent.children() if "spawn_main" in " ".join(p.cmdline())]
+
+    while len(workers()) < 2:
+        time.sleep(0.05)
+    time.sleep(2.0)  # until they are at work
+    children = workers()
+    parent.kill()
+    parent.wait()
+    assert not psutil.wait_procs(children, timeout=5)[1]
 
 
 @pytest.mark.long

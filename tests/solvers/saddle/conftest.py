@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
+from waybound.formulations.stop import Stop
 from waybound.solvers.saddle.game import Game, Limits, Record
 from waybound.solvers.saddle.programs import Programs
 
@@ -13,7 +14,7 @@ def make_game() -> Callable[..., Game]:
     """``make_game(graph, gap, most_work=)``: a game with a minute to play."""
 
     def make(graph, gap=1e-3, most_work=float("inf")) -> Game:
-        limits = Limits(60.0, most_work)
+        limits = Limits(Stop(60.0), most_work)
         return Game(graph, Record(graph, gap), limits, Programs(lambda: limits.seconds_left))
 
     return make

@@ -10,6 +10,7 @@ from waybound.formulations.balls import coverage, even_shares, weights_bound
 from waybound.formulations.bounds.ball import weights_evidence
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.formulations.stop import Stop
 from waybound.solvers.saddle.game import Game, Limits, Record
 from waybound.solvers.saddle.programs import Programs
 
@@ -26,7 +27,7 @@ def is_division(graph, shares):
 @settings(deadline=None, max_examples=60)
 @given(graphs(every_target_seen=True))
 def test_descent_never_raises_the_deficits_and_keeps_shares_a_division(graph):
-    game = Game(graph, Record(graph, 1e-3), Limits(60.0), Programs(lambda: 60.0))
+    game = Game(graph, Record(graph, 1e-3), Limits(Stop(60.0)), Programs(lambda: 60.0))
     shares = even_shares(graph)
     cover = coverage(graph, shares)
     level, before = 2.0 * float(cover.min()), deficit(cover, 2.0 * float(cover.min()))
@@ -101,9 +102,11 @@ def test_the_record_rounds_bounds_up_as_the_checker_does(make_game):
 
 
 def test_limits_name_what_is_reached():
-    assert Limits(60.0).reached() == ""
-    assert Limits(0.0).reached() == "time"
-    assert Limits(60.0, stopped=lambda: True).reached() == "interrupt"
-    limits = Limits(60.0, most_work=10.0)
+    assert Limits(Stop(60.0)).reached() == ""
+    assert Limits(Stop(0.0)).reached() == "time"
+    asked = Stop(60.0)
+    asked.ask()
+    assert Limits(asked).reached() == "interrupt"
+    limits = Limits(Stop(60.0), most_work=10.0)
     limits.work = 10.0
     assert limits.reached() == "iterations"

@@ -1,0 +1,110 @@
+"""When a search ends: at its deadline, or when it is asked to, compiled loops included."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+import weakref
+
+import numpy as np
+from numpy.typing import NDArray
+
+Flag = NDArray[np.int64]
+
+
+class Stopped(Exception):
+    """Raised by ``Stop.check`` to leave a computation whose parts are worth nothing."""
+
+
+class Stop:
+    """A deadline, and a wish to end that may come from any thread.
+
+    Python looks at ``reached()`` between pieces of work of at most some 50 ms. Compiled loops are given ``flag`` and look at it through
+    ``stop_kernel.asked`` as often; they release Python's lock, so that the clock and whoever asks can set it.
+
+    Parameters
+    ----------
+    seconds : float
+        From now on.
+    """
+
+    def __init__(self, seconds: float = math.inf) -> None:
+        self._end = time.perf_counter() + seconds
+        self._wish = _Wish()
+        self._flag: Flag | None = None
+
+    def ask(self) -> None:
+        """Ask this to end, and all that were made of it or that it was made of."""
+        self._wish.ask()
+
+    def within(self, seconds: float) -> Stop:
+        """Ends when this does, after ``seconds`` at the latest."""
+        return self.after(min(seconds, self.seconds_left))
+
+    def after(self, seconds: float) -> Stop:
+        """Ends after ``seconds``, whatever the deadline of this one, or when it is asked to: for what is done when the time is up."""
+        made = Stop(seconds)
+        made._wish = self._wish
+        return made
+
+    @property
+    def seconds_left(self) -> float:
+        return max(0.0, self._end - time.perf_counter())
+
+    def reached(self) -> str:
+        """Why it has to end: ``interrupt``, ``time``, or not at all (empty)."""
+        return "interrupt" if self._wish.asked else "time" if time.perf_counter() >= self._end else ""
+
+    def check(self) -> None:
+        """Raise Stopped if it has to end."""
+        if self.reached():
+            raise Stopped
+
+    @property
+    def flag(self) -> Flag:
+        """Shape (1,): not 0 once it has to end. A clock runs from the first use on, as long as somebody holds the flag."""
+        if self._flag is None:
+            self._flag = np.zeros(1, np.int64)
+            self._wish.tell(self._flag)
+            left = self.seconds_left
+            if left <= 0.0:
+                self._flag[0] = 1
+            elif left < threading.TIMEOUT_MAX:
+                clock = threading.Timer(left, _set, (weakref.ref(self._flag),))
+                clock.daemon = True
+                clock.start()
+                weakref.finalize(self._flag, clock.cancel).atexit = False
+        return self._flag
+
+
+class _Wish:
+    """Whether somebody asked, and the flags that are to be set then."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        self._lock = threading.Lock()
+        self._flags: list[weakref.ref[Flag]] = []
+
+    def ask(self) -> None:
+        with self._lock:
+            self.asked = True
+            for flag in self._flags:
+                _set(flag)
+
+    def tell(self, flag: Flag) -> None:
+        with self._lock:
+            self._flags = [known for known in self._flags if known() is not None]
+            self._flags.append(weakref.ref(flag))
+            if self.asked:
+                flag[0] = 1
+
+
+def _set(flag: weakref.ref[Flag]) -> None:
+    held = flag()
+    if held is not None:
+        held[0] = 1
+
+
+NEVER = Stop()
+"""For whoever has nobody to ask; nobody asks it."""

@@ -1,0 +1,86 @@
+"""A wish to end and a deadline reach Python and compiled loops alike."""
+
+from __future__ import annotations
+
+import gc
+import threading
+import time
+
+import pytest
+
+from waybound.formulations.compiled import kernel
+from waybound.formulations.stop import NEVER, Stop, Stopped
+from waybound.formulations.stop_kernel import asked
+
+
+@kernel()
+def spin(flag, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Does nothing but look, up to ``most`` times: a compiler must not take the look out of the loop."""
+    looked = 0
+    while looked < most and not asked(flag):
+        looked += 1
+    return looked
+
+
+MOST = 10**11  # minutes
+
+
+def test_a_deadline_ends_a_compiled_loop() -> None:
+    spin(NEVER.flag, 1)
+    stop, began = Stop(0.2), time.perf_counter()
+    assert spin(stop.flag, MOST) < MOST
+    assert 0.15 < time.perf_counter() - began < 2.0
+    assert stop.reached() == "time"
+
+
+def test_a_flag_alone_keeps_its_clock() -> None:
+    spin(NEVER.flag, 1)
+    began = time.perf_counter()
+    assert spin(Stop(0.1).flag, MOST) < MOST
+    assert time.perf_counter() - began < 2.0
+
+
+@pytest.mark.parametrize("part", [lambda stop: stop, lambda stop: stop.within(60.0), lambda stop: stop.within(60.0).after(60.0)])
+def test_a_wish_ends_a_compiled_loop_and_all_parts(part) -> None:  # type: ignore[no-untyped-def]
+    spin(NEVER.flag, 1)
+    stop = Stop()
+    inner = part(stop)
+    threading.Timer(0.1, stop.ask).start()
+    began = time.perf_counter()
+    assert spin(inner.flag, MOST) < MOST
+    assert time.perf_counter() - began < 2.0
+    assert inner.reached() == stop.reached() == "interrupt"
+    with pytest.raises(Stopped):
+        inner.check()
+
+
+def test_parts_made_afterwards_know() -> None:
+    stop = Stop()
+    stop.ask()
+    assert stop.within(60.0).reached() == "interrupt"
+    assert stop.within(60.0).flag[0] == 1
+    assert stop.after(60.0).flag[0] == 1
+
+
+def test_a_part_never_ends_later_and_what_comes_after_does() -> None:
+    stop = Stop(0.0)
+    assert stop.within(60.0).reached() == "time" and stop.within(60.0).flag[0] == 1
+    assert stop.after(60.0).reached() == "" and stop.after(60.0).flag[0] == 0
+    assert stop.seconds_left == 0.0
+    Stop(60.0).check()
+
+
+@pytest.mark.parametrize("seconds", [1e18, float("inf")])
+def test_limits_beyond_all_clocks_are_no_limits(seconds: float) -> None:
+    assert Stop(seconds).flag[0] == 0
+
+
+def test_no_clock_outlives_its_flag() -> None:
+    before = threading.active_count()
+    for _ in range(20):
+        assert Stop(60.0).flag[0] == 0
+    gc.collect()
+    deadline = time.perf_counter() + 2.0
+    while threading.active_count() > before and time.perf_counter() < deadline:
+        time.sleep(0.01)
+    assert threading.active_count() <= before

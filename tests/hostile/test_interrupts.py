@@ -1,0 +1,238 @@
+"""Signals at random instants: whatever searches ends within two seconds, and leaves its best answer and nothing else."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+
+import waybound as wb
+from waybound.formulations.certificate import check_certificate
+from waybound.solvers.backend import BACKENDS
+from waybound.solvers.interrupts import PATIENCE
+
+COMMAND = [sys.executable, "-m", "waybound"]
+PARTS = 4
+SETTLE = 2.0
+"""Seconds after which nothing is left of a command that was killed, when it could not end its children itself."""
+
+FILES = {
+    "routes.txt": ("solomon", "customers=60"),
+    "large.vrp": ("uchoa", "customers=2500"),
+    "few.json": ("coverage", "elements=28", "items=1000", "constraint=cardinality", "k=9"),
+    "cardinality.json": ("coverage", "elements=3000", "items=8000", "constraint=cardinality", "k=600"),
+    "partition.json": ("coverage", "elements=3000", "items=8000", "constraint=partition"),
+    "knapsack.json": ("coverage", "elements=300", "items=1000", "constraint=knapsack"),
+    "sata.json": ("sata", "robots=40", "actions=10", "targets=200"),
+    "crowd.json": ("sata", "robots=300", "actions=10", "targets=1500"),
+    "sensing.json": ("sensing-geometric", "robots=20000"),
+}
+"""What keeps the methods below busy for long: generators and their settings."""
+
+SOLVED = {
+    "cpsat": "routes.txt", "highs": "routes.txt", "scip": "routes.txt", "mathopt": "routes.txt", "mathopt:gscip": "knapsack.json",
+    "mathopt:highs": "routes.txt", "mathopt:cp-sat": "knapsack.json", "mathopt:glop": "sensing.json", "mathopt:pdlp": "sensing.json",
+    "cvxpy": "sensing.json", "cvxpy:CLARABEL": "sensing.json", "cvxpy:SCS": "sensing.json", "cvxpy:HIGHS": "sata.json",
+    "pulp": "routes.txt", "pulp:CBC": "knapsack.json", "pulp:HiGHS": "routes.txt", "pyvrp": "routes.txt", "ortools": "routes.txt",
+    "saddle": "sensing.json",
+}  # fmt: skip
+
+APPROXIMATED = {
+    "brute-force": "few.json", "continuous-greedy": "partition.json", "greedy": "crowd.json", "knapsack-greedy": "knapsack.json",
+    "lazy-greedy": "cardinality.json", "local": "sensing.json", "lp-rounding": "crowd.json", "random": "crowd.json",
+    "savings": "large.vrp", "sequential-greedy": "partition.json", "stochastic-greedy": "cardinality.json",
+}  # fmt: skip
+
+WITH_CHILDREN = ("pulp", "pulp:HiGHS", "ortools", "cvxpy", "cvxpy:HIGHS", "mathopt:highs")
+
+pytestmark = pytest.mark.timeout(3600)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A command, and what it writes."""
+
+    words: tuple[str, ...]
+    file: str
+    writes: tuple[str, ...]
+
+
+CASES = [
+    *(Case(("solve", f, "--solver", s), f, ("out", "certificate")) for s, f in SOLVED.items() if BACKENDS[s.partition(":")[0]].installed()),
+    *(Case(("solve", f, "--heuristic", h), f, ("out", "certificate")) for h, f in APPROXIMATED.items()),
+    *(Case(("bound", f), f, ("certificate",)) for f in ("routes.txt", "partition.json", "crowd.json", "sensing.json")),
+    Case(("explain", "routes.txt", "--set", "vehicles=7"), "routes.txt", ()),
+]
+
+
+def test_every_solver_and_every_heuristic_is_interrupted() -> None:
+    assert {name.partition(":")[0] for name in SOLVED} == set(BACKENDS)
+    assert set(APPROXIMATED) == {info.name for info in wb.heuristics()}
+
+
+@pytest.fixture(scope="module")
+def instances(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """``instances(name)``: the file of this name, made on first use, and its problem."""
+    folder, problems = tmp_path_factory.mktemp("instances"), {}
+
+    def made(name: str) -> tuple[Path, Any]:
+        path = folder / name
+        if name not in problems:
+            kind, *settings = FILES[name]
+            words = [word for setting in settings for word in ("--set", setting)]
+            subprocess.run([*COMMAND, "generate", kind, *words, "--out", str(path)], check=True, capture_output=True)
+            problems[name] = wb.read(path)
+        return path, problems[name]
+
+    return made
+
+
+def start_up() -> tuple[float, float]:
+    """Seconds in which the command starts, and how many times its CPU time they are: 1 on a calm machine, 3 where three share a core."""
+    before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    subprocess.run([*COMMAND, "solve", "--help"], capture_output=True, check=True)
+    wall, after = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall, max(1.0, wall / (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime))
+
+
+def left_over(folder: Path) -> list[str]:
+    """Processes whose temporary files would lie in ``folder``."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if process.environ().get("TMPDIR", "").startswith(str(folder)) and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(" ".join(process.cmdline()))
+        except (psutil.NoSuchProcess, psutil.AccessDenied):
+            continue
+    return found
+
+
+def too_late(seconds: float) -> str:
+    """What is wrong about an end after so long; where others keep the cores busy, everything takes so many times as long."""
+    load = start_up()[1] if seconds > PATIENCE else 1.0
+    return f"ended after {seconds:.1f} s (load {load:.1f})" if seconds > PATIENCE * load else ""
+
+
+class Run:
+    """A command in folders of its own, and what a signal made of it."""
+
+    def __init__(self, case: Case, path: Path, folder: Path) -> None:
+        self.case, self.temporary, self.outputs = case, folder / "tmp", folder / "out"
+        for made in (folder, self.temporary, self.outputs):
+            made.mkdir()
+        self.paths = {name: self.outputs / f"{name}.json" for name in case.writes}
+        words = [str(path) if word == case.file else word for word in case.words]
+        words += [word for name, file in self.paths.items() for word in (f"--{name}", str(file))]
+        # A shell has its background jobs ignore Ctrl-C, and what is ignored stays so.
+        self.process = subprocess.Popen(
+            [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, "TMPDIR": str(self.temporary)}, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        )  # fmt: skip
+
+    def end(self, number: int) -> float:
+        """Seconds from the signal to the end."""
+        self.process.send_signal(number)
+        began = time.perf_counter()
+        try:
+            self.out, self.err = self.process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.out, self.err = self.process.communicate()
+            return 30.0
+        return time.perf_counter() - began
+
+    def faults(self, number: int, problem: Any) -> list[str]:
+        """What is wrong about the end, its time apart."""
+        code, found = self.process.returncode, []
+        written = {name: json.loads(path.read_text()) for name, path in self.paths.items() if path.exists()}
+        if code not in (0, 128 + number):
+            found.append(f"exit code {code}: {self.err[-300:]}")
+        if "Traceback" in self.err or "error" in self.err.replace("error: interrupted", ""):
+            found.append(f"says {self.err[-300:]}")
+        if code != 0 and re.search(r"(objective|bound) [-\d]", self.err) and (self.case.words[0] == "bound" or "objective" in self.err):
+            found.append(f"lost what it had: {self.err[-300:]}")
+        if code == 0 and set(written) != set(self.paths):
+            found.append(f"wrote only {sorted(written)}")
+        if "out" in written:
+            checked = wb.check(problem, self.paths["out"], self.paths["certificate"] if "certificate" in written else None)
+            if not checked.feasible or code != 0:
+                found.append(f"exit code {code} with an answer, feasible {checked.feasible}")
+        elif "certificate" in written:
+            check_certificate(problem, written["certificate"], None)
+        return found + self.remains(0.2)
+
+    def remains(self, seconds: float) -> list[str]:
+        """Processes and files that are left after so long."""
+        end, found = time.perf_counter() + seconds, ["?"]
+        while found:
+            found = [f"left running: {words}" for words in left_over(self.temporary)]
+            found += [f"left: {path}" for path in self.temporary.rglob("*")]
+            found += [f"left: {path}" for path in self.outputs.iterdir() if path not in self.paths.values()]
+            if time.perf_counter() > end:
+                break
+            time.sleep(0.02)
+        return found
+
+
+@pytest.mark.parametrize("part", range(PARTS))
+def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_answer(part, share, tally, instances, tmp_path) -> None:
+    rng = np.random.default_rng(part)
+    few, many = 12 // PARTS, 200 // PARTS
+    runs = share(few, many)
+    order = np.concatenate([np.random.default_rng(7).permutation(len(CASES)) for _ in range(1 + 200 // len(CASES))])[part::PARTS]
+    latest, faults, slowest = (0.8 if runs == few else 6.0), [], (0.0, "")
+    wall, _ = start_up()
+    for k, at in enumerate(itertools.islice(order, runs)):
+        case, number = CASES[at], (signal.SIGINT, signal.SIGTERM)[int(rng.integers(2))]
+        path, problem = instances(case.file)
+        instant = wall + float(rng.uniform(0.0, latest))
+        run = Run(case, path, tmp_path / str(k))
+        time.sleep(instant)
+        what = f"{' '.join(case.words)}, {number.name} after {instant:.2f} s"
+        if run.process.poll() is not None:
+            run.process.communicate()
+            tally["commands that ended before their signal"] += 1
+            continue
+        seconds = run.end(number)
+        faults += [f"{what}: {fault}" for fault in [too_late(seconds), *run.faults(number, problem)] if fault]
+        tally["signals at random instants"] += 1
+        tally[f"ended with exit code {run.process.returncode}"] += 1
+        slowest = max(slowest, (seconds, what))
+        print(f"{seconds:.2f} s, exit code {run.process.returncode}: {what}")
+    print(f"slowest: {slowest[0]:.2f} s, {slowest[1]}")
+    assert not faults, "\n".join(faults)
+
+
+@pytest.mark.parametrize("part", range(2))
+def test_a_parent_that_is_killed_or_hung_up_on_takes_its_children_along(part, share, tally, instances, tmp_path) -> None:
+    rng, faults = np.random.default_rng(part), []
+    wall, _ = start_up()
+    for k in range(share(1, 12)):
+        solver = WITH_CHILDREN[(k * 2 + part) % len(WITH_CHILDREN)]
+        number = (signal.SIGKILL, signal.SIGHUP, signal.SIGQUIT)[k % 3]
+        case = Case(("solve", SOLVED[solver], "--solver", solver), SOLVED[solver], ("out", "certificate"))
+        path, problem = instances(case.file)
+        run = Run(case, path, tmp_path / str(k))
+        instant = wall + float(rng.uniform(0.5, 4.0))
+        time.sleep(instant)
+        assert run.process.poll() is None
+        seconds = run.end(number)
+        what = f"{solver}, {number.name} after {instant:.2f} s"
+        assert number is signal.SIGHUP or run.process.returncode == -number
+        found = run.faults(number, problem) if number is signal.SIGHUP else run.remains(SETTLE)
+        faults += [f"{what}: {fault}" for fault in [too_late(seconds), *found] if fault]
+        tally["parents killed or hung up on"] += 1
+    assert not faults, "\n".join(faults)

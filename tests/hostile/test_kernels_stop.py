@@ -1,0 +1,251 @@
+"""Nothing that searches in this process goes on for long once it is asked to stop, and none is kept from its end by extreme weights."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waybound.formulations.evidence import BOUNDS
+from waybound.formulations.problem import Problem
+from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.stop import Stop
+from waybound.heuristics.heuristic import HEURISTICS
+from waybound.instances.errors import WayboundError
+from waybound.instances.instance import Sites, VehicleType
+from waybound.instances.selection import Cardinality, Coverage, DenseFacilityLocation, Knapsack, PartitionMatroid
+from waybound.instances.sensing import SensingGraph
+from waybound.instances.travel import Travel
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options
+from waybound.solvers.bounding import find_bounds
+from waybound.solvers.solve import _heuristic_run, solve
+
+LATE = 2.0
+"""Seconds after which nothing may still run."""
+
+NEVER_DONE = 300.0
+
+BUDGET = 6.0
+"""What bounding has where nothing else is said."""
+
+
+def graph(robots: int, actions: int, targets: int, degree: int, weights: Any = None) -> SensingGraph:
+    rng = np.random.default_rng(1)
+    seen = np.sort(rng.integers(0, targets, (robots * actions, degree)), axis=1)
+    kept = np.diff(seen, axis=1, prepend=-1) > 0
+    starts = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]).astype(np.int32)
+    owner = np.repeat(np.arange(robots, dtype=np.int32), actions)
+    size = int(kept.sum())
+    given = rng.uniform(0.5, 1.5, size) if weights is None else rng.choice(weights, size)
+    return SensingGraph(owner, starts, seen[kept].astype(np.int32), given, robots, targets)
+
+
+def routing(n: int, **fleet: Any) -> RoutingProblem:
+    rng = np.random.default_rng(1)
+    sites = Sites.of(range(n), demand=np.concatenate([[0], rng.integers(1, 10, n - 1)]))
+    return RoutingProblem(sites, Travel("EUC_2D", rng.uniform(0, 1e4, (n, 2)).round()), (VehicleType(**fleet),))
+
+
+def coverage(n: int, items: int, each: int) -> Coverage:
+    rng = np.random.default_rng(1)
+    return Coverage.from_sets([rng.integers(0, items, each) for _ in range(n)], rng.random(items))
+
+
+def slow(masks: Any) -> Any:
+    time.sleep(1e-4 * len(masks))
+    return np.sqrt(masks.sum(axis=1))
+
+
+@cache
+def large(kind: str) -> Problem:
+    """A problem that keeps everybody busy for long."""
+    match kind:
+        case "winner-takes-all":
+            return WinnerTakesAllSATA(graph(20_000, 2, 5_000, 50))
+        case "bottleneck":
+            return BottleneckSATA(graph(20_000, 2, 5_000, 50))
+        case "bottleneck-lp":
+            return BottleneckSATA(graph(20_000, 2, 5_000, 50), fractional=True)
+        case "small-bottleneck":
+            return BottleneckSATA(graph(23, 2, 400, 40))
+        case "cardinality":
+            return SubmodularSelection(coverage(4_000, 4_000, 100), Cardinality(2_000))
+        case "dense":
+            return SubmodularSelection(DenseFacilityLocation(np.random.default_rng(1).random((4_000, 2_000))), Cardinality(2_000))
+        case "knapsack":
+            return SubmodularSelection(coverage(400, 500, 50), Knapsack(np.random.default_rng(1).uniform(1, 2, 400), 60.0))
+        case "small-knapsack":
+            return SubmodularSelection(coverage(23, 2_000, 100), Knapsack(np.ones(23), 12.0))
+        case "user":
+            return SubmodularSelection(UserFunction(slow, 300, monotone=True, submodular=True), Cardinality(150))
+        case "user-knapsack":
+            return SubmodularSelection(UserFunction(slow, 300, monotone=True, submodular=True), Knapsack(np.ones(300), 150.0))
+        case "user-groups":
+            return SubmodularSelection(
+                UserFunction(slow, 300, monotone=True, submodular=True), PartitionMatroid(np.arange(300) % 100, np.ones(100, dtype=int))
+            )
+        case "tsp":
+            return routing(20_000, count=1)
+        case "distances":
+            return routing(6_000, max_distance=6e4)
+        case _:
+            return routing(1_200, capacity=100)
+
+
+LONG: list[tuple[str, str, dict[str, Any]]] = [
+    ("brute-force", "small-knapsack", {}),
+    ("brute-force", "small-bottleneck", {}),
+    ("continuous-greedy", "winner-takes-all", {"steps": 100_000}),
+    ("continuous-greedy", "cardinality", {"steps": 1_000_000}),
+    ("greedy", "winner-takes-all", {"evaluation": "plain"}),
+    ("greedy", "winner-takes-all", {"evaluation": "incremental"}),
+    ("greedy", "dense", {"evaluation": "plain"}),
+    ("greedy", "bottleneck", {}),
+    ("greedy", "user", {}),
+    ("knapsack-greedy", "knapsack", {"enumerate": 3}),
+    ("knapsack-greedy", "user-knapsack", {}),
+    ("lazy-greedy", "winner-takes-all", {}),
+    ("local", "bottleneck-lp", {"h": 1000}),
+    ("local", "bottleneck", {"h": 100, "search": "step", "step": 1e-6}),
+    ("local", "bottleneck-lp", {"h": 4, "messages": True}),
+    ("lp-rounding", "cardinality", {}),
+    ("random", "winner-takes-all", {}),
+    ("savings", "tsp", {}),
+    ("savings", "distances", {}),
+    ("sequential-greedy", "winner-takes-all", {}),
+    ("sequential-greedy", "user-groups", {}),
+    ("stochastic-greedy", "dense", {}),
+    ("stochastic-greedy", "user", {}),
+]
+
+
+def lateness(run: Callable[[Control], Any], seconds: float) -> tuple[float, Any]:
+    """How long ``run(control)`` goes on after it was asked to stop, and what it returned."""
+    control, asked = Control(), [0.0]
+
+    def stop() -> None:
+        asked[0] = time.perf_counter()
+        control.stop()
+
+    clock = threading.Timer(seconds, stop)
+    clock.start()
+    result = run(control)
+    ended = time.perf_counter()
+    clock.cancel()
+    return (ended - asked[0] if asked[0] else 0.0), result
+
+
+def test_all_heuristics_are_stopped_here() -> None:
+    assert {name for name, _, _ in LONG} == set(HEURISTICS)
+
+
+@pytest.mark.parametrize(("name", "kind", "options"), LONG, ids=[f"{n}-{k}" for n, k, _ in LONG])
+def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[str, Any], share: Any, tally: Any) -> None:
+    problem, rng = large(kind), np.random.default_rng(7)
+    go = _heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options)).go
+    lateness(go, 0.0)  # compiles, or loads what was compiled before
+    for seconds in rng.uniform(0.0, 0.4, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 12)).tolist():
+        late, result = lateness(go, seconds)
+        assert late < LATE
+        if result.answer is not None and kind != "tsp":  # which has one vehicle, so that all routes must be joined
+            assert problem.evaluate(result.answer).feasible
+        assert result.limit in ("interrupt", "none")
+        tally["heuristics that were asked to stop"] += 1
+
+
+@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "tsp"])
+@pytest.mark.parametrize("name", sorted(BOUNDS))
+def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: Any) -> None:
+    problem, method, rng = large(kind), BOUNDS[name], np.random.default_rng(8)
+    if method.missing(problem):
+        return
+    method.prepare()
+    for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 12)).tolist():
+        stop = Stop()
+        late, _ = lateness(lambda control: (control.on_stop(stop.ask), method.compute(problem, BUDGET, lambda *_: None, stop)), seconds)  # noqa: B023
+        assert late < LATE
+        tally["bounds that were asked to stop"] += 1
+    began = time.perf_counter()
+    method.compute(problem, 0.2, lambda *_: None, Stop())
+    assert time.perf_counter() - began < 0.2 + LATE
+
+
+@pytest.mark.parametrize("kind", ["winner-takes-all", "bottleneck", "routing"])
+def test_bounding_ends(kind: str, share: Any, tally: Any) -> None:
+    for seconds in np.random.default_rng(9).uniform(0.0, 0.4, share(1, 12)).tolist():
+        late, _ = lateness(lambda control: find_bounds(large(kind), BUDGET, control=control), seconds)
+        assert late < LATE
+        tally["boundings that were asked to stop"] += 1
+
+
+@pytest.mark.parametrize("h", [0, 1000])
+def test_saddle_ends(h: int, share: Any, tally: Any) -> None:
+    engine = BACKENDS["saddle"]()
+    assert isinstance(engine, Engine)
+    problem = large("bottleneck-lp")
+    for seconds in np.random.default_rng(10).uniform(0.0, 0.5, share(1, 12)).tolist():
+        late, result = lateness(lambda control: engine.run(problem, Options(time_limit=60.0, extra={"h": h}), control), seconds)
+        assert late < LATE
+        assert problem.evaluate(result.answer).feasible
+        tally["engines that were asked to stop"] += 1
+
+
+def test_greedy_keeps_its_time() -> None:
+    solution = solve(large("winner-takes-all"), heuristic="greedy", evaluation="plain", time_limit=0.3, bound_time=0.2)
+    assert solution.limit == "time" and solution.status == "feasible"
+    assert solution.certificate.guarantee is None
+    assert solution.seconds["solve"] < 0.3 + LATE and solution.seconds["bound"] < 0.2 + LATE
+
+
+SIZES = (5e-324, 1e-310, 2.3e-308, 1e-300, 1e-100, 1.0, 1e100, 1e300, 1e307)
+
+
+def extreme(rng: np.random.Generator) -> Any:
+    """A few sizes of weights, from one to all of them."""
+    return rng.choice(SIZES, int(rng.integers(1, 4)), replace=False) * (1.0 if rng.random() < 0.5 else rng.uniform(0.5, 1.0))
+
+
+def small(rng: np.random.Generator, kind: str) -> Problem:
+    weights = extreme(rng)
+    if kind in ("winner-takes-all", "bottleneck", "bottleneck-lp"):
+        g = graph(4, 2, 5, 4, weights)
+        return WinnerTakesAllSATA(g) if kind == "winner-takes-all" else BottleneckSATA(g, fractional=kind == "bottleneck-lp")
+    n = 7
+    constraint = Knapsack(rng.choice(extreme(rng), n), float(rng.choice(SIZES))) if kind == "knapsack" else Cardinality(3)
+    if rng.random() < 0.5:
+        return SubmodularSelection(DenseFacilityLocation(rng.choice(weights, (n, 4))), constraint)
+    return SubmodularSelection(Coverage.from_sets([rng.integers(0, 5, 3) for _ in range(n)], rng.choice(weights, 5)), constraint)
+
+
+@pytest.mark.parametrize("kind", ["winner-takes-all", "bottleneck", "bottleneck-lp", "cardinality", "knapsack"])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # sums beyond the largest number
+def test_extreme_weights_end(kind: str, share: Any, tally: Any) -> None:
+    rng = np.random.default_rng(11)
+    for _ in range(share(4, 300)):
+        problem = small(rng, kind)
+        for name in HEURISTICS:
+            if HEURISTICS[name].missing(problem):
+                continue
+            run = _heuristic_run(problem, name, Options(time_limit=5.0))
+            began = time.perf_counter()
+            try:
+                run.go(Control())
+            except WayboundError:  # weights that it refuses
+                tally["heuristics that refuse weights"] += 1
+            assert time.perf_counter() - began < 5.0 + LATE
+        for name in BOUNDS:
+            if BOUNDS[name].missing(problem):
+                continue
+            BOUNDS[name].prepare()
+            began = time.perf_counter()
+            BOUNDS[name].compute(problem, 1.0, lambda *_: None, Stop())
+            assert time.perf_counter() - began < 1.0 + LATE
+        tally["instances of extreme weights"] += 1
