@@ -1,0 +1,52 @@
+"""What brute force knows about a tiny problem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+Values = tuple[Fraction, ...]
+
+PARTS = 10**9
+"""One over what an answer may exceed a limit by, as a share of it, and still count for ``lenient``."""
+
+
+@dataclass
+class Truth:
+    """``best`` and ``lenient`` are None where there is no answer; ``samples`` are answers that keep every limit, an optimal one first.
+
+    ``continuous`` tells whether answers are vectors, so that solvers end near an optimum and not at one; ``parts`` is what of a vector
+    may be outside, as one over a share.
+    """
+
+    senses: tuple[str, ...]
+    best: Values | None = None
+    lenient: Values | None = None
+    samples: list[Any] = field(default_factory=list)
+    continuous: bool = False
+    unbounded: bool = False
+    parts: int = PARTS
+    size: Fraction = Fraction(0)
+    """The largest value, of either sign, that any answer has: values that are equal but for rounding differ by less than 1e-12 of it."""
+    mixed: bool = False
+    """Whether terms of both signs are added up to a value."""
+
+    def better(self, a: Values, b: Values | None) -> bool:
+        signs = [1 if s == "min" else -1 for s in self.senses]
+        return b is None or [s * v for s, v in zip(signs, a, strict=False)] < [s * v for s, v in zip(signs, b, strict=False)]
+
+    def meet(self, values: Values, strict: bool, answer: Any) -> None:
+        """One answer that keeps the limits exactly (``strict``) or nearly."""
+        self.size = max(self.size, abs(values[0]))
+        if self.better(values, self.lenient):
+            self.lenient = values
+        if strict and self.better(values, self.best):
+            self.best = values
+            self.samples.insert(0, answer)
+        elif strict and len(self.samples) < 40:
+            self.samples.append(answer)
+
+    def value(self, answer: Any) -> Values | None:
+        """Exact value of an answer; None where it breaks a limit by more than doubles can."""
+        raise NotImplementedError

@@ -1,0 +1,248 @@
+"""The same problem in other units: the same verdicts, answers and ratios, and bounds in proportion, whatever finds or checks them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+from hostile_instances import FAMILIES, Rng, Units, shaken
+from hostile_judging import away
+
+import waybound as wb
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.forms import FORMS
+from waybound.formulations.problem import Problem
+from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routes import Routes
+from waybound.formulations.selections import Selection
+from waybound.heuristics.heuristic import HEURISTICS
+from waybound.instances.errors import CheckFailedError, WayboundError
+from waybound.solvers.backend import BACKENDS
+from waybound.solvers.bounding import find_bounds
+
+SEED = 83
+POWERS = (-30, -10, 10, 30)
+SAME = 1e-9
+VECTOR = 1e-6
+"""Solvers of linear programs end near an optimum, and may end at another point of the same value."""
+
+SOLVERS = {
+    "highs": 100, "saddle": 100, "scip": 30, "cpsat": 30, "pulp": 20, "pulp:HiGHS": 20, "mathopt:highs": 20, "mathopt:gscip": 20,
+    "mathopt:glop": 20, "mathopt:cp-sat": 10, "mathopt:pdlp": 10, "cvxpy": 2, "cvxpy:HIGHS": 2, "cvxpy:SCS": 2, "pyvrp": 30, "ortools": 10,
+}  # fmt: skip
+"""Solvers, and how many problems of each family they get."""
+
+QUICK = ("highs", "saddle")
+"""Those that the fast suite has time for."""
+
+
+def two_units(rng: Rng) -> tuple[Units, Units]:
+    """Two systems of units: a common power of two apart, or each kind of quantity by one of its own."""
+    if rng.random() < 0.6:
+        return Units(), Units.common(2.0 ** int(rng.choice(POWERS)))
+    many = len(fields(Units))
+    a, b = (Units(*(2.0 ** rng.integers(-30, 31, many)).tolist()) for _ in range(2))
+    return a, b
+
+
+def pair(family: str, case: int) -> tuple[Problem, Problem, list[float], Callable[[str], float]]:
+    """A problem in two units, the factors of its values, level by level, and those of other quantities by name."""
+    for attempt in range(100):
+        seed = [SEED, case, attempt]
+        a, b = two_units(np.random.default_rng(seed))
+        first, second = (FAMILIES[family](np.random.default_rng(seed), u) for u in (a, b))
+        if _exact(first) and _exact(second):
+            break
+    unit = lambda name: float(getattr(b, name) / getattr(a, name))  # noqa: E731
+    return first, second, _factors(first, unit), unit
+
+
+def _exact(problem: Problem) -> bool:
+    """Whether no number is so small that other units would cut off its digits."""
+    p: Any = problem
+    if isinstance(p, RoutingProblem):
+        data = [p.sites.demand, p.sites.ready, p.sites.due, p.sites.service, p.sites.reward, p.travel.distances, p.travel.durations]
+    elif hasattr(p, "graph"):
+        data = [p.graph.weights]
+    elif hasattr(p, "packing"):
+        data = [p.packing.data, p.covering.data]
+    elif hasattr(p, "program"):
+        data = [p.program.data, p.program.cost, p.program.row_lower, p.program.row_upper]
+    else:
+        f = p.function
+        if getattr(getattr(f, "matrix", None), "dtype", None) == np.float32:
+            return False
+        data = [getattr(f, name) for name in ("matrix", "weights", "item_weights") if hasattr(f, name)] + [
+            getattr(p.constraint, "costs", [])
+        ]
+        if f.name == "user":
+            data.append(f.evaluate(np.eye(f.num_elements, dtype=bool)))
+    sizes = np.abs(np.concatenate([np.asarray(v, dtype=np.float64).ravel() for v in data]))
+    return bool((sizes[sizes > 0] > 1e-200).all())
+
+
+def _factors(problem: Problem, unit: Callable[[str], float]) -> list[float]:
+    if isinstance(problem, RoutingProblem):
+        made = []
+        for level in problem.objective.levels():
+            names = {t.name for _, t in level.terms}
+            own = {"reward": "reward", "total-cost": "cost", "longest-route": "distance", "makespan": "time"}
+            made.append(next((unit(quantity) for name, quantity in own.items() if name in names), 1.0))
+        return made
+    if problem.problem == "max-min-lp":
+        return [unit("weight") / unit("load") if problem.sense == "max" else unit("load") / unit("weight")]
+    return [unit("cost") if problem.family == "arrays" else unit("weight")]
+
+
+def listed(value: Any, factors: Iterable[float] = ()) -> list[float | None]:
+    """Values level by level, divided by their factors."""
+    values = value if isinstance(value, list) else [value]
+    return [None if v is None else v / f for v, f in zip(values, factors, strict=True)]
+
+
+def told(problem: Problem, keywords: dict[str, Any], factors: list[float]) -> dict[str, Any]:
+    """What ``solve`` says, in the units of factor 1; how it fails, where it does."""
+    try:
+        s = wb.solve(problem, time_limit=20.0, bound_time=1.0, **keywords)
+    except CheckFailedError:
+        return {"failed": "a claim does not hold up"}
+    except WayboundError as fault:
+        return {"failed": type(fault).__name__}
+    answer = s.answer.canonical() if isinstance(s.answer, Routes) else s.answer.elements if isinstance(s.answer, Selection) else None
+    bound = s.bound if s.bound is None or isinstance(s.bound, list) else [s.bound]
+    return {
+        "status": s.status, "limit": s.limit, "objective": listed(s.objective, factors) if s.answer is not None else None, "answer": answer,
+        "bound": None if bound is None else listed(bound, factors), "bound_kind": s.bound_kind, "infeasible": s.certificate.infeasible,
+        "verified": None if s.certificate.bound is None else [s.certificate.bound / factors[0]], "ratio": s.certificate.observed_ratio,
+        "gap": s.gap,
+    }  # fmt: skip
+
+
+def differences(a: dict[str, Any], b: dict[str, Any], close: float) -> list[str]:
+    """What two accounts disagree in."""
+    found = []
+    for name in sorted(a.keys() | b.keys()):
+        x, y = a.get(name), b.get(name)
+        if name in ("objective", "bound", "verified") and x is not None and y is not None:
+            alike = all((v is None) == (w is None) and (v is None or _near(v, w, close)) for v, w in zip(x, y, strict=True))
+        elif name in ("ratio", "gap") and x is not None and y is not None:
+            alike = _near(1.0 + x, 1.0 + y, close)
+        else:
+            # Another answer of the same value is as good.
+            alike = x == y or name == "answer"
+        if not alike:
+            found.append(f"{name}: {x!r} against {y!r}")
+    return found
+
+
+def _near(v: float, w: float, close: float) -> bool:
+    return v == w or (math.isfinite(v) and math.isfinite(w) and away(v, w) <= close)
+
+
+def disagreements(family: str, case: int, keywords: dict[str, Any]) -> list[str]:
+    """What a method says of one problem in one unit and not in another."""
+    first, second, factors, _ = pair(family, case)
+    close = VECTOR if "solver" in keywords or first.problem in ("max-min-lp", "bottleneck-lp") else SAME
+    a, b = told(first, keywords, [1.0] * len(factors)), told(second, keywords, factors)
+    found = differences(a, b, close)
+    return [f"{family} {case} {keywords}: {found}"] if found else []
+
+
+def able(problem: Problem, solver: str) -> bool:
+    base, _, variant = solver.partition(":")
+    kind: Any = BACKENDS[base]
+    if not kind.installed():
+        return False
+    if kind.takes == "problem":
+        return not kind().missing(problem)
+    made = kind(variant) if variant else kind()
+    return any(FORMS[form].kind(problem) in made.kinds for form in problem.forms())
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
+@pytest.mark.parametrize("family", FAMILIES)
+def test_heuristics_in_other_units(family: str, share: Callable[[int, int], int], tally: Any) -> None:
+    found = []
+    for case in range(share(5, 600)):
+        first = pair(family, case)[0]
+        names = [name for name in HEURISTICS if not HEURISTICS[name].missing(first)]
+        if share(1, 2) == 1 and names:
+            names = [names[case % len(names)]]
+        for name in names:
+            found += disagreements(family, case, {"heuristic": name})
+            tally["heuristics in other units"] += 1
+    assert not found, f"{len(found)}: {found[:5]}"
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning", "ignore::FutureWarning")
+@pytest.mark.parametrize("solver", [pytest.param(s, marks=[] if s in QUICK else pytest.mark.hostile) for s in SOLVERS])
+def test_solvers_in_other_units(solver: str, share: Callable[[int, int], int], tally: Any) -> None:
+    keywords: dict[str, Any] = {"solver": solver}
+    if solver in ("pyvrp", "ortools"):
+        keywords["iterations"] = 30
+    found = []
+    most = share(2, SOLVERS[solver])
+    for family in FAMILIES:
+        taken = (case for case in range(10 * most) if able(pair(family, case)[0], solver))
+        for case in itertools.islice(taken, most):
+            found += disagreements(family, case, keywords)
+            tally[f"solvers in other units: {solver}"] += 1
+    assert not found, f"{len(found)}: {found[:5]}"
+
+
+# -- evidence --------------------------------------------------------------------------------------------------------------
+
+
+def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[str, Any]:
+    """The data of an evidence as the same evidence in other units has them."""
+    per = {
+        "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
+        "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
+    }.get(e.kind, {})  # fmt: skip
+    made = {name: times(value, per.get(name, 1.0)) for name, value in e.data.items() if name != "resources"}
+    if "resources" in e.data:
+        own = {"time": "time", "duration": "time", "load": "load", "distance": "distance", "energy": "energy"}
+        made["resources"] = {name: times(values, factor / unit(own[name])) for name, values in e.data["resources"].items()}
+    return made
+
+
+def times(value: Any, factor: float) -> Any:
+    if isinstance(value, list):
+        return [times(v, factor) for v in value]
+    return value * factor if isinstance(value, float) else value
+
+
+def checked(family: str, case: int) -> tuple[list[str], list[str]]:
+    """Kinds of evidence that were checked on one problem, and where the bound is another in other units."""
+    rng = np.random.default_rng([SEED, case])
+    first, second, factors, unit = pair(family, case)
+    kinds, found = [], []
+    for e in find_bounds(first, 1.0):
+        for data in (e.data, shaken(rng, e.data)):
+            kinds.append(e.kind)
+            bounds = [
+                verified_bound(first, Evidence(e.kind, "", 0.0, data)),
+                verified_bound(second, Evidence(e.kind, "", 0.0, in_units(Evidence(e.kind, "", 0.0, data), factors[0], unit))),
+            ]
+            if not _near(bounds[0], bounds[1] / factors[0], SAME):
+                found.append(f"{family} {case} {e.kind}: {bounds[0]!r} against {bounds[1] / factors[0]!r} times {factors[0]!r}")
+    return kinds, found
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
+def test_checkers_in_other_units(share: Callable[[int, int], int], tally: Any) -> None:
+    found, kinds = [], set()
+    for family in FAMILIES:
+        for case in range(share(6, 1_000)):
+            some, wrong = checked(family, case)
+            kinds.update(some)
+            found += wrong
+            tally["evidence checked in other units"] += len(some)
+    assert not found, f"{len(found)}: {found[:5]}"
+    assert share(0, 1) == 0 or kinds == set(CHECKERS), f"never met: {set(CHECKERS) - kinds}"
