@@ -237,10 +237,11 @@ def assert_true(case: Case, data: dict[str, Any], made: Certificate) -> None:
         assert data.get("feasible") in (None, judged.feasible)
         assert made.feasible == judged.feasible and made.objective == judged.objective
         if data.get("feasible") is not None:
-            assert data.get("checks") is None or [(c["name"], c["passed"], c["tested"]) for c in data["checks"]] == [
-                (c.name, c.passed, c.tested) for c in judged.checks
-            ]
-            assert data.get("violations") is None or len(data["violations"]) == len(judged.violations)
+            own = {(c.name, c.passed, c.tested) for c in judged.checks}
+            assert {(c["name"], c["passed"], c["tested"]) for c in data.get("checks") or ()} <= own
+            names = {v.check for v in judged.violations}
+            assert {v["check"] for v in data.get("violations") or ()} <= names
+            assert not names or data.get("violations") != []
         if data.get("objective") is not None:
             stated = data["objective"] if isinstance(data["objective"], list) else [data["objective"]]
             assert np.allclose(stated, judged.values, rtol=NEAR, atol=NEAR)
@@ -288,13 +289,13 @@ def test_no_tampered_certificate_is_accepted_with_anything_false(share: Callable
     [
         ({"feasible": False}, "states an infeasible answer"),
         ({"feasible": "yes"}, "neither true nor false"),
-        ({"checks": []}, "states 0 checks"),
+        ({"checks": [{}]}, "states checks that are not this answer's"),
         ({"gap": 0.5}, "states the gap"),
         ({"observed_ratio": 7.0}, "states the observed_ratio"),
         ({"bound_source": "Concorde"}, "names the source 'Concorde'"),
         ({"guarantee": {"ratio": 0.5, "statement": "", "source": ""}}, "a ratio of at least 1"),
         ({"guarantee": "optimal"}, "guarantee is malformed"),
-        ({"violations": [{}]}, "states 1 violations"),
+        ({"violations": [{}]}, "states violations that are not this answer's"),
         ({"evidence": [{}] * 10**6}, "too much evidence"),
         ({"checks": [3]}, "not a list of objects"),
     ],
@@ -312,7 +313,7 @@ def test_single_checks_and_residuals_are_compared() -> None:
     for key, entry in changes:
         data = copy.deepcopy(case.data)
         data[key][0].update(entry)
-        with pytest.raises(CheckFailedError, match=f"states other {key}"):
+        with pytest.raises(CheckFailedError, match=f"states {key} that are not"):
             check_certificate(case.problem, data, case.evaluation)
 
 
