@@ -5,7 +5,8 @@ With x = S x' and row factors R, and f for the objective, all of them powers of 
 
     min c x + c0,  l <= A x <= u      becomes      min f c S x' + f c0,  R l <= R A S x' <= R u
 
-Integers keep their unit. What is of ordinary size keeps its own, so that most programs are handed over as they are.
+Integers keep their unit, and rows of ones theirs. A program whose numbers are all of ordinary size is handed over as it is; one of which
+any is not has all of them brought to the same size, so that it is the same program whatever the units of its data were.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from .program import Floats, Program
 
 SMALLEST, LARGEST = -10, 20
 """Binary exponents of ordinary sizes: from 1/1024 to a million."""
+
+COMMON = 10
+"""Binary exponent of the size that all numbers of other programs are brought to."""
 
 _PASSES = 4
 
@@ -65,37 +69,53 @@ class Scaled:
 
 
 def scaled(program: Program) -> Scaled:
-    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a column can do it."""
+    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a block of columns can do it."""
     row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
-    columns = _columns(program, row)
-    with np.errstate(over="ignore", under="ignore"):
-        entries = np.ldexp(np.abs(program.data), columns[program.indices])
-        heaviest = np.zeros(program.num_rows)
-        np.maximum.at(heaviest, row, entries)
-        rows = -_shift(heaviest)
-        dearest = float(np.ldexp(np.abs(program.cost), columns).max(initial=0.0))
-    if program.quadratic is not None:
-        q = program.quadratic.tocoo()
-        dearest = max(dearest, float(np.ldexp(np.abs(q.data), columns[q.row] + columns[q.col]).max(initial=0.0)))
-    objective = -int(_shift(np.array([dearest]))[0])
+    sizes = _sizes(program, row)
+    ones = np.zeros(program.num_variables, dtype=np.int64)
+    found = [np.where(program.integer, 0.0, sizes), *_heaviest(program, row, ones)]
+    if all(_ordinary(part) for part in found):
+        return Scaled(program, ones, np.zeros(program.num_rows, dtype=np.int64), 0)
+    columns = np.where(program.integer, 0, _shift(sizes))
+    heaviest, dearest = _heaviest(program, row, columns)
+    data = np.ldexp(np.abs(program.data), columns[program.indices])
+    plain = np.ones(program.num_rows, dtype=bool)
+    plain[row[(data != 1.0) & (data != 0.0)]] = False
+    rows, objective = np.where(plain, 0, -_shift(heaviest)), -int(_shift(dearest)[0])
     if not math.isfinite(_times(program.offset, objective)):
         objective = 0
-    if not (columns.any() or rows.any() or objective):
-        return Scaled(program, columns, rows, 0)
     return Scaled(_apply(program, columns, rows, objective), columns, rows, objective)
 
 
+def _heaviest(program: Program, row: NDArray[np.int64], columns: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """The largest entry of each row, and of the objective (an array of one), with the columns in other units."""
+    heaviest = np.zeros(program.num_rows)
+    with np.errstate(over="ignore", under="ignore"):
+        np.maximum.at(heaviest, row, np.ldexp(np.abs(program.data), columns[program.indices]))
+        dearest = float(np.ldexp(np.abs(program.cost), columns).max(initial=0.0))
+        if program.quadratic is not None:
+            q = program.quadratic.tocoo()
+            dearest = max(dearest, float(np.ldexp(np.abs(q.data), columns[q.row] + columns[q.col]).max(initial=0.0)))
+    return heaviest, np.array([dearest])
+
+
+def _ordinary(sizes: Floats) -> bool:
+    known = sizes[(sizes > 0) & np.isfinite(sizes)]
+    return bool(((known >= 2.0**SMALLEST) & (known < 2.0**LARGEST)).all())
+
+
 def _shift(sizes: Floats) -> NDArray[np.int64]:
-    """Binary exponents to be taken off: 0 for ordinary sizes, 0 and infinity; else what leaves the smallest at 1, the largest below a
-    million."""
+    """Binary exponents to be taken off; 0 where nothing is known."""
     with np.errstate(invalid="ignore"):
-        exponent = np.frexp(sizes)[1].astype(np.int64) - 1
-    made = np.where(exponent < SMALLEST, exponent, np.where(exponent >= LARGEST, exponent - LARGEST + 1, 0))
-    return np.where((sizes > 0) & np.isfinite(sizes), made, 0)
+        exponent = np.frexp(sizes)[1].astype(np.int64) - 1 - COMMON
+    return np.where((sizes > 0) & np.isfinite(sizes), exponent, 0)
 
 
-def _columns(program: Program, row: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Binary exponents of the units of the variables, from their bounds, or from what the rows that hold them speak of."""
+def _sizes(program: Program, row: NDArray[np.int64]) -> Floats:
+    """How large the variables are, by their bounds, or by what the rows that hold them speak of; 0 where nothing tells.
+
+    One size a block: its variables are of one kind, and rows that add them up keep their coefficients of 1.
+    """
     bounds = np.maximum(*(np.where(np.isfinite(end), np.abs(end), 0.0) for end in (program.lower, program.upper)))
     size = np.where(program.integer, np.maximum(bounds, 1.0), bounds)
     sides = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (program.row_lower, program.row_upper)))
@@ -114,7 +134,12 @@ def _columns(program: Program, row: NDArray[np.int64]) -> NDArray[np.int64]:
             implied = np.full(len(size), math.inf)
             np.minimum.at(implied, column[open_], level[at[open_]] / entry[open_])
             size = np.where(unknown & np.isfinite(implied), implied, size)
-    return np.where(program.integer, 0, _shift(size))
+    held_blocks = [k for k, b in enumerate(program.variables) if b.size]
+    if not held_blocks:
+        return size
+    starts = np.cumsum([0, *(b.size for b in program.variables)])
+    largest = np.maximum.reduceat(size, starts[held_blocks])
+    return np.repeat(largest, [program.variables[k].size for k in held_blocks])
 
 
 def _apply(program: Program, columns: NDArray[np.int64], rows: NDArray[np.int64], objective: int) -> Program:
@@ -140,7 +165,7 @@ def _apply(program: Program, columns: NDArray[np.int64], rows: NDArray[np.int64]
     cones = []
     for cone in program.cones:  # a cone is one whatever its unit
         data = np.ldexp(cone.data, columns[cone.indices])
-        unit = -int(_shift(np.array([np.abs(np.concatenate([data, cone.offset])).max(initial=0.0)]))[0])
+        unit = -int(_shift(np.abs(np.concatenate([data, cone.offset, [0.0]])).max(keepdims=True))[0])
         cones.append(replace(cone, data=np.ldexp(data, unit), offset=np.ldexp(cone.offset, unit)))
     offset = _times(program.offset, objective)
     return replace(

@@ -96,8 +96,11 @@ def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
     if math.isnan(point := here.value):
         return None
     best, best_price = point, price
-    aim, direction, waited = 0.05 * max(abs(best), 1e-3), np.zeros(len(price)), 0
-    while not stop.reached() and aim > _SMALLEST_AIM * max(abs(best), 1e-3):
+    usable = arcs.cost[np.isfinite(arcs.cost)]
+    dearest = float(usable.max(initial=0.0))
+    least, most = 1e-3 * dearest, 2.0 * len(edges) * dearest  # no answer costs more: what rises beyond it rises for ever
+    aim, direction, waited = 0.05 * max(abs(best), least), np.zeros(len(price)), 0
+    while not stop.reached() and aim > _SMALLEST_AIM * max(abs(best), least) and best <= most:
         direction = here.slope + _MEMORY * direction
         length = float(direction @ direction)
         if length == 0.0:

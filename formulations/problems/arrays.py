@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -127,10 +128,15 @@ class ArrayProblem(Problem):
         return columns, np.maximum(sides, np.where(np.isfinite(smallest), smallest, 0.0))
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
-        """The row duals times the largest residual of a row: what an answer may gain by it."""
-        duals = evidence.data.get("duals")
+        """How much less ``evidence`` proves where every row is as wide as the answer's largest residual makes it."""
+        from ..certificate import verified_bound
+
         residual = next((c.residual for c in evaluation.checks if c.name == "rows"), 0.0)
-        return residual * math.fsum(abs(float(y)) for y in duals) if isinstance(duals, list) and residual else 0.0
+        if residual == 0.0:
+            return 0.0
+        rows = tuple(replace(block, lower=block.lower - residual, upper=block.upper + residual) for block in self.program.rows)
+        wider = ArrayProblem(replace(self.program, rows=rows), self.name)
+        return abs(verified_bound(self, evidence) - verified_bound(wider, evidence))
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         return {"kind": "vector", "values": self._vector(answer).tolist()}
