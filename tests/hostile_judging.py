@@ -49,9 +49,12 @@ def ratio(a: float | Fraction, b: float | Fraction) -> float:
 
 def rounded(truth: Truth, value: float, bound: float) -> bool:
     """Whether the value is the optimum, and the bound says so but for what rounding does to the sums behind it."""
-    if truth.best is None or away(value, truth.best[0]) > SAME:
+    if truth.best is None:
         return False
-    return abs(Fraction(bound) - Fraction(value)) <= truth.size * Fraction(1, 10**12)
+    apart = abs(Fraction(value) - truth.best[0])
+    if apart > abs(truth.best[0]) * Fraction(SAME) and not (truth.mixed and apart <= truth.size * Fraction(1, 10**12)):
+        return False
+    return abs(Fraction(bound) - Fraction(value)) <= truth.size * (Fraction(ENDED) if truth.continuous else Fraction(1, 10**12))
 
 
 def wrong_side(truth: Truth, bound: float) -> bool:
@@ -99,7 +102,7 @@ def of_certificate(truth: Truth, c: Certificate, who: str) -> Iterator[str]:
     if abs(value) <= VANISHING >= abs(c.bound):
         return
     true, told = ratio(value, c.bound), c.observed_ratio
-    true = 1.0 if away(value, c.bound) == 0 or (told == 1.0 and rounded(truth, value, c.bound)) else true
+    true = 1.0 if told == 1.0 and (away(value, c.bound) == 0 or rounded(truth, value, c.bound)) else true
     if told is not None and away(told, true) > ENDED:
         yield f"false ratio: {told!r} between {value!r} and {c.bound!r} ({who})"
     if told is None and 1.0 < true < 1e290 and abs(c.bound) > 1e-290 < abs(value):
