@@ -83,6 +83,13 @@ def source_of(problem: SubmodularSelection, size: int) -> str:
     return f"marginal gains over {over}{by_user}"
 
 
+def _in_budgets(c: Knapsack) -> tuple[Floats, float]:
+    """Costs and budget in a unit, a power of two, in which the budget is below 1."""
+    exponent = np.frexp(c.budget)[1]
+    with np.errstate(over="ignore"):
+        return np.ldexp(c.costs, -exponent), float(np.ldexp(c.budget, -exponent))
+
+
 def best_sum(problem: SubmodularSelection, gains: Floats) -> float:
     """The best sum of ``gains`` that the constraint allows; for a knapsack that of its linear relaxation."""
     c = problem.constraint
@@ -99,10 +106,11 @@ def best_sum(problem: SubmodularSelection, gains: Floats) -> float:
         group = c.groups[order]
         rank = np.arange(len(g)) - np.searchsorted(group, group)
         return float(g[order][rank < c.limits[group]].sum())
-    paid = (c.costs > 0) & (c.costs <= c.budget)
-    costs, worth = c.costs[paid], g[paid]
+    priced, budget = _in_budgets(c)
+    paid = (priced > 0) & (priced <= budget)
+    costs, worth = priced[paid], g[paid]
     order = np.argsort(-worth / costs, kind="stable")
-    room = np.clip(c.budget - (np.cumsum(costs[order]) - costs[order]), 0.0, costs[order])
+    room = np.clip(budget - (np.cumsum(costs[order]) - costs[order]), 0.0, costs[order])
     return float(g[c.costs == 0].sum() + (worth[order] * (room / costs[order])).sum())
 
 
@@ -192,11 +200,12 @@ def _swept(problem: SubmodularSelection, stop: Stop) -> list[int]:
         groups, room = np.array(c.groups, np.int32), np.minimum(c.limits, np.bincount(c.groups, minlength=len(c.limits))).astype(np.int64)
     elif isinstance(c, Knapsack):
         # What costs next to nothing is taken at once, so that no gain per cost overflows.
-        cheap = c.costs <= 1e-9 * max(c.budget, 1e-300)
+        priced, limit = _in_budgets(c)
+        cheap = priced <= 1e-9 * limit
         free = np.nonzero(cheap)[0].tolist()
         for e in free:
             take(e, best, *arrays)
-        costs, budget = np.where(cheap, 2.0 * c.budget + 1.0, c.costs), c.budget
+        costs, budget = np.where(cheap, 2.0 * limit + 1.0, priced), limit
     most = int(room.sum())
     picks: list[int] = sweep(stop.flag, costs, budget, groups, room, most, 1e-4, best, *arrays).tolist()
     return free + picks

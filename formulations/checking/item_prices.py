@@ -108,6 +108,9 @@ def _fractional_knapsack(costs: Floats, budget: float, worth: Floats) -> Floats:
 
     The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
     """
+    with np.errstate(over="ignore", under="ignore"):  # in a unit in which the budget is below 2**52
+        unit = min(0, 52 - int(np.frexp(budget)[1])) if budget >= 2.0**52 else max(0, -int(np.frexp(budget)[1]))
+        costs, budget = np.ldexp(costs, unit), float(np.ldexp(budget, unit))
     room = budget + float(widening(budget)) + 4 * _EPS * budget  # evaluate lets that much pass
     if bool((costs == np.floor(costs)).all()) and max(costs.sum(), budget) < 2.0**52:
         room = budget if budget == math.floor(budget) else math.floor(room)

@@ -134,8 +134,9 @@ def _best_sum(constraint: Any, gains: Floats) -> float:
         starts = np.concatenate([[True], group[1:] != group[:-1]]) if len(group) else np.zeros(0, dtype=bool)
         place = np.arange(len(group)) - np.maximum.accumulate(np.where(starts, np.arange(len(group)), 0))
         return math.fsum(gains[order][place < constraint.limits[group]])
-    costs = constraint.costs
-    room = (constraint.budget + float(widening(constraint.budget))) * (1.0 + 8 * _EPS)
+    with np.errstate(over="ignore"):  # in a unit in which the budget is below 1
+        costs, budget = (np.ldexp(v, -np.frexp(constraint.budget)[1]) for v in (constraint.costs, constraint.budget))
+    room = float(budget + widening(budget)) * (1.0 + 8 * _EPS)
     paid = (costs > 0) & (costs <= room)
     c, g = costs[paid], gains[paid]
     free = math.fsum(gains[costs == 0])

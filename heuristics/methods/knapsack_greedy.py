@@ -19,11 +19,17 @@ from ...instances.selection import DenseFacilityLocation, Knapsack
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from ..selection.ending import CUT_SHORT, concluded
 from ..selection.guarantees import assumptions, rounded_down
-from ..selection.limits import ANY_FUNCTION, spendable
+from ..selection.limits import ANY_FUNCTION, in_budgets
 from ..selection.sets import UserSet
 
 WORK, USER_WORK = 300_000_000, 300_000
 """Entries of the data, or sets of a user's function, up to which ``enumerate`` is deepened by itself: about a second."""
+
+Floats = NDArray[np.float64]
+
+LEAST_COST = 1e-250
+"""In parts of the budget: for smaller ones gains per cost may overflow, and nothing is guaranteed."""
+
 
 HALF = 0.5 * (1.0 - math.exp(-1.0))
 FULL = 1.0 - math.exp(-1.0)
@@ -68,12 +74,12 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
         raise UsageError(f"enumerate must be 0, 1, 2 or 3, not {enumerate!r}")
     c = problem.constraint
     assert isinstance(c, Knapsack)
-    budget = spendable(c)
-    usable = np.nonzero((c.costs > 0) & (c.costs <= budget))[0]
+    costs, budget = in_budgets(c)
+    usable = np.nonzero((costs > 0) & (costs <= budget))[0]
     depth = _affordable(problem, len(usable)) if enumerate is None else int(enumerate)
     stop = setting.begin()
     free = np.nonzero(c.costs == 0)[0].tolist()
-    filling = (_UserFilling if isinstance(problem.function, UserFunction) else _ArrayFilling)(problem, free, budget, stop)
+    filling = (_UserFilling if isinstance(problem.function, UserFunction) else _ArrayFilling)(problem, free, costs, budget, stop)
     best, picks = filling.after(np.zeros(0, np.int64), -1, 0, -1.0)
     if len(usable):
         best, picks = filling.single(usable, best, picks)
@@ -97,7 +103,7 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
     elif finished < depth:
         message = "; ".join(m for m in (message, f"the time was up among the starting sets of {finished + 1} elements") if m)
     guarantee: Guarantee | None = None
-    if holds and begun_whole:
+    if holds and begun_whole and (not len(usable) or costs[usable].min() > LEAST_COST):
         share, words, source = PROVED[finished]
         statement = f"f(S) >= {words} f(OPT), that is {rounded_down(share)} f(OPT)"
         guarantee = Guarantee(1.0 / share, statement, (*holds, f"knapsack; all starting sets of up to {finished} elements"), source)
@@ -126,11 +132,11 @@ def _starts(usable: NDArray[np.int64], size: int, n: int) -> Iterator[tuple[NDAr
 class _ArrayFilling:
     """Fillings of a knapsack beside the elements ``free``, for functions given by arrays."""
 
-    def __init__(self, problem: SubmodularSelection, free: list[int], budget: float, stop: Stop) -> None:
+    def __init__(self, problem: SubmodularSelection, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
         from ...formulations.bounds._gains import as_arrays, take
 
         assert isinstance(problem.constraint, Knapsack)
-        self.costs, self.budget = np.array(problem.constraint.costs), budget
+        self.costs, self.budget = costs, budget
         self.arrays = as_arrays(problem.function)  # type: ignore[arg-type]
         self.free_best = np.zeros(problem.function.num_items)  # type: ignore[union-attr]
         self.stop = stop
@@ -157,10 +163,10 @@ class _ArrayFilling:
 class _UserFilling:
     """The same for a user's function, all gains of a round in one call."""
 
-    def __init__(self, problem: SubmodularSelection, free: list[int], budget: float, stop: Stop) -> None:
+    def __init__(self, problem: SubmodularSelection, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
         assert isinstance(problem.constraint, Knapsack) and isinstance(problem.function, UserFunction)
         self.function, self.free = problem.function, free
-        self.costs: Any = problem.constraint.costs
+        self.costs: Any = costs
         self.budget, self.stop = budget, stop
 
     def _begin(self, picks: list[int]) -> UserSet:

@@ -100,6 +100,13 @@ def spendable(constraint: Knapsack) -> float:
     return constraint.budget + float(allowance(constraint.budget, total if whole else 0.5))
 
 
+def in_budgets(constraint: Knapsack) -> tuple[NDArray[np.float64], float]:
+    """Costs and what may be spent, times the power of two that brings the budget below 1: no gain per cost overflows for its unit."""
+    exponent = int(np.frexp(constraint.budget)[1])
+    with np.errstate(over="ignore"):
+        return np.ldexp(constraint.costs, -exponent), float(np.ldexp(spendable(constraint), -exponent))
+
+
 def that_fit(order: Iterable[int], constraint: Knapsack) -> list[int]:
     """The elements of ``order``, one after the other, that the budget still allows."""
     picks, left = [], spendable(constraint)
