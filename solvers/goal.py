@@ -9,7 +9,6 @@ from ..formulations.certificate import certify
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.tolerance import same
-from ..instances.errors import WayboundError
 from .backend import Control, RawResult
 from .bounding import find_bounds
 from .search import search
@@ -30,7 +29,7 @@ def first_evidence(problem: RoutingProblem, seconds: float) -> list[Evidence]:
         return []
     try:
         found = search(lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control)), Control(), seconds)
-    except WayboundError:
+    except (Exception, KeyboardInterrupt):
         return []
     return found.result.answer or []
 

@@ -161,7 +161,7 @@ import waybound.api as api
 def reads(*given, **named):
     threading.Timer(0.2, send).start()
     {wait}
-api.read = reads
+api.read_source = reads
 """
 
 

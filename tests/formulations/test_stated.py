@@ -9,7 +9,7 @@ import pytest
 
 from waybound.formulations.evaluation import Check, Evaluation, Violation
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.stated import MOST_EVIDENCE, compare_answer, near, real, stated_evidence, stated_guarantee
+from waybound.formulations.stated import MOST_EVIDENCE, compare_answer, real, stated_evidence, stated_guarantee
 from waybound.instances.errors import CheckFailedError, InputError
 
 BROKEN = Evaluation((3.5,), (Check("load", False, math.inf, 2),), (Violation("load", "too much", math.inf, "truck 1"),), {})
@@ -84,5 +84,9 @@ def test_malformed_guarantees_are_refused(given: Any) -> None:
         stated_guarantee({"guarantee": given})
 
 
-def test_numbers_agree_up_to_the_tolerance_of_the_check() -> None:
-    assert near(1e9 + 1, 1e9) and not near(1.001, 1.0) and not near(math.nan, 1.0)
+def test_an_objective_agrees_but_for_rounding_at_any_scale() -> None:
+    for scale in (1e-12, 1.0, 1e12):
+        judged = Evaluation((3.5 * scale,), (), (), {})
+        compare_answer(fields(judged, objective=3.5 * scale * (1 + 1e-12)), judged, infeasible=False)
+        with pytest.raises(CheckFailedError, match="the certificate states the objective"):
+            compare_answer(fields(judged, objective=3.5 * scale * (1 + 1e-6)), judged, infeasible=False)

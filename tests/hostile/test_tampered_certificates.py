@@ -20,6 +20,7 @@ from waybound.formulations.answers import json_text
 from waybound.formulations.certificate import Certificate, certify, check_certificate
 from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.fleet_need import _small_groups, fleet_conflicts, proves, suspicions
 from waybound.formulations.problem import Problem
 from waybound.formulations.problems.arrays import ArrayProblem
 from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
@@ -51,9 +52,9 @@ class Case:
     best: float | None
 
 
-def _cases_of(problem: Problem, best: float | None, answers: list[Any], *further: Evidence) -> list[Case]:
+def _cases_of(problem: Problem, best: float | None, answers: list[Any], *further: Evidence, look: bool = True) -> list[Case]:
     """A certificate for each piece of evidence that is found, with each of the answers in turn and with none."""
-    evidence = [*find_bounds(problem, 0.5), *further]
+    evidence = [*(find_bounds(problem, 0.5) if look else ()), *further]
     judged = [None, *(problem.evaluate(answer) for answer in answers)]
     made = []
     for k, piece in enumerate(evidence):
@@ -79,6 +80,27 @@ def _routing() -> list[Case]:
     far = wb.RoutingProblem(Sites.of("oab"), line, (VehicleType(max_distance=9.0),))
     few = wb.RoutingProblem(Sites.of("oab", demand=[0, 5, 5]), line, (VehicleType(count=1, capacity=9.0),))
     return cases + _cases_of(far, None, [wb.Routes.of([[1]])]) + _cases_of(few, None, [wb.Routes.of([[1], [2]])])
+
+
+def _without_answer() -> list[Case]:
+    """Fleets that are too small, each for a reason of its own kind."""
+    cross = Travel("euclidean", [(0, 0), (3, 0), (-3, 0), (0, 3), (0, -3)])
+    near = Travel("euclidean", [(0, 0), (1, 0), (1, 0), (1, 0), (1, 0)])
+    asked = (
+        wb.RoutingProblem(Sites.of("oabcd"), cross, (VehicleType(),), min_vehicles=5),
+        wb.RoutingProblem(Sites.of("oabcd", demand=[0, 5, 5, 5, 1]), cross, (VehicleType(count=2, capacity=9.0),)),
+        wb.RoutingProblem(Sites.of("oabcd"), cross, (VehicleType(count=1, max_distance=7.0),)),
+        wb.RoutingProblem(Sites.of("oabcd", due=[99, 3.5, 3.5, 3.5, 99]), cross, (VehicleType(count=2),)),
+        wb.RoutingProblem(Sites.of("oabcd", due=[99, 9, 9, 9, 9], service=[0, 4, 4, 4, 4]), near, (VehicleType(count=1),)),
+    )
+    found = {}
+    for problem in asked:
+        for piece in (*suspicions(problem), *fleet_conflicts(problem), *_small_groups(problem, lambda: False, 4)):
+            if proves(problem, piece):
+                found.setdefault(piece.kind, (problem, piece))
+    return [
+        case for problem, piece in found.values() for case in _cases_of(problem, None, [wb.Routes.of([[1], [2, 3, 4]])], piece, look=False)
+    ]
 
 
 def _max_min() -> list[Case]:
@@ -131,7 +153,7 @@ def _arrays() -> list[Case]:
 
 @cache
 def pool() -> list[Case]:
-    cases = [*_routing(), *_max_min(), *_selection(), *_arrays()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name
