@@ -9,7 +9,6 @@ from ..formulations.certificate import certify
 from ..formulations.evaluation import CHECK_TOLERANCE
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
-from ..instances.errors import WayboundError
 from .backend import Control, RawResult
 from .bounding import find_bounds
 from .search import search
@@ -24,15 +23,16 @@ MOST_SITES = 500
 """Larger instances have bounds that no answer reaches, and whose verification takes as long as finding them."""
 
 
-def first_evidence(problem: RoutingProblem, seconds: float) -> list[Evidence]:
-    """Evidence found within ``seconds``; what fails here will be told by the bounding that follows the search."""
+def first_evidence(problem: RoutingProblem, seconds: float) -> tuple[list[Evidence], Goal | None]:
+    """Evidence found within ``seconds``, and the goal that it sets."""
     if len(problem.sites) > MOST_SITES:
-        return []
+        return [], None
     try:
         found = search(lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control)), Control(), seconds)
-    except WayboundError:
-        return []
-    return found.result.answer or []
+        evidence = found.result.answer or []
+        return evidence, Goal(problem, evidence)
+    except (Exception, KeyboardInterrupt):  # whatever fails here will be told by the bounding that follows the search, and costs no answer
+        return [], None
 
 
 class Goal:

@@ -149,14 +149,15 @@ def solve(
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         began = time.perf_counter()
         first: list[Evidence] = []
+        goal: Goal | None = None
         if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first = first_evidence(problem, min(SECONDS, budget))  # type: ignore[arg-type]
-            control.goal = goal = Goal(problem, first)
-            if goal.infeasible:
+            first, goal = first_evidence(problem, min(SECONDS, budget))  # type: ignore[arg-type]
+            control.goal = goal
+            if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
         spent = time.perf_counter() - began
         searched = search(run.go, control, time_limit)
-        if control.goal is not None and goal.reached and not searched.interrupted:
+        if goal is not None and goal.reached and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit="none"))
         return _conclude(problem, run, searched, control, chosen, budget, progress, first, spent)
 
