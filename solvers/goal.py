@@ -23,15 +23,16 @@ MOST_SITES = 500
 """Larger instances have bounds that no answer reaches, and whose verification takes as long as finding them."""
 
 
-def first_evidence(problem: RoutingProblem, seconds: float) -> list[Evidence]:
-    """Evidence found within ``seconds``; what fails here will be told by the bounding that follows the search."""
+def first_evidence(problem: RoutingProblem, seconds: float) -> tuple[list[Evidence], Goal | None]:
+    """Evidence found within ``seconds``, and the goal that it sets."""
     if len(problem.sites) > MOST_SITES:
-        return []
+        return [], None
     try:
         found = search(lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control)), Control(), seconds)
-    except (Exception, KeyboardInterrupt):
-        return []
-    return found.result.answer or []
+        evidence = found.result.answer or []
+        return evidence, Goal(problem, evidence)
+    except (Exception, KeyboardInterrupt):  # whatever fails here will be told by the bounding that follows the search, and costs no answer
+        return [], None
 
 
 class Goal:

@@ -147,10 +147,14 @@ def solve(
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         began = time.perf_counter()
-        first, goal = _look_ahead(problem, run, control, min(SECONDS, budget) if iterations is None else 0.0)
+        first: list[Evidence] = []
+        goal: Goal | None = None
+        if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            first, goal = first_evidence(problem, min(SECONDS, budget))  # type: ignore[arg-type]
+            control.goal = goal
+            if goal is not None and goal.infeasible:
+                run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
         spent = time.perf_counter() - began
-        if goal is not None and goal.infeasible:
-            run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
         try:
             searched = search(run.go, control, time_limit)
         except WayboundError:
@@ -164,18 +168,6 @@ def solve(
         made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first)
         made.seconds["bound"] += spent
         return made
-
-
-def _look_ahead(problem: Problem, run: _Run, control: Control, seconds: float) -> tuple[list[Evidence], Goal | None]:
-    """Cheap evidence for a search of routes, and what ends it where that proves that nothing is left to gain."""
-    if not run.routes or seconds <= 0:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-        return [], None
-    found = first_evidence(problem, seconds)  # type: ignore[arg-type]
-    try:
-        control.goal = goal = Goal(problem, found)
-    except Exception:  # a checker that fails is told when the certificate is made
-        return [], None
-    return found, goal
 
 
 def _problem_of(program: Program) -> Problem:

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 _MEMORY = 0.7
 """Share of the last direction in the next one (Volgenant and Jonker 1982 use 0.6 to 0.7 over two steps)."""
 _PATIENCE = 30
-_SMALLEST_AIM = 1e-6
+_SMALLEST_AIM = 1e-11
 """Relative rise at which the ascent gives up aiming higher."""
 
 

@@ -28,13 +28,16 @@ def test_where_the_data_prove_that_there_is_no_answer_none_is_searched(solver: s
 def test_nothing_is_proved_before_a_run_that_shall_repeat_or_that_asks_for_no_bound(monkeypatch, given) -> None:
     monkeypatch.setattr("waybound.solvers.solve.first_evidence", lambda *_: pytest.fail("asked"))
     if "bound_time" in given:
-        monkeypatch.setattr("waybound.solvers.solve.first_evidence", lambda problem, seconds: [] if seconds == 0 else pytest.fail("asked"))
+        monkeypatch.setattr(
+            "waybound.solvers.solve.first_evidence", lambda problem, seconds: ([], None) if seconds == 0 else pytest.fail("asked")
+        )
     assert wb.solve(wb.read("demo-tiny"), "pyvrp", **given).answer is not None
 
 
-def test_a_bound_that_fails_costs_no_answer(monkeypatch) -> None:
+@pytest.mark.parametrize("fault", [InputError("too large"), MemoryError(), KeyboardInterrupt()])
+def test_a_bound_that_fails_costs_no_answer(monkeypatch, fault) -> None:
     def fails(*given, **named):
-        raise InputError("too large")
+        raise fault
 
     monkeypatch.setattr(goal, "find_bounds", fails)
-    assert goal.first_evidence(wb.read("demo-tiny"), 1.0) == []
+    assert goal.first_evidence(wb.read("demo-tiny"), 1.0) == ([], None)
