@@ -22,7 +22,7 @@ from .program import Floats, Program
 SMALLEST, LARGEST = -10, 20
 """Binary exponents of ordinary sizes: from 1/1024 to a million."""
 
-COMMON = 10
+COMMON = 2
 """Binary exponent of the size that all numbers of other programs are brought to."""
 
 _PASSES = 4
