@@ -126,6 +126,11 @@ def too_late(seconds: float) -> str:
     return f"ended after {seconds:.1f} s (load {load:.1f})" if seconds > PATIENCE * load else ""
 
 
+def _heed() -> None:
+    for number in (signal.SIGINT, signal.SIGQUIT):
+        signal.signal(number, signal.SIG_DFL)
+
+
 class Run:
     """A command in folders of its own, and what a signal made of it."""
 
@@ -136,10 +141,10 @@ class Run:
         self.paths = {name: self.outputs / f"{name}.json" for name in case.writes}
         words = [str(path) if word == case.file else word for word in case.words]
         words += [word for name, file in self.paths.items() for word in (f"--{name}", str(file))]
-        # A shell has its background jobs ignore Ctrl-C, and what is ignored stays so.
+        # A shell has its background jobs ignore signals of the keyboard, and what is ignored stays so.
         self.process = subprocess.Popen(
             [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            env={**os.environ, "TMPDIR": str(self.temporary)}, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+            env={**os.environ, "TMPDIR": str(self.temporary)}, preexec_fn=_heed,
         )  # fmt: skip
 
     def end(self, number: int) -> float:
@@ -199,13 +204,15 @@ def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_ans
         case, number = CASES[at], (signal.SIGINT, signal.SIGTERM)[int(rng.integers(2))]
         path, problem = instances(case.file)
         instant = wall + float(rng.uniform(0.0, latest))
-        run = Run(case, path, tmp_path / str(k))
-        time.sleep(instant)
-        what = f"{' '.join(case.words)}, {number.name} after {instant:.2f} s"
-        if run.process.poll() is not None:
+        for attempt in itertools.count():  # a command that has ended is begun once more, for an earlier signal
+            run = Run(case, path, tmp_path / f"{k}-{attempt}")
+            time.sleep(instant)
+            if run.process.poll() is None:
+                break
             run.process.communicate()
             tally["commands that ended before their signal"] += 1
-            continue
+            instant *= float(rng.uniform(0.3, 0.9))
+        what = f"{' '.join(case.words)}, {number.name} after {instant:.2f} s"
         seconds = run.end(number)
         faults += [f"{what}: {fault}" for fault in [too_late(seconds), *run.faults(number, problem)] if fault]
         tally["signals at random instants"] += 1
