@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from ..formulations.rendering import Line
     from ..reports.tables import Table
 
+SHOWN_ROWS = 500
+"""Rows of a table that are shown: more are for machines, and take seconds to lay out."""
+
 PIPE_WIDTH = 120
 """Columns of a table that is not written to a terminal."""
 
@@ -77,9 +80,10 @@ def table_text(table: Table) -> str:
             column.name, footer=table.total[k] if table.total else "", justify="right" if column.right else "left", overflow="fold",
             no_wrap=column.right, ratio=1 if column.wide else None,
         )  # fmt: skip
-    for row in table.rows:
+    for row in table.rows[:SHOWN_ROWS]:
         grid.add_row(*(Text(cell) for cell in row))
-    return _rendered(grid)
+    more = len(table.rows) - SHOWN_ROWS
+    return _rendered(grid) + (f"and {more:,} more rows; --json has all\n" if more > 0 else "")
 
 
 def lines_text(title: str, lines: Sequence[Line]) -> str:
