@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..formulations.rendering import Line
     from ..reports.tables import Table
 
-SHOWN_ROWS = 500
+SHOWN_ROWS = 100
 """Rows of a table that are shown: more are for machines, and take seconds to lay out."""
 
 PIPE_WIDTH = 120
