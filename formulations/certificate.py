@@ -121,11 +121,9 @@ def better_bound(sense: str, a: float, b: float) -> bool:
     return a > b if sense == "min" else a < b
 
 
-def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0, concession: float = 0.0) -> bool:
-    """Whether an objective is better than a bound says is possible, beyond rounding and what its residuals are worth."""
-    if not better_bound(sense, bound, objective) or tolerance.same(objective, bound, size):
-        return False
-    return abs(objective - bound) > concession
+def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0) -> bool:
+    """Whether an objective is better than a bound says is possible, beyond rounding."""
+    return better_bound(sense, bound, objective) and not tolerance.same(objective, bound, size)
 
 
 def verified_bound(problem: Problem, evidence: Evidence) -> float:
@@ -187,12 +185,13 @@ def certify(
                 "one of the two checks is wrong; please report this"
             )
         if bound is not None:
-            if beats_bound(problem.sense, value, bound, evaluation.size, problem.concession(best[0], evaluation)):
+            beaten = beats_bound(problem.sense, value, bound, evaluation.size)
+            if beaten and not abs(value - bound) <= problem.concession(best[0], evaluation):
                 raise CheckFailedError(
                     f"the answer's value {value!r} is better than the bound {bound!r} derived from {best[0].source}: "
                     "one of the two checks is wrong; please report this"
                 )
-            gap = tolerance.gap(value, bound, evaluation.size)
+            gap = tolerance.gap(value, bound, evaluation.size, evaluation.precision)
             if len(evaluation.values) > 1 and tolerance.same(value, bound, evaluation.size):
                 gap = None
             ratio = tolerance.ratio(value, bound, evaluation.size, evaluation.precision)

@@ -5,8 +5,9 @@ With x = S x' and row factors R, and f for the objective, all of them powers of 
 
     min c x + c0,  l <= A x <= u      becomes      min f c S x' + f c0,  R l <= R A S x' <= R u
 
-Integers keep their unit, and rows of ones theirs. A program whose numbers are all of ordinary size is handed over as it is; one of which
-any is not has all of them brought to the same size, so that it is the same program whatever the units of its data were.
+Integers keep their unit, and rows of ones theirs. A program is handed over as it is if the largest entry of each row and of the objective
+and the sizes of its continuous variables are ordinary; else all of them are brought to the same size, so that it is the same program
+whatever the units of its data were.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ from .program import Floats, Program
 
 SMALLEST, LARGEST = -10, 20
 """Binary exponents of ordinary sizes: from 1/1024 to a million."""
+
+SPREAD = 10
+"""Binary exponent of how far apart the variables of a block may be and still have one unit."""
 
 COMMON = 2
 """Binary exponent of the size that all numbers of other programs are brought to."""
@@ -84,7 +88,14 @@ def scaled(program: Program) -> Scaled:
     rows, objective = np.where(plain, 0, -_shift(heaviest)), -int(_shift(dearest)[0])
     if not math.isfinite(_times(program.offset, objective)):
         objective = 0
-    return Scaled(_apply(program, columns, rows, objective), columns, rows, objective)
+    made = _apply(program, columns, rows, objective)
+    if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(made), strict=True)):
+        return Scaled(program, ones, np.zeros(program.num_rows, dtype=np.int64), 0)  # numbers too far apart for any unit
+    return Scaled(made, columns, rows, objective)
+
+
+def _numbers(p: Program) -> tuple[Floats, ...]:
+    return p.cost, p.lower, p.upper, p.row_lower, p.row_upper, p.data
 
 
 def _heaviest(program: Program, row: NDArray[np.int64], columns: NDArray[np.int64]) -> tuple[Floats, Floats]:
@@ -114,7 +125,8 @@ def _shift(sizes: Floats) -> NDArray[np.int64]:
 def _sizes(program: Program, row: NDArray[np.int64]) -> Floats:
     """How large the variables are, by their bounds, or by what the rows that hold them speak of; 0 where nothing tells.
 
-    One size a block: its variables are of one kind, and rows that add them up keep their coefficients of 1.
+    One size a block, whose variables are of one kind, so that rows that add them up keep their coefficients of 1; but each its own where
+    they are more than 2**SPREAD apart.
     """
     bounds = np.maximum(*(np.where(np.isfinite(end), np.abs(end), 0.0) for end in (program.lower, program.upper)))
     size = np.where(program.integer, np.maximum(bounds, 1.0), bounds)
@@ -137,9 +149,10 @@ def _sizes(program: Program, row: NDArray[np.int64]) -> Floats:
     held_blocks = [k for k, b in enumerate(program.variables) if b.size]
     if not held_blocks:
         return size
-    starts = np.cumsum([0, *(b.size for b in program.variables)])
-    largest = np.maximum.reduceat(size, starts[held_blocks])
-    return np.repeat(largest, [program.variables[k].size for k in held_blocks])
+    starts, widths = np.cumsum([0, *(b.size for b in program.variables)])[held_blocks], [program.variables[k].size for k in held_blocks]
+    largest = np.repeat(np.maximum.reduceat(size, starts), widths)
+    least = np.repeat(np.minimum.reduceat(np.where(size > 0, size, math.inf), starts), widths)
+    return np.where((largest > 2.0**SPREAD * least) & (size > 0), size, largest)
 
 
 def _apply(program: Program, columns: NDArray[np.int64], rows: NDArray[np.int64], objective: int) -> Program:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from .certificate import Certificate
 from .evaluation import Evaluation
 from .problem import Problem
-from .tolerance import gap, same
+from .tolerance import EQUAL, gap, same
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +23,7 @@ PLOTTERS: dict[str, Callable[..., Any]] = {}
 """Plot functions by problem family; filled by the floor above."""
 
 
-def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[float] = ()) -> float | None:
+def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[float] = (), precision: float = EQUAL) -> float | None:
     """``tolerance.gap`` at the first level of the objective that is still open; None without a bound."""
     if objective is None or bound is None:
         return None
@@ -33,7 +33,7 @@ def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[f
     for value, limit, size in zip(values, bounds, sizes or [0.0] * len(values), strict=True):
         if value is None or limit is None:
             return None
-        found = gap(value, limit, size)
+        found = gap(value, limit, size, precision)
         if not same(value, limit, size):
             return found
     return found

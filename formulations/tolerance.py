@@ -53,18 +53,28 @@ def widening(limit: ArrayLike, size: ArrayLike = 0.0) -> NDArray[np.float64]:
     return np.where(np.isfinite(most), LIMIT * most, 0.0)
 
 
+def room(costs: ArrayLike, budget: float) -> float:
+    """The largest sum of ``costs`` that counts as within ``budget``: the budget itself where all are whole numbers, else ``LIMIT`` more."""
+    every = np.asarray(costs, dtype=np.float64)
+    whole = bool((np.floor(every) == every).all()) and float(budget).is_integer() and max(float(every.sum()), budget) < _WHOLE
+    return budget if whole else float(budget + widening(budget))
+
+
 def same(a: float, b: float, size: float = 0.0, precision: float = EQUAL) -> bool:
     """Whether two values are equal but for rounding, ``size`` being that of the terms that were added up to either."""
     return a == b or abs(a - b) <= precision * max(abs(a), abs(b), size) < math.inf
 
 
-def gap(objective: float, bound: float, size: float = 0.0) -> float:
-    """``|bound - objective|`` in parts of ``|objective|``, or of 1e-9 of the larger of ``bound`` and ``size`` where that is more."""
+def gap(objective: float, bound: float, size: float = 0.0, precision: float = EQUAL) -> float:
+    """``|bound - objective|`` in parts of ``|objective|``, or of 1e-9 of the larger of ``bound`` and ``size`` where that is more.
+
+    Where the two are the same, in parts of the larger of all three: then it is ``precision`` at most.
+    """
     most = max(abs(bound), abs(objective), size)
     if bound == objective or most == 0.0:
         return 0.0
     apart = abs(bound / most - objective / most)  # in parts of the larger, so that nothing overflows or vanishes
-    return apart / max(abs(objective) / most, EQUAL)
+    return apart if same(objective, bound, size, precision) else apart / max(abs(objective) / most, EQUAL)
 
 
 def ratio(value: float, bound: float, size: float = 0.0, precision: float = EQUAL) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import threading
 import time
+import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -153,7 +154,14 @@ class _Rescaled(Control):
     def __init__(self, outer: Control, made: Scaled) -> None:
         super().__init__()
         self._outer, self._made = outer, made
-        outer.on_stop(self.stop)
+        mine = weakref.ref(self)
+
+        def end() -> None:  # the outer one may live for many programs
+            inner = mine()
+            if inner is not None:
+                inner.stop()
+
+        outer.on_stop(end)
 
     def publish(
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()

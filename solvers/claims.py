@@ -41,23 +41,24 @@ def check_feasibility(solver: str, result: RawResult, evaluation: Evaluation, ex
         )
 
 
-def check_bound(solver: str, sense: str, result: RawResult, best: float | None, exactness: Exactness) -> None:
+def check_bound(solver: str, sense: str, result: RawResult, evaluation: Evaluation | None, exactness: Exactness) -> None:
     """Raise CheckFailedError if the solver claims a bound, an optimum or infeasibility that a verified answer refutes."""
-    if best is None or not exactness.bound_is_valid:
+    if evaluation is None or not exactness.bound_is_valid:
         return
+    best, size = evaluation.values[0], evaluation.size
     if result.status == "infeasible":
         raise CheckFailedError(f"{solver} claims that there is no answer, but one of value {best!r} passed every check")
-    if result.bound is not None and _far(result.bound, best) and beats_bound(sense, best, result.bound):
+    if result.bound is not None and _far(result.bound, best, size) and beats_bound(sense, best, result.bound, size):
         raise CheckFailedError(f"{solver} claims the bound {result.bound!r}, but an answer of value {best!r} passed every check")
     if result.status == "optimal" and result.objective is not None and exactness is Exactness.EXACT:
         worse = result.objective > best if sense == "min" else result.objective < best
-        if worse and _far(result.objective, best):
+        if worse and _far(result.objective, best, size):
             raise CheckFailedError(f"{solver} claims the optimum {result.objective!r}, but an answer of value {best!r} passed every check")
 
 
-def check_verified(solver: str, sense: str, result: RawResult, verified: float | None, exactness: Exactness) -> None:
-    """Raise CheckFailedError if the solver claims an optimum better than a verified bound allows."""
+def check_verified(solver: str, sense: str, result: RawResult, verified: float | None, exactness: Exactness, size: float = 0.0) -> None:
+    """Raise CheckFailedError if the solver claims an optimum better than a verified bound allows; ``size`` is that of the terms of one."""
     if verified is None or result.objective is None or result.status != "optimal" or not exactness.answer_is_valid:
         return
-    if _far(result.objective, verified) and beats_bound(sense, result.objective, verified):
+    if _far(result.objective, verified, size) and beats_bound(sense, result.objective, verified, size):
         raise CheckFailedError(f"{solver} claims the optimum {result.objective!r}, but the verified bound is {verified!r}")

@@ -20,7 +20,7 @@ PATIENCE = 2.0
 GRACE = 1.2
 """Seconds an engine has to come back once it was asked to stop; after that its published incumbents count."""
 
-LAST = 0.5
+LAST = 0.8
 """Seconds of ``PATIENCE`` that are left for showing and writing what was found."""
 
 CHILD_GRACE = 1.0

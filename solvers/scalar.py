@@ -76,6 +76,8 @@ def scalarised(problem: RoutingProblem) -> Scalar:
         first = _level(problem, level)
         step = abs(level.terms[0][0]) if level.terms[0][1].name == "vehicles" else _step(first.prize)
         spread = _range(problem, total)
+        if not math.isfinite(spread / step):
+            raise UnsupportedError("one sum of all levels", {f"objective:{level} so much smaller than what follows"})
         total = first * (2.0 ** (math.frexp(spread / step)[1] + 1) if spread > 0 else 1.0) + total
     return total
 

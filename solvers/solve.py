@@ -297,7 +297,7 @@ def _certified(
     result, problem = searched.result, judge.problem
     answer, evaluation = found
     best = None if evaluation is None else evaluation.values[0]
-    judge.hear(claims.check_bound, run.name, problem.sense, result, best, run.exactness)
+    judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness)
 
     began = time.perf_counter()
     evidence: list[Evidence] = list(first)
@@ -322,7 +322,8 @@ def _certified(
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
-    judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness)
+    size = 0.0 if evaluation is None else evaluation.size
+    judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness, size)
     check_seconds = spent + time.perf_counter() - began
 
     faults = tuple(dict.fromkeys(judge.faults))
@@ -334,7 +335,7 @@ def _certified(
     objective = None if evaluation is None else evaluation.objective
     if isinstance(objective, list) and bound is not None:
         bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
-    gap = relative_gap(objective, bound, () if evaluation is None else evaluation.sizes)
+    gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
     status = _status(problem, run, result, certificate, evaluation, bound)
     messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
     return Solution(

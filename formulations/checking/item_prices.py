@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...instances.errors import InputError
 from ..evidence import CHECKERS
-from ..tolerance import widening
+from ..tolerance import room
 from .granularity import lift, value_grain
 from .multipliers import numbers
 
@@ -108,20 +108,17 @@ def _fractional_knapsack(costs: Floats, budget: float, worth: Floats) -> Floats:
 
     The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
     """
-    with np.errstate(over="ignore", under="ignore"):  # in a unit in which the budget is below 2**52
-        unit = min(0, 52 - int(np.frexp(budget)[1])) if budget >= 2.0**52 else max(0, -int(np.frexp(budget)[1]))
-        costs, budget = np.ldexp(costs, unit), float(np.ldexp(budget, unit))
-    room = budget + float(widening(budget)) + 4 * _EPS * budget  # evaluate lets that much pass
-    if bool((costs == np.floor(costs)).all()) and max(costs.sum(), budget) < 2.0**52:
-        room = budget if budget == math.floor(budget) else math.floor(room)
-    fits = costs <= room
+    most = room(costs, budget) * (1.0 + 4 * _EPS)  # evaluate lets that much pass
+    with np.errstate(over="ignore", under="ignore"):  # in a unit in which the budget is below 1
+        costs, most = (np.ldexp(v, -np.frexp(budget)[1]) for v in (costs, most))
+    fits = costs <= most
     costs, worth = costs[fits], worth[fits]
     paid = (costs > 0) & (worth > 0)
     rate = worth[paid] / costs[paid]
     order = np.argsort(-rate, kind="stable")
-    at = int(np.searchsorted(np.cumsum(costs[paid][order]), room, side="right"))
+    at = int(np.searchsorted(np.cumsum(costs[paid][order]), most, side="right"))
     q = float(rate[order][at]) if at < len(rate) else 0.0
     if not math.isfinite(q):
         q = 0.0
     # The rounding of the product, in the direction that leaves more.
-    return np.append(np.maximum(worth - q * costs * (1.0 - 2 * _EPS), 0.0), q * room)
+    return np.append(np.maximum(worth - q * costs * (1.0 - 2 * _EPS), 0.0), q * most)

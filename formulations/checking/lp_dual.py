@@ -76,7 +76,7 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
         return -sign * math.inf
     counted = program.cost[program.cost != 0]
     step = grain(counted) if program.integer[program.cost != 0].all() else None
-    if step is not None and (np.rint(counted / step.size) * step.size == counted).all():  # exactly: terms of both signs may cancel
+    if step is not None and (np.fmod(counted, step.size) == 0.0).all():  # exactly: terms of both signs may cancel
         bound = lift(bound, "min", step)
     offset = float(program.offset)
     bound = sign * bound + offset

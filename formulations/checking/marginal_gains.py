@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...instances.errors import InputError
 from ..evidence import CHECKERS
-from ..tolerance import EQUAL, widening
+from ..tolerance import EQUAL, room
 from .granularity import lift, value_grain
 
 Floats = NDArray[np.float64]
@@ -134,20 +134,20 @@ def _best_sum(constraint: Any, gains: Floats) -> float:
         starts = np.concatenate([[True], group[1:] != group[:-1]]) if len(group) else np.zeros(0, dtype=bool)
         place = np.arange(len(group)) - np.maximum.accumulate(np.where(starts, np.arange(len(group)), 0))
         return math.fsum(gains[order][place < constraint.limits[group]])
+    most = room(constraint.costs, constraint.budget) * (1.0 + 8 * _EPS)
     with np.errstate(over="ignore"):  # in a unit in which the budget is below 1
-        costs, budget = (np.ldexp(v, -np.frexp(constraint.budget)[1]) for v in (constraint.costs, constraint.budget))
-    room = float(budget + widening(budget)) * (1.0 + 8 * _EPS)
-    paid = (costs > 0) & (costs <= room)
+        costs, most = (np.ldexp(v, -np.frexp(constraint.budget)[1]) for v in (constraint.costs, most))
+    paid = (costs > 0) & (costs <= most)
     c, g = costs[paid], gains[paid]
     free = math.fsum(gains[costs == 0])
-    if math.fsum(c) <= room:
+    if math.fsum(c) <= most:
         return free + math.fsum(g)
     # Any price of a unit of cost proves a bound; the rate at which the knapsack is full proves the best one.
     with np.errstate(over="ignore"):
         rate = g / c
     order = np.argsort(-rate, kind="stable")
-    price = float(rate[order[np.argmax(np.cumsum(c[order]) >= room)]])
+    price = float(rate[order[np.argmax(np.cumsum(c[order]) >= most)]])
     if math.isinf(price):
         return math.inf
-    bound: float = free + room * price
+    bound: float = free + most * price
     return bound + math.fsum(np.maximum(g * (1.0 + 4 * _EPS) - price * c * (1.0 - 4 * _EPS), 0.0))

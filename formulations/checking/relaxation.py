@@ -170,7 +170,7 @@ def _resources(problem: RoutingProblem) -> dict[str, Resource]:
         ends.append(end)
     due[0] = max(ends)
     clock = max(abs(float(sites.ready[v.start])) for v in fleet)
-    found = {"time": _resource(busy, start, ready, due, clock)}
+    found = {"time": _resource(busy, start, ready, due, clock, rounded=clock)}
     clock = found["time"].size  # what the judge computes elapsed time from
 
     demand = np.concatenate([[0.0], sites.demand[at]])

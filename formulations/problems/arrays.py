@@ -17,7 +17,8 @@ from ..evaluation import Evaluation, judge
 from ..evidence import Evidence
 from ..problem import Problem
 from ..program import Floats, Program
-from ..tolerance import VECTOR
+from ..scaling import scaled
+from ..tolerance import EQUAL, VECTOR
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -90,7 +91,9 @@ class ArrayProblem(Problem):
             within = (outside <= VECTOR * columns).all() and (fraction <= VECTOR).all()
             near = np.clip(np.where(p.integer, np.round(x), x), p.lower, p.upper) if within else x
             row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
-            activity = np.bincount(row, p.data * near[p.indices], minlength=p.num_rows) if p.num_rows else np.zeros(0)
+            parts = p.data * near[p.indices]
+            activity = np.bincount(row, parts, minlength=p.num_rows) if p.num_rows else np.zeros(0)
+            np.maximum.at(rows := rows.copy(), row, np.abs(parts))
             terms = [*(p.cost * near).tolist(), float(p.offset)]
             if p.quadratic is not None:
                 terms.append(float(near @ (p.quadratic @ near)) / 2.0)
@@ -107,25 +110,21 @@ class ArrayProblem(Problem):
             judged.append(judge(cones.name, cones.excess(near), message, VECTOR * size))
         checks = tuple(check for check, _ in judged)
         violations = tuple(v for _, found in judged for v in found)
-        return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), VECTOR)
+        return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), self._precision)
+
+    @cached_property
+    def _precision(self) -> float:
+        """Sums of whole numbers times costs are as exact as any sum."""
+        p = self.program
+        return EQUAL if p.quadratic is None and bool(p.integer[p.cost != 0].all()) else VECTOR
 
     @cached_property
     def _sizes(self) -> tuple[Floats, Floats]:
-        """Of each variable the largest of its bounds, where they say nothing the largest level that any row speaks of; of each row the
-        larger of its sides and of its smallest entry times the variable's size."""
-        p = self.program
-        row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
-        held = p.data != 0
-        sides = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.row_lower, p.row_upper)))
-        own = np.maximum(*(np.where(np.isfinite(end), np.abs(end), 0.0) for end in (p.lower, p.upper)))
-        heaviest, smallest = np.zeros(p.num_rows), np.full(p.num_rows, math.inf)
-        np.maximum.at(heaviest, row[held], np.abs(p.data[held]))
-        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            level = np.where(heaviest > 0, sides / heaviest, 0.0)
-            common = max(float(own.max(initial=0.0)), float(level.max(initial=0.0))) or 1.0
-            columns = np.where(own > 0, own, common)
-            np.minimum.at(smallest, row[held], np.abs(p.data[held]) * columns[p.indices[held]])
-        return columns, np.maximum(sides, np.where(np.isfinite(smallest), smallest, 0.0))
+        """Of each variable and each row the larger of its own limits and of the unit in which solvers count it."""
+        p, units = self.program, scaled(self.program)
+        own = [np.where(np.isfinite(end), np.abs(end), 0.0) for end in (p.lower, p.upper, p.row_lower, p.row_upper)]
+        columns, rows = np.ldexp(np.ones(p.num_variables), units.columns), np.ldexp(np.ones(p.num_rows), -units.rows)
+        return np.maximum.reduce([columns, *own[:2]]), np.maximum.reduce([rows, *own[2:]])
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
         """How much less ``evidence`` proves where every row is as wide as the answer's largest residual makes it."""

@@ -29,7 +29,7 @@ from ..assignments import graph_for
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, Problem
 from ..selections import Selection, entries_of, judge_elements
-from ..tolerance import EQUAL, allowance
+from ..tolerance import EQUAL, room
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -217,7 +217,7 @@ class SubmodularSelection(Problem):
         if isinstance(c, Knapsack):
             cost = math.fsum(c.costs[chosen])
             message = f"the chosen elements cost {cost:.12g}, the budget is {c.budget:.12g}"
-            return judge(name, np.array([cost - c.budget]), lambda _: message, allowance(c.budget, cost))
+            return judge(name, np.array([cost - c.budget]), lambda _: message, room(c.costs, c.budget) - c.budget)
         used, counts = np.unique(c.groups[chosen], return_counts=True)
         return judge(
             name, counts.astype(np.float64) - c.limits[used],

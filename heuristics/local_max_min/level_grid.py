@@ -21,7 +21,8 @@ class LevelGrid:
 
     def number(self, level: float) -> float:
         """The j of a level, not rounded."""
-        return math.log2(level) * self.parts
+        part, whole = math.frexp(level)
+        return whole * self.parts + math.log2(part) * self.parts
 
     def level(self, j: int) -> float:
         """Level number j."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...formulations.problems.bottleneck_sata import BottleneckSATA
 from ...formulations.problems.submodular_selection import SubmodularSelection
-from ...formulations.tolerance import allowance
+from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...instances.selection import Cardinality, Knapsack, PartitionMatroid
 
@@ -94,10 +94,8 @@ class Limits:
 
 
 def spendable(constraint: Knapsack) -> float:
-    """The budget and what a check lets pass beyond it: three costs of 0.1 fit into 0.3; nothing where all are whole."""
-    total = float(constraint.costs.sum())
-    whole = bool((constraint.costs == np.floor(constraint.costs)).all())
-    return constraint.budget + float(allowance(constraint.budget, total if whole else 0.5))
+    """What an answer may cost: the budget and what a check lets pass beyond it, so that three costs of 0.1 fit into 0.3."""
+    return room(constraint.costs, constraint.budget)
 
 
 def in_budgets(constraint: Knapsack) -> tuple[NDArray[np.float64], float]:

@@ -134,7 +134,7 @@ def _highs(program: Program, options: Options) -> dict[str, Any]:
     highspy.Highs.resetGlobalScheduler(True)  # it keeps the number of threads of the first run, and refuses another one
     made: dict[str, Any] = {"threads": int(options.threads), "random_seed": int(options.seed) % (2**31 - 1)}
     if program.is_integer:
-        made["mip_rel_gap"] = float(options.gap)
+        made["mip_rel_gap"], made["mip_abs_gap"] = float(options.gap), 0.0
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
         made.update(dict.fromkeys(limits, int(options.iterations)))

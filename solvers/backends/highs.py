@@ -114,6 +114,7 @@ def _configure(model: Any, program: Program, options: Options) -> None:
         "threads": int(options.threads),
         "random_seed": int(options.seed) % (2**31 - 1),
         "mip_rel_gap": float(options.gap),
+        "mip_abs_gap": 0.0,  # its own of 1e-6 is in units of the data
     }
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")

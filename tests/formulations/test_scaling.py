@@ -91,3 +91,21 @@ def test_a_problem_is_solved_alike_in_every_unit(power):
         assert (a.status, a.bound_kind) == (b.status, b.bound_kind)
         assert b.objective == pytest.approx(math.ldexp(a.objective, power), rel=1e-12)
         assert b.bound == pytest.approx(math.ldexp(a.bound, power), rel=1e-9)
+
+
+def test_variables_of_a_block_that_lie_far_apart_are_counted_each_in_its_own_unit():
+    """With one unit for both, the second would be below every tolerance."""
+    x = Variables("x", lower=np.zeros(2), upper=np.array([1e7, 1e-4]), cost=np.array([-1e-7, -1e4]))
+    row = Rows("row", indptr=np.array([0, 2], np.int32), indices=np.array([0, 1], np.int32), data=np.array([1e-7, 1e4]),
+               lower=np.array([-INF]), upper=np.array([0.5]))  # fmt: skip
+    result = Highs().run(Program("apart", "min", (x,), (row,)), Options(), Control())
+    assert result.objective == pytest.approx(-0.5)
+
+
+def test_numbers_too_far_apart_for_any_unit_are_left_alone():
+    x = Variables("x", lower=np.zeros(1), upper=np.array([1e200]), cost=np.array([1e200]))
+    row = Rows("row", indptr=np.array([0, 1], np.int32), indices=np.array([0], np.int32), data=np.array([1e-300]),
+               lower=np.array([1e100]), upper=np.array([INF]))  # fmt: skip
+    program = Program("far", "min", (x,), (row,))
+    made = scaled(program).program
+    assert made is program or all(np.isfinite(part).all() for part in (made.cost, made.row_lower, made.data))

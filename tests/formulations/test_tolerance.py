@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.formulations.tolerance import EQUAL, LIMIT, allowance, gap, ratio, same, widening
+from waybound.formulations.tolerance import EQUAL, LIMIT, VECTOR, allowance, gap, ratio, room, same, widening
 
 POWERS = st.sampled_from([-1000, -300, -30, -10, 0, 10, 30, 300, 900])
 NUMBERS = st.floats(-1e9, 1e9).filter(lambda v: v == 0 or abs(v) > 1e-9)
@@ -66,3 +66,18 @@ def test_numbers_at_the_ends_of_the_doubles():
 def test_arrays_are_judged_entry_by_entry():
     allowed = allowance([1.0, 0.3, 0.0], [2.0, 0.31, 1e-300])
     assert np.array_equal(allowed, [0.0, LIMIT * 0.3, 0.0])
+
+
+def test_a_gap_agrees_with_what_counts_as_the_same():
+    for value, bound, size in ((5e-10, 0.0, 1.0), (2e-7, 1e-7, 2.0), (3.0, 3.0 + 1e-6, 0.0)):
+        for precision in (EQUAL, VECTOR):
+            if same(value, bound, size, precision):
+                assert gap(value, bound, size, precision) <= precision
+            else:
+                assert gap(value, bound, size, precision) > precision
+
+
+def test_what_a_budget_has_room_for_is_decided_by_all_costs():
+    assert room([1.0, 2.0], 10.0) == 10.0
+    for costs, budget in (([0.1, 0.2], 0.3), ([1e12 + 5, 0.5], 1e12), ([1.0, 2.0**53], 10.0), ([1.0], 10.5)):
+        assert room(costs, budget) == budget + widening(budget)

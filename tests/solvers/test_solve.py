@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.routes import Routes
 from waybound.instances.errors import CheckFailedError, UnsupportedError, UsageError
@@ -67,12 +68,16 @@ def test_an_honest_best_effort_that_breaks_a_constraint_is_no_answer(square: Rou
     assert "carries 4" in solution.message
 
 
+def worth(value: float) -> Evaluation:
+    return Evaluation((value,), (), (), {})
+
+
 def test_claimed_infeasibility_is_refuted_by_a_verified_start(square: RoutingProblem, engine_that: Any) -> None:
     from waybound.formulations.exactness import Exactness
     from waybound.solvers import claims
 
     with pytest.raises(CheckFailedError, match="there is no answer"):
-        claims.check_bound("liar", "min", RawResult("infeasible"), 24.0, Exactness.EXACT)
+        claims.check_bound("liar", "min", RawResult("infeasible"), worth(24.0), Exactness.EXACT)
 
 
 def test_a_claimed_bound_above_a_verified_answer_is_an_error() -> None:
@@ -80,8 +85,8 @@ def test_a_claimed_bound_above_a_verified_answer_is_an_error() -> None:
     from waybound.solvers import claims
 
     with pytest.raises(CheckFailedError, match=r"25\.0.*24\.0"):
-        claims.check_bound("liar", "min", RawResult("feasible", bound=25.0), 24.0, Exactness.EXACT)
-    claims.check_bound("restriction", "min", RawResult("feasible", bound=25.0), 24.0, Exactness.RESTRICTION)
+        claims.check_bound("liar", "min", RawResult("feasible", bound=25.0), worth(24.0), Exactness.EXACT)
+    claims.check_bound("restriction", "min", RawResult("feasible", bound=25.0), worth(24.0), Exactness.RESTRICTION)
 
 
 def test_a_claimed_optimum_worse_than_a_verified_answer_is_an_error() -> None:
@@ -89,7 +94,7 @@ def test_a_claimed_optimum_worse_than_a_verified_answer_is_an_error() -> None:
     from waybound.solvers import claims
 
     with pytest.raises(CheckFailedError, match=r"optimum 15.*value 9"):
-        claims.check_bound("HiGHS 1.14", "min", RawResult("optimal", objective=15.0, bound=9.0), 9.0, Exactness.EXACT)
+        claims.check_bound("HiGHS 1.14", "min", RawResult("optimal", objective=15.0, bound=9.0), worth(9.0), Exactness.EXACT)
 
 
 def test_a_claimed_optimum_better_than_a_verified_bound_is_an_error() -> None:

@@ -6,10 +6,13 @@ import itertools
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from waybound.formulations.certificate import verified_bound
 from waybound.formulations.checking.relaxation import relax
+from waybound.formulations.evidence import Evidence
 from waybound.formulations.problems.routing import RoutingProblem
 from waybound.formulations.routes import Route, Routes
 from waybound.formulations.tolerance import LIMIT
@@ -71,3 +74,16 @@ def test_a_late_arrival_within_the_tolerance_of_the_check_keeps_its_arc():
     problem = RoutingProblem(Sites.of("oa", due=[100, 10 * (1 - 0.9 * LIMIT)]), Travel(EXPLICIT, matrix=matrix), (VehicleType(),))
     assert problem.evaluate(Routes.of([[1]])).feasible
     assert math.isfinite(relax(problem).cost[0, 1])
+
+
+@pytest.mark.parametrize("opening", [1e6, 1.7e9])
+def test_durations_are_known_as_closely_as_the_clock_of_their_own_depot(opening):
+    """The judge's rounding is that of the second depot's times; the earliest opening of the fleet is 0."""
+    matrix = np.ones((3, 3)) - np.eye(3)
+    limit = 2.0 - 2e-15 * opening
+    sites = Sites.of("abc", depot=[True, True, False], ready=[0, opening, opening])
+    fleet = (VehicleType(start=0, end=0, max_duration=limit, max_distance=1.0), VehicleType(start=1, end=1, max_duration=limit))
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix), fleet)
+    assert problem.evaluate(Routes((Route((2,), 1),))).feasible
+    for kind, data in (("spanning-tree", {"multipliers": [0.0] * 3}), ("arc-multipliers", {"out": [0.0] * 3, "in": [0.0] * 3})):
+        assert verified_bound(problem, Evidence(kind, "", 0.0, data)) < math.inf

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.certificate import certify, verified_bound
 from waybound.formulations.cones import Cones
+from waybound.formulations.evidence import Evidence
 from waybound.formulations.exactness import Exactness
 from waybound.formulations.problems.arrays import ArrayProblem
 from waybound.formulations.program import Program, Rows, Variables
@@ -182,3 +183,29 @@ def test_a_cone_program_is_solved_and_checked() -> None:
     assert solution.objective == pytest.approx(10.0, abs=1e-6)
     assert solution.certificate.feasible
     assert solution.bound_kind == "claimed"
+
+
+def small(cost, upper, row, low, high, integer=()) -> ArrayProblem:
+    """One row over variables from 0 to ``upper``, each a block of its own."""
+    blocks = tuple(
+        Variables(f"x{k}", lower=np.zeros(1), upper=np.array([u]), cost=np.array([c]), integer=k in integer)
+        for k, (c, u) in enumerate(zip(cost, upper, strict=True))
+    )
+    n = len(cost)
+    rows = Rows("row", indptr=np.array([0, n], np.int32), indices=np.arange(n, dtype=np.int32), data=np.array(row, dtype=float),
+                lower=np.array([low]), upper=np.array([high]))  # fmt: skip
+    return ArrayProblem(Program("small", "min", blocks, (rows,)))
+
+
+@pytest.mark.parametrize("most", [1.0, 1e3, 1e6])
+def test_a_row_is_tested_by_its_own_size_and_not_by_how_far_its_variables_may_go(most):
+    asked = small([1.0], [most], [1.0], 1.0, math.inf)
+    assert not asked.evaluate([0.99]).feasible
+    assert asked.evaluate([1.0 - 5e-7]).feasible
+    assert not small([1.0, 1.0], [most, 1.0], [1.0, -most], -math.inf, 0.0, {1}).evaluate([1.0, 0.0]).feasible
+
+
+def test_whole_numbers_are_known_exactly():
+    asked = small([1.0], [1e7], [1.0], 2e6, math.inf, {0})
+    made = certify(asked, asked.evaluate([2e6 + 1]), [Evidence("lp-dual", "by hand", 2e6, {"duals": [1.0]})])
+    assert made.bound == 2e6 and made.observed_ratio > 1.0 and made.gap > 0.0
