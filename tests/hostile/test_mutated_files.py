@@ -278,9 +278,9 @@ def test_depth_is_refused_wherever_json_is_read(kind: str, depth: int, tmp_path:
         ("certificate", '{"kind": "certificate", "schema": 1, "evidence": %s}'),
     ],
 )  # fmt: skip
-def test_a_million_entries_are_refused_quickly(kind: str, text: str, tmp_path: Path) -> None:
+def test_hundreds_of_thousands_of_entries_are_refused_quickly(kind: str, text: str, tmp_path: Path) -> None:
     path = tmp_path / "long.json"
-    for entries in ("[" + "0," * 10**6 + "0]", "[" + "{}," * 10**6 + "{}]"):
+    for entries in ("[" + "0," * 300_000 + "0]", "[" + "{}," * 300_000 + "{}]"):
         path.write_text(text % entries)
         with bounded_memory():
             began = time.thread_time()
