@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from numbers import Integral, Real
 from typing import Any
-
-import numpy as np
 
 from .errors import UsageError
 
@@ -36,7 +35,7 @@ def check_number(name: str, value: Any, *, above: float | None = None, option: s
         What the user wrote, for the message; ``name`` by default.
     """
     said = option or name
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not (value >= 0 if above is None else value > above):
+    if isinstance(value, bool) or not issubclass(type(value), Real) or not (value >= 0 if above is None else value > above):
         raise UsageError(f"{said} must be {'not negative' if above is None else 'positive'}, not {value!r}")
     if value > MOST[name]:
         raise UsageError(f"{said} must be at most {MOST[name]:g}, not {_short(value)}")
@@ -44,7 +43,7 @@ def check_number(name: str, value: Any, *, above: float | None = None, option: s
 
 def check_whole(name: str, value: Any, *, least: int = 0, option: str | None = None) -> None:
     """Raise UsageError unless ``value`` is a whole number between ``least`` and ``MOST`` of its kind; see ``check_number``."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= MOST[name]:
+    if isinstance(value, bool) or not issubclass(type(value), Integral) or not least <= value <= MOST[name]:
         raise UsageError(f"{option or name} must be a whole number between {least} and {MOST[name]}, not {_short(value)}")
 
 
