@@ -122,9 +122,17 @@ def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
     write_solution_file(path, _instance(solution.problem), [route.visits for route in solution.answer], cost)
 
 
+INDENTED = 1_000_000
+"""Characters up to which JSON is laid out for people: doing so takes five times as long, which an interrupted command does not have."""
+
+
 def json_text(data: Any) -> str:
-    """Standard JSON, one key a line; numbers that JSON does not know are null, characters that cannot be printed are escaped."""
-    text = json.dumps(finite(data), indent=2, ensure_ascii=False, allow_nan=False)
+    """Standard JSON, one key a line unless it is long; numbers that JSON does not know are null, characters that cannot be printed are
+    escaped."""
+    plain = finite(data)
+    text = json.dumps(plain, ensure_ascii=False, allow_nan=False)
+    if len(text) <= INDENTED:
+        text = json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False)
     if not all(line.isprintable() for line in text.split("\n")):  # the standard lets DEL, C1 controls and overrides stand as they are
         text = "".join(c if c == "\n" or c.isprintable() else _escaped(c) for c in text)
     return text + "\n"
