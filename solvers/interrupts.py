@@ -20,10 +20,10 @@ PATIENCE = 2.0
 GRACE = 1.2
 """Seconds an engine has to come back once it was asked to stop; after that its published incumbents count."""
 
-LAST = 0.8
+LAST = 1.1
 """Seconds of ``PATIENCE`` that are left for showing and writing what was found."""
 
-CHILD_GRACE = 1.0
+CHILD_GRACE = 0.8
 """Seconds a process of our own has for the same, so that its parent hears of it in time."""
 
 SAME = 0.5
