@@ -45,6 +45,9 @@ AGAIN = 0.25
 OVERTIME = 0.5
 """Seconds past its own time limit after which it is asked to stop: it looks at its clock between two steps only, and some take long."""
 
+EXACT = ".bin"
+"""Suffix of the file in which CBC saves its point."""
+
 MOST_THREADS = 99
 """What CBC takes as a number of threads: a hundred and above choose a mode of working, in some of which it crashes."""
 
@@ -196,14 +199,15 @@ def _command(cbc: str, program: Program, options: Options, model: Path, solution
         line += [f"-{name}", str(value)]
     if start is not None:
         line += ["-mipstart", str(start)]
-    return [*line, "-solve", "-printingOptions", "all", "-solution", str(solution)]
+    return [*line, "-solve", "-solution", str(solution), "-saveSolution", str(solution.with_suffix(EXACT))]
 
 
 def _one_run(
     cbc: str, program: Program, options: Options, control: Control, folder: Path, hear: Callable[[float], None] = lambda bound: None
 ) -> RawResult:
     model, solution = folder / "model.mps", folder / "model.sol"
-    solution.unlink(missing_ok=True)
+    for old in (solution, solution.with_suffix(EXACT)):
+        old.unlink(missing_ok=True)
     write_program(program, model, names=False)
     start = None
     if options.start is not None and program.is_integer:
@@ -271,15 +275,18 @@ def _read_result(solution: Path, log: Log, program: Program, options: Options, c
             return RawResult("unknown", asked, bound=bound, statistics=statistics, message="CBC was ended before it wrote an answer")
         said = " / ".join(log.tail)
         return RawResult("error", statistics=statistics, message=f"CBC ended with code {code} and no answer: {said}")
-    said, columns, duals = _read_solution(solution, program)
+    with solution.open() as file:
+        said = file.readline().strip()
     word = said.split()[0].lower() if said.split() else ""
     status = STATUS_MAP.get(word, "error")
     if status == "infeasible" and log.doubtful:
         status = "infeasible_or_unbounded"
     statistics["said"] = said
-    point: Floats | None = None
-    if status in ("optimal", "unknown") and "no integer solution" not in said and program.residual(columns) <= FEASIBLE_TOLERANCE:
-        point = columns
+    point, duals = _read_point(solution.with_suffix(EXACT), program) or (None, None)
+    if status not in ("optimal", "unknown") or "no integer solution" in said:
+        point = None
+    if point is not None and program.residual(point) > FEASIBLE_TOLERANCE:
+        point = None
     if status == "unknown":
         if limit == "none":
             limit = "time" if "time" in said else "iterations"
@@ -307,19 +314,20 @@ def _write_start(path: Path, start: Floats) -> None:
     path.write_text("\n".join(["Stopped on time - objective value 0", *lines]) + "\n")
 
 
-def _read_solution(path: Path, program: Program) -> tuple[str, Floats, Floats]:
-    """First line of a solution file, values of the columns, duals of the rows."""
-    with path.open() as file:
-        said = file.readline().strip()
-        lines = [line.split()[-3:] for line in file if len(line) > 2]
-    columns, duals = np.zeros(program.num_variables), np.zeros(program.num_rows)
-    for name, value, dual in lines:
-        at = int(name[1:])
-        if name[0] == "x":
-            columns[at] = float(value)
-        else:
-            duals[at] = float(dual)
-    return said, columns, duals
+def _read_point(path: Path, program: Program) -> tuple[Floats, Floats] | None:
+    """Values of the columns and duals of the rows, to the last bit: the file of text has eight digits of each."""
+    limited = np.isfinite(program.row_lower) | np.isfinite(program.row_upper)  # CBC keeps no others
+    rows, columns = int(limited.sum()), program.num_variables
+    counts = np.dtype([("rows", "i4"), ("columns", "i4"), ("objective", "f8")])
+    if not path.exists() or path.stat().st_size != counts.itemsize + 16 * (rows + columns):
+        return None
+    head = np.fromfile(path, counts, count=1)[0]
+    if (head["rows"], head["columns"]) != (rows, columns):
+        return None
+    _, prices, values, _ = np.split(np.fromfile(path, np.float64, offset=counts.itemsize), np.cumsum([rows, rows, columns]))
+    duals = np.zeros(program.num_rows)
+    duals[limited] = prices
+    return values, duals
 
 
 OWN_PARAMETERS = {

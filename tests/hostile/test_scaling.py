@@ -38,6 +38,11 @@ SOLVERS = {
 }  # fmt: skip
 """Solvers, and how many problems of each family they get."""
 
+SELDOM = 0.03
+"""Share of problems on which a solver of others may give up in one unit only."""
+
+GIVEN_UP = "given up in one unit only: {}"
+
 QUICK = ("highs", "saddle")
 """Those that the fast suite has time for."""
 
@@ -153,13 +158,13 @@ def gave_up(account: dict[str, Any]) -> bool:
 def disagreements(family: str, case: int, keywords: dict[str, Any], tally: Any) -> list[str]:
     """What a method says of one problem in one unit and not in another.
 
-    A solver of others may give up in one unit, which is counted: its tolerances, and the digits that it writes, are its own.
+    A solver of others may give up in one unit, as its tolerances are its own: that is counted, and may be seen ``SELDOM``.
     """
     first, second, factors, _ = pair(family, case)
     close = VECTOR if "solver" in keywords or first.problem in ("max-min-lp", "bottleneck-lp") else SAME
     a, b = told(first, keywords, [1.0] * len(factors)), told(second, keywords, factors)
     if keywords.get("solver", "saddle") != "saddle" and gave_up(a) != gave_up(b):
-        tally[f"given up by {keywords['solver']} in one unit only"] += 1
+        tally[GIVEN_UP.format(keywords["solver"])] += 1
         return []
     found = differences(a, b, close)
     return [f"{family} {case} {keywords}: {found}"] if found else []
@@ -205,6 +210,7 @@ def test_solvers_in_other_units(solver: str, share: Callable[[int, int], int], t
             found += disagreements(family, case, keywords, tally)
             tally[f"solvers in other units: {solver}"] += 1
     assert not found, f"{len(found)}: {found[:5]}"
+    assert tally[GIVEN_UP.format(solver)] <= max(1, SELDOM * tally[f"solvers in other units: {solver}"])
 
 
 # -- evidence --------------------------------------------------------------------------------------------------------------

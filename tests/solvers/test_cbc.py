@@ -76,6 +76,17 @@ def test_values_come_back_in_the_programs_own_sense(sense: str, value: float, tm
     assert result.answer.tolist() == [0, 1]
 
 
+def test_points_and_duals_come_with_all_their_digits(tmp_path) -> None:
+    share = Variables("x", lower=np.zeros(1), upper=np.array([np.inf]), cost=np.ones(1))
+    rows = Rows(
+        "room", indptr=np.array([0, 0, 1], dtype=np.int32), indices=np.zeros(1, dtype=np.int32), data=np.array([3.0]),
+        lower=np.full(2, -np.inf), upper=np.array([np.inf, 1e6]),
+    )  # fmt: skip
+    result = run_cbc(find_cbc(), Program("thirds", "max", (share,), (rows,)), Options(), Control(), tmp_path)
+    assert result.answer == pytest.approx([1e6 / 3.0], rel=1e-15)
+    assert result.row_duals == pytest.approx([0.0, 1.0 / 3.0], rel=1e-15)
+
+
 def test_parameters_of_cbc_are_passed_on(tmp_path) -> None:
     for extra in ({"cuts": "off"}, {"cutsOnOff": "off", "heuristicsOnOff": "off"}, {"strongBranching": 2}):
         assert run_cbc(find_cbc(), knapsack(), Options(extra=extra), Control(), tmp_path).objective == 9.0
