@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from .program import Floats, Program
 
-SMALLEST, LARGEST = -10, 20
-"""Binary exponents of ordinary sizes: from 1/1024 to a million."""
+SMALLEST, LARGEST = -4, 20
+"""Binary exponents of ordinary sizes: from 1/16, of which a solver's tolerance is 1.6e-5, to a million."""
 
 SPREAD = 10
 """Binary exponent of how far apart the variables of a block may be and still have one unit."""
@@ -88,7 +88,8 @@ def scaled(program: Program) -> Scaled:
     rows, objective = np.where(plain, 0, -_shift(heaviest)), -int(_shift(dearest)[0])
     if not math.isfinite(_times(program.offset, objective)):
         objective = 0
-    made = _apply(program, columns, rows, objective)
+    with np.errstate(over="ignore"):
+        made = _apply(program, columns, rows, objective)
     if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(made), strict=True)):
         return Scaled(program, ones, np.zeros(program.num_rows, dtype=np.int64), 0)  # numbers too far apart for any unit
     return Scaled(made, columns, rows, objective)

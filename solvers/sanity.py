@@ -53,7 +53,7 @@ def prepared(program: Program) -> Program:
 
 
 def settled(program: Program) -> RawResult | None:
-    """The result where no search is needed: bounds that cross, or no variables at all; None for every other program."""
+    """The result where no search is needed: limits that cross, empty rows that exclude 0, no variables; None for every other program."""
     for lower, upper, name, what in (
         (program.lower, program.upper, program.variable_name, "bounds of"),
         (program.row_lower, program.row_upper, program.row_name, "sides of row"),
@@ -62,10 +62,12 @@ def settled(program: Program) -> RawResult | None:
         if crossed.any():
             at = int(np.argmax(crossed))
             return RawResult("infeasible", message=f"the {what} {name(at)} cross: {lower[at]:g} > {upper[at]:g}")
+    empty = np.ones(program.num_rows, dtype=bool)
+    empty[np.repeat(np.arange(program.num_rows), np.diff(program.indptr))[program.data != 0]] = False
+    fails = empty & ((program.row_lower > 0) | (program.row_upper < 0))  # by less than a solver's tolerance, too
+    if fails.any():
+        return RawResult("infeasible", message=f"row {program.row_name(int(np.argmax(fails)))} adds up nothing and excludes 0")
     if program.num_variables:
         return None
-    fails = (program.row_lower > 0) | (program.row_upper < 0)
-    if fails.any():
-        return RawResult("infeasible", message=f"row {program.row_name(int(np.argmax(fails)))} has no variables and excludes 0")
     duals = np.zeros(program.num_rows)
     return RawResult("optimal", answer=np.zeros(0), objective=program.offset, bound=program.offset, row_duals=duals)

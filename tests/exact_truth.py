@@ -213,13 +213,14 @@ class ProgramTruth(Truth):
         self.best = self.lenient = None if self.unbounded else self.best
 
     def value(self, answer: Any) -> Values | None:
+        """Up to 1e-6 of what solvers count as 1: of a row's size, where that is 1/16 or more, of 1."""
         p, x = self.program, [Fraction(float(v)) for v in answer]
         ends = [Fraction(v) for v in [*p.lower.tolist(), *p.upper.tolist()] if math.isfinite(v)]
         unit = max([abs(v) for v in (*x, *ends)] or [Fraction(1)]) or Fraction(1)
         tests = [(v, a, b, unit) for v, a, b in zip(x, p.lower.tolist(), p.upper.tolist(), strict=True)]
         for row, a, b in zip(self.rows, p.row_lower.tolist(), p.row_upper.tolist(), strict=True):
             total = sum((c * v for c, v in zip(row, x, strict=True)), Fraction(0))
-            tests.append((total, a, b, sum((abs(c) for c in row), Fraction(0)) * unit))
+            tests.append((total, a, b, 16 * sum((abs(c) for c in row), Fraction(0)) * unit))
         for v, a, b, size in tests:
             for side, sign in ((a, -1), (b, 1)):
                 if math.isfinite(side) and sign * (v - Fraction(side)) * 10**6 > max(size, abs(Fraction(side))):

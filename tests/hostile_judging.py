@@ -114,12 +114,16 @@ def of_certificate(truth: Truth, c: Certificate, who: str) -> Iterator[str]:
 
 
 def of_gap(truth: Truth, value: float, bound: float, gap: float | None, who: str) -> Iterator[str]:
-    """What is false about a gap between a value and a bound: it is in parts of the value, or of 1e-9 of what was added up."""
+    """What is false about a gap between a value and a bound: it is in parts of the value, or of 1e-9 of what was added up.
+
+    Where the two are as good as one, it is in parts of what was added up.
+    """
     if gap is None or value == 0 or away(value, bound) == 0 or rounded(truth, value, bound):
         return
     apart = abs(Fraction(bound) - Fraction(value))
     true = apart / abs(Fraction(value))
-    floored = gap > 0 and math.isfinite(gap) and apart / Fraction(gap) <= Fraction(SAME) * max(abs(Fraction(bound)), truth.size) * 2
+    floor = Fraction(SAME) if gap > ENDED else 1
+    floored = gap > 0 and math.isfinite(gap) and apart / Fraction(gap) <= floor * max(abs(Fraction(bound)), truth.size) * 2
     if floored and gap <= true:
         return
     if gap != float(true if true < 10**300 else math.inf) and abs(Fraction(gap) - true) > Fraction(ENDED) * max(true, Fraction(ENDED)):

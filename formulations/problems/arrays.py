@@ -120,10 +120,12 @@ class ArrayProblem(Problem):
 
     @cached_property
     def _sizes(self) -> tuple[Floats, Floats]:
-        """Of each variable and each row the larger of its own limits and of the unit in which solvers count it."""
+        """Of each variable and each row the larger of its own limits and, unless it is empty, of the unit in which solvers count it."""
         p, units = self.program, scaled(self.program)
         own = [np.where(np.isfinite(end), np.abs(end), 0.0) for end in (p.lower, p.upper, p.row_lower, p.row_upper)]
-        columns, rows = np.ldexp(np.ones(p.num_variables), units.columns), np.ldexp(np.ones(p.num_rows), -units.rows)
+        columns, rows = np.ldexp(np.ones(p.num_variables), units.columns), np.zeros(p.num_rows)
+        filled = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))[p.data != 0]
+        rows[filled] = np.ldexp(1.0, -units.rows[filled])
         return np.maximum.reduce([columns, *own[:2]]), np.maximum.reduce([rows, *own[2:]])
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:

@@ -61,3 +61,11 @@ def test_crossed_sides_settle_a_program_by_name() -> None:
 
 def test_every_other_program_is_left_to_the_solver() -> None:
     assert settled(program()) is None
+
+
+@pytest.mark.parametrize("side", [(1e-9, math.inf), (-math.inf, -1e-9)])
+def test_an_empty_row_that_excludes_zero_settles_a_program_by_name_however_small_its_side(side) -> None:
+    result = settled(program(data=(0.0, 0.0), side=side))
+    assert result is not None
+    assert (result.status, "need" in result.message) == ("infeasible", True)
+    assert settled(program(data=(0.0, 0.0), side=(-1e-9, 1e-9))) is None

@@ -30,6 +30,14 @@ def knapsack(**changes: Any) -> Program:
     return replace(Program("knapsack", "max", (x,), (row,), offset=1.0), **changes)
 
 
+def test_a_row_that_adds_up_nothing_is_judged_by_its_own_size() -> None:
+    (row,) = knapsack().rows
+    empty = replace(row, data=np.zeros(2), lower=np.array([3e-8]), upper=np.array([math.inf]))
+    assert not ArrayProblem(knapsack(rows=(empty,))).evaluate(np.array([4.0, 0.0])).feasible
+    barely = replace(row, lower=np.array([10.5 + 3e-8]), upper=np.array([math.inf]), data=np.array([2.625, 3.0]))
+    assert ArrayProblem(knapsack(rows=(barely,))).evaluate(np.array([4.0, 0.0])).feasible
+
+
 def test_features_say_what_a_solver_must_take() -> None:
     assert ArrayProblem(knapsack()).features() == {"LP", "integer"}
     assert ArrayProblem(knapsack(quadratic=sp.eye(2, format="csr"))).features() == {"LP", "integer", "quadratic"}
