@@ -127,7 +127,7 @@ def too_late(seconds: float) -> str:
 
 
 def _heed() -> None:
-    for number in (signal.SIGINT, signal.SIGQUIT):
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
 
 
@@ -141,7 +141,7 @@ class Run:
         self.paths = {name: self.outputs / f"{name}.json" for name in case.writes}
         words = [str(path) if word == case.file else word for word in case.words]
         words += [word for name, file in self.paths.items() for word in (f"--{name}", str(file))]
-        # A shell has its background jobs ignore signals of the keyboard, and what is ignored stays so.
+        # Shells have their background jobs ignore signals of the keyboard, nohup that of the terminal; what is ignored stays so.
         self.process = subprocess.Popen(
             [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "TMPDIR": str(self.temporary)}, preexec_fn=_heed,
