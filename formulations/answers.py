@@ -11,12 +11,12 @@ from typing import Any
 
 from ..instances.atomic import atomic_write
 from ..instances.errors import InputError, UsageError
-from ..instances.instance import RoutingInstance
 from ..instances.printable import printable
-from ..instances.solution_files import read_solution_file, write_solution_file
+from ..instances.routing.instance import RoutingInstance
+from ..instances.routing.solution_files import read_solution_file, write_solution_file
 from .problem import Problem
-from .problems.routing import RoutingProblem
-from .routes import Routes
+from .routing.problem import RoutingProblem
+from .routing.routes import Routes
 from .solution import Solution
 
 SUFFIXES = (".json", ".sol", ".tour")

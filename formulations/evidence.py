@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..instances.registry import Registry
-from .stop import Stop
 
 
 @dataclass(frozen=True)
@@ -53,36 +52,7 @@ class EvidenceChecker(Protocol):
     def __call__(self, problem: Any, data: Mapping[str, Any]) -> float: ...
 
 
-CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.checking")
-
-
-@dataclass(frozen=True)
-class BoundMethod:
-    """A way to bound a problem, registered in ``BOUNDS``.
-
-    Parameters
-    ----------
-    name : str
-    missing : callable
-        Features of the problem for which the method proves nothing (empty: it applies).
-    compute : callable
-        ``compute(problem, seconds, solve_program, stop)`` returns Evidence, or None where it found nothing in time. It keeps
-        ``stop.within(seconds)``, in compiled loops too.
-        ``solve_program(program, seconds)`` solves an LP and returns its row duals (None if it did not finish).
-    order : int
-        Cheap methods first.
-    prepare : callable
-        What it does once a process, such as compiling a kernel; not counted against the budget.
-    """
-
-    name: str
-    missing: Callable[[Any], frozenset[str]]
-    compute: Callable[[Any, float, Callable[..., Any], Stop], Evidence | None]
-    order: int = 0
-    prepare: Callable[[], None] = lambda: None
-
-
-BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.formulations.bounds")
+CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.*.checking")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..instances.instance import Instance
     from .evidence import Evidence
-    from .program import Program
+    from .programs.program import Program
 
 
 class Problem(ABC):
@@ -119,4 +119,4 @@ def problem_from_instance(instance: Instance, problem: str | None = None, **sett
     return PROBLEMS[name](instance, name, settings)
 
 
-PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry("problem", "waybound.formulations.problems")
+PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry("problem", "waybound.formulations.*")

@@ -103,7 +103,7 @@ class Solution:
         if self.problem.family not in PLOTTERS:
             import importlib
 
-            importlib.import_module("waybound.reports.plots")  # the floor above registers its plotters on import
+            importlib.import_module("waybound.reports.plots.routing")  # the floor above registers its plotters on import
         return PLOTTERS[self.problem.family](self.problem, self.answer, **{"solution": self, **options})
 
     def _need_answer(self) -> None:

@@ -112,4 +112,4 @@ class Heuristic:
                 raise UsageError(f"{self.name} has no option {name!r}; it takes {', '.join(known) or 'none'}")
 
 
-HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.methods")
+HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*")

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
-from ..formulations.program import Program
-from ..formulations.scaling import Scaled, scaled
+from ..formulations.programs.program import Program
+from ..formulations.programs.scaling import Scaled, scaled
 from ..instances.errors import UsageError
 from ..instances.registry import Registry
 
@@ -286,4 +286,4 @@ def takers(kind: str, but: str = "") -> list[str]:
     return [name for name in found if name != but]
 
 
-BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry("solver", "waybound.solvers.backends")
+BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines")

@@ -24,7 +24,7 @@ from typing import IO, Any
 
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
-from ..formulations.program import Program
+from ..formulations.programs.program import Program
 from ..instances import errors
 from ..instances.errors import UsageError, WayboundError
 from .backend import BACKENDS, Control, Options, RawResult

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from waybound.formulations.objective import Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.program import Program
-from waybound.instances.instance import Energy, Sites, VehicleType
-from waybound.instances.travel import Travel
+from waybound.formulations.programs.program import Program
+from waybound.formulations.routing.objective import Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 
 SLACK = 1e-9
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from waybound.formulations.program import Program, Rows, Variables
+from waybound.formulations.programs.program import Program, Rows, Variables
 
 INF = math.inf
 

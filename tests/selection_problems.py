@@ -10,10 +10,10 @@ import numpy as np
 
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Outcome, Setting
-from waybound.instances.selection import (
+from waybound.instances.selection.instance import (
     Cardinality,
     Constraint,
     Coverage,

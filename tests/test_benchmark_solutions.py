@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Route, Routes
-from waybound.formulations.routing_check import schedule
+from waybound.formulations.routing.judge import schedule
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.reading import read_instance
-from waybound.instances.solution_files import SolutionFile, read_solution_file
+from waybound.instances.routing.solution_files import SolutionFile, read_solution_file
 
 FAMILIES = ("cvrp", "vrptw-solomon", "vrptw-homberger")
 CONVENTIONS = {"tsplib-nint": "file", "euclidean-double": "exact", "dimacs-trunc1": "trunc1"}

@@ -13,9 +13,9 @@ from .instances.limits import check_number
 if TYPE_CHECKING:
     from .formulations.certificate import Certificate
     from .formulations.problem import Problem
-    from .formulations.program import Program
+    from .formulations.programs.program import Program
     from .instances.instance import Instance
-    from .solvers.explaining import Explanation
+    from .solving.explaining import Explanation
 
 Source = str | PathLike[str]
 
@@ -186,7 +186,7 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
     import warnings
 
     from .formulations.certificate import certify
-    from .solvers.bounding import find_bounds
+    from .solving.bounding import find_bounds
 
     _refuse_path("bound", problem)
     check_number("bound_time", seconds, above=0, option="the time for bounding")
@@ -198,8 +198,8 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
 
 
 def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
-    """Why a problem has no answer, in its own words; see ``waybound.solvers.explaining.explain``."""
-    from .solvers.explaining import explain as by_filter
+    """Why a problem has no answer, in its own words; see ``waybound.solving.explaining.explain``."""
+    from .solving.explaining import explain as by_filter
 
     _refuse_path("explain", problem)
     check_number("time_limit", time_limit)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ... import _guard as _guard
 from ..errors import UsageError
-from ..generators._settings import Setting as Setting
+from ..generators.settings import Setting as Setting
 from ..registry import Registry
 
 

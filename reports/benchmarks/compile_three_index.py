@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.forms._routes import ArcIndex
-from waybound.formulations.preparation import prepare
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.program import Program
-from waybound.formulations.reachability import minimum_vehicles
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import Travel
+from waybound.formulations.programs.program import Program
+from waybound.formulations.routing.forms._routes import ArcIndex
+from waybound.formulations.routing.preparation import prepare
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.reachability import minimum_vehicles
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
 
 WINDOWS = {"wide": (2000.0, 3000.0), "medium": (200.0, 400.0), "narrow": (20.0, 60.0)}

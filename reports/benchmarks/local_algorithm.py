@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.heuristics.local_max_min.arrays import local_shares
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.instances.generating import generate
-from waybound.instances.sensing import SensingGraph
+from waybound.instances.sensing.graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from waybound.solvers.engines.local_max_min.arrays import local_shares
 
 SLOPE = 1.15
 """Most growth of log time by log size."""

@@ -14,9 +14,9 @@ import argparse
 import statistics
 import time
 
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.generating import generate
-from waybound.instances.sensing import SensingGraph
+from waybound.instances.sensing.graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend, RawResult
 
 SIZE = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}

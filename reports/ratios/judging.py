@@ -14,7 +14,7 @@ from ...formulations.answers import json_text
 from ...formulations.certificate import better_bound, check_certificate, verified_bound
 from ...formulations.evidence import Guarantee
 from ...formulations.problem import Problem
-from ...formulations.program import Program
+from ...formulations.programs.program import Program
 from ...formulations.stop import NEVER
 from ...heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ...instances.errors import CheckFailedError, InputError
@@ -199,7 +199,7 @@ def audit(
     The answer must have the value of the ``direct`` run, the guarantee must be that of the direct run, and no bound may be below the
     optimum.
     """
-    from ...solvers.solve import solve
+    from ...solving.solve import solve
 
     faults: list[tuple[str, str]] = []
     try:

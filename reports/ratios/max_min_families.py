@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.problems.bottleneck_sata import BottleneckSATA
-from ...formulations.problems.max_min_lp import MaxMinLP
-from ...instances.sensing import SensingGraph, graph_of_edges
+from ...formulations.max_min.bottleneck_sata import BottleneckSATA
+from ...formulations.max_min.max_min_lp import MaxMinLP
+from ...instances.sensing.graph import SensingGraph, graph_of_edges
 from .families import Family, listed
 from .judging import Case
 from .optimum import Optimum, attained

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...formulations.problems.submodular_selection import SubmodularSelection
-from ...formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from ...formulations.selections import Selection
-from ...instances.selection import Cardinality, Constraint, Coverage, Knapsack, PartitionMatroid
-from ...instances.sensing import graph_of_edges
+from ...formulations.selection.selections import Selection
+from ...formulations.selection.submodular_selection import SubmodularSelection
+from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...instances.selection.instance import Cardinality, Constraint, Coverage, Knapsack, PartitionMatroid
+from ...instances.sensing.graph import graph_of_edges
 from .families import Family, listed
 from .judging import Case
 from .optimum import attained

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...instances.instance import Instance
 from ...instances.registry import Registry
-from ..tables import Table
+from ..tables.routing import Table
 
 Told = Callable[[int, int, str], None]
 """``told(done, total, what)`` hears how far a study is."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.program import Program
+from ...formulations.programs.program import Program
 from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..sanity import settled
@@ -85,7 +85,7 @@ class CVXPY(ProgramBackend):
 
 
 def _solved(program: Program, solver: str, chosen: dict[str, Any], end: float) -> Any:
-    from ...formulations.export.cvxpy import to_cvxpy
+    from ...formulations.programs.export.cvxpy import to_cvxpy
 
     model = to_cvxpy(program)
     with warnings.catch_warnings():
@@ -167,7 +167,7 @@ _CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "HIGHS": _highs}
 
 
 def _result(model: Any, program: Program, options: Options, solver: str, seconds: float) -> RawResult:
-    from ...formulations.export.cvxpy import row_duals_of, vector_of
+    from ...formulations.programs.export.cvxpy import row_duals_of, vector_of
 
     said = str(model.status)
     stats = model.solver_stats

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.program import Floats, Program
+from ...formulations.programs.program import Floats, Program
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..sanity import settled

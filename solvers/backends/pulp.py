@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.program import Program
+from ...formulations.programs.program import Program
 from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
-from ..cbc import find_cbc, run_cbc
 from ..children import scratch
 from ..sanity import settled
+from .cbc import find_cbc, run_cbc
 from .highs import set_option
 
 FEASIBLE_TOLERANCE = 1e-5

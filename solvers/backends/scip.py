@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.program import Floats, Program
-from ...formulations.scaling import scaled
+from ...formulations.programs.program import Floats, Program
+from ...formulations.programs.scaling import scaled
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
 from ..sanity import prepared, settled

@@ -6,7 +6,7 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.evidence import Guarantee
-from waybound.formulations.selections import Selection
+from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judging import Configuration

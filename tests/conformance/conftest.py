@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from waybound.formulations.program import Program, Rows, Variables
+from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from waybound.formulations.cones import Cones
-from waybound.formulations.program import Program, Rows, Variables
+from waybound.formulations.programs.cones import Cones
+from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
 

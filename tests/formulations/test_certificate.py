@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.formulations.bounds.spanning_tree import spanning_tree_bound
 from waybound.formulations.certificate import beats_bound, better_bound, certify, check_certificate, verified_bound
 from waybound.formulations.evidence import CHECKERS, Evidence
-from waybound.formulations.objective import Reward, Vehicles
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Routes
+from waybound.formulations.routing.objective import Reward, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import EXPLICIT, Travel
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
 
 SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
 TOUR = Routes.of([[1, 2, 3]])

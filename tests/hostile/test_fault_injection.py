@@ -18,13 +18,14 @@ from typer.testing import CliRunner
 
 import waybound as wb
 from waybound.cli.app import app
-from waybound.formulations.evidence import BOUNDS, CHECKERS, Evidence
+from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.problem import Problem
 from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.selection import Coverage, PartitionMatroid
+from waybound.instances.selection.instance import Coverage, PartitionMatroid
 from waybound.solvers.backend import RawResult
+from waybound.solvers.bounds import BOUNDS
 
-solving = importlib.import_module("waybound.solvers.solve")
+solving = importlib.import_module("waybound.solving.solve")
 
 
 @pytest.fixture
@@ -205,7 +206,7 @@ def test_a_bound_that_contradicts_the_answer_is_withheld_and_said(bound: float, 
 def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: str, monkeypatch: pytest.MonkeyPatch, tally: Any) -> None:
     problem = PROBLEMS[1][0]
     whole = wb.solve(problem, heuristic="local", bound_time=0)
-    monkeypatch.setattr("waybound.heuristics.methods.local._guarantee", failing(fault))
+    monkeypatch.setattr("waybound.heuristics.max_min.local._guarantee", failing(fault))
     found = wb.solve(problem, heuristic="local", bound_time=0)
     assert found.objective == whole.objective
     assert words in found.message
@@ -216,7 +217,7 @@ def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: 
 def test_evidence_that_a_heuristic_cannot_make_leaves_its_answer(heuristic: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = PROBLEMS[2][0]
     whole = wb.solve(problem, heuristic=heuristic, bound_time=0)
-    monkeypatch.setattr(f"waybound.heuristics.selection.ending.{part}", failing(MemoryError))
+    monkeypatch.setattr(f"waybound.heuristics.selection.greedy_steps.greedy_steps.ending.{part}", failing(MemoryError))
     found = wb.solve(problem, heuristic=heuristic, bound_time=0)
     assert found.objective == whole.objective
     assert found.certificate.guarantee == whole.certificate.guarantee

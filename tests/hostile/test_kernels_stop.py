@@ -11,22 +11,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.formulations.evidence import BOUNDS
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import WayboundError
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.selection import Cardinality, Coverage, DenseFacilityLocation, Knapsack, PartitionMatroid
-from waybound.instances.sensing import SensingGraph
-from waybound.instances.travel import Travel
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation, Knapsack, PartitionMatroid
+from waybound.instances.sensing.graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options
-from waybound.solvers.bounding import find_bounds
-from waybound.solvers.solve import _heuristic_run, solve
+from waybound.solvers.bounds import BOUNDS
+from waybound.solving.bounding import find_bounds
+from waybound.solving.solve import _heuristic_run, solve
 
 LATE = 2.0
 """Seconds after which nothing may still run."""

@@ -25,8 +25,8 @@ from waybound.formulations.rendering import as_text, certificate_lines, certific
 from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError, WayboundError
 from waybound.instances.reading import read_instance, recognise
-from waybound.reports.tables import facts, facts_table
-from waybound.solvers.bounding import find_bounds
+from waybound.reports.tables.routing import facts, facts_table
+from waybound.solving.bounding import find_bounds
 
 from ..instances.test_reading_fuzz import BASES, TOKENS
 

@@ -18,13 +18,13 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Routes
-from waybound.formulations.selections import Selection
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
+from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import CheckFailedError, WayboundError
 from waybound.solvers.backend import BACKENDS
-from waybound.solvers.bounding import find_bounds
+from waybound.solving.bounding import find_bounds
 
 SEED = 83
 POWERS = (-30, -10, 10, 30)

@@ -17,11 +17,13 @@ from hypothesis import strategies as st
 from waybound.instances import text as texts
 from waybound.instances.bundled import bundled_path
 from waybound.instances.errors import InputError, WayboundError
-from waybound.instances.formats import FORMATS, sites_csv, waybound_json
+from waybound.instances.formats import FORMATS, waybound_json
 from waybound.instances.generating import generate
-from waybound.instances.max_min import MaxMinInstance, SparseMatrix
+from waybound.instances.max_min.instance import MaxMinInstance, SparseMatrix
 from waybound.instances.reading import read_instance
-from waybound.instances.selection import (
+from waybound.instances.routing.formats import sites_csv
+from waybound.instances.routing.solution_files import read_solution_file
+from waybound.instances.selection.instance import (
     Cardinality,
     Coverage,
     DenseFacilityLocation,
@@ -30,8 +32,7 @@ from waybound.instances.selection import (
     PartitionMatroid,
     SelectionInstance,
 )
-from waybound.instances.sensing import SensingGraph
-from waybound.instances.solution_files import read_solution_file
+from waybound.instances.sensing.graph import SensingGraph
 
 TSP = (
     "NAME: t\nTYPE: TSP\nDIMENSION: 4\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: UPPER_ROW\nEDGE_WEIGHT_SECTION\n1 2 3\n4 5\n6\nEOF\n"

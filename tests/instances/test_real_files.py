@@ -18,7 +18,7 @@ import pytest
 from waybound.instances.errors import InputError
 from waybound.instances.formats import waybound_json
 from waybound.instances.reading import read_instance
-from waybound.instances.solution_files import SolutionFile, read_solution_file
+from waybound.instances.routing.solution_files import SolutionFile, read_solution_file
 
 FAMILIES = {"vrptw-solomon": ".txt", "vrptw-homberger": ".txt", "cvrp": ".vrp", "tsplib": ".tsp"}
 CONVENTIONS = {"tsplib": "file", "tsplib-nint": "file", "euclidean-double": "exact", "dimacs-trunc1": "trunc1"}

@@ -11,8 +11,8 @@ from sata_cases import CASES
 
 import waybound as wb
 from waybound.formulations.certificate import check_certificate, verified_bound
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult, takers
 
@@ -168,7 +168,7 @@ def test_solvers_that_run_apart_are_reached_through_solve(solver: str) -> None:
 
 def test_gap_family_has_an_unbounded_integrality_gap() -> None:
     for n in (2, 5, 9):
-        from waybound.instances.sensing import graph_of_edges
+        from waybound.instances.sensing.graph import graph_of_edges
 
         graph = graph_of_edges(np.zeros(n, int), np.arange(n), np.arange(n))
         assert wb.solve(BottleneckSATA(graph, fractional=True), "highs", bound_time=0).objective == pytest.approx(1 / n)

@@ -15,7 +15,7 @@ import psutil
 import pytest
 from small_routing import FEATURES, small
 
-from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers import isolation
 from waybound.solvers.backend import Control, Options, RawResult
@@ -67,7 +67,7 @@ def test_programs_travel_without_their_functions() -> None:
 
 
 def _program():
-    from waybound.formulations.program import Program, Rows, Variables
+    from waybound.formulations.programs.program import Program, Rows, Variables
 
     integer = Variables("z", lower=np.zeros(1), upper=np.full(1, np.inf), cost=np.array([3.0]), integer=True)
     free = Variables("x", lower=np.zeros(1), upper=np.full(1, np.inf), cost=np.array([2.0]))

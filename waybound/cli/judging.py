@@ -117,7 +117,7 @@ def bound(
     from ..formulations.answers import json_text
     from ..formulations.certificate import certify
     from ..instances.atomic import atomic_write
-    from ..solvers.search import in_time
+    from ..solving.search import in_time
     from .delivery import Delivery
     from .output import lines_text, stdout_is_ours
     from .progress import Progress
@@ -164,8 +164,8 @@ def bound(
 def _bounded(problem: Problem, seconds: float, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
     """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
     from ..solvers.backend import Control, RawResult
-    from ..solvers.bounding import find_bounds
-    from ..solvers.search import BOUND_OVERTIME, search
+    from ..solving.bounding import find_bounds
+    from ..solving.search import BOUND_OVERTIME, search
 
     def find(control: Control) -> RawResult:
         return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress, unable=unable))
@@ -192,7 +192,7 @@ def explain(
     bounded(time_limit=time_limit)
     asked = read_problem(file, format, problem, convention, settings)
 
-    from ..solvers.explaining import explain as find
+    from ..solving.explaining import explain as find
     from .output import print_json, print_lines, print_table, stdout_is_ours
 
     interrupts.keep()
@@ -202,7 +202,7 @@ def explain(
         print_json({"instance": asked.name, "problem": asked.problem, **made.to_json()})
     else:
         from ..formulations.rendering import Line
-        from ..reports.tables import Column, Table
+        from ..reports.tables.routing import Column, Table
 
         verdict = {"infeasible": "there is no solution", "feasible": "there is a solution", "undecided": "undecided"}[made.verdict]
         source = f", according to {made.according_to}" if made.according_to else ""

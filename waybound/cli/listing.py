@@ -25,8 +25,8 @@ def info(
     verbose: Verbose = False,
 ) -> None:
     """What an instance holds, which solvers and heuristics take it, and what the others lack."""
-    from ..reports.tables import facts, facts_table, heuristics_table, solvers_table
-    from ..solvers.listing import heuristic_table, solver_table
+    from ..reports.tables.routing import facts, facts_table, heuristics_table, solvers_table
+    from ..solving.listing import heuristic_table, solver_table
     from .output import print_json, print_table
 
     source, asked = read_both(file, format, problem, convention, settings)
@@ -50,8 +50,8 @@ def solvers(
     verbose: Verbose = False,
 ) -> None:
     """All solvers, installed or not, and with FILE which of them take it."""
-    from ..reports.tables import solvers_table
-    from ..solvers.listing import solver_table
+    from ..reports.tables.routing import solvers_table
+    from ..solving.listing import solver_table
     from .output import print_json, print_table
 
     infos = solver_table(None if file is None else read_problem(file, format, problem, None, settings))
@@ -70,8 +70,8 @@ def heuristics(
     verbose: Verbose = False,
 ) -> None:
     """All heuristics with what they guarantee, and with FILE which of them take it."""
-    from ..reports.tables import heuristics_table
-    from ..solvers.listing import heuristic_table
+    from ..reports.tables.routing import heuristics_table
+    from ..solving.listing import heuristic_table
     from .output import print_json, print_table
 
     infos = heuristic_table(None if file is None else read_problem(file, format, problem, None, settings))

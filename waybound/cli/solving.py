@@ -94,7 +94,7 @@ def solve(
     _check_outputs(asked, file, out, certificate, plot)
 
     from ..formulations.answers import json_text, read_answer
-    from ..solvers.solve import solve as search
+    from ..solving.solve import solve as search
     from .output import stdout_is_ours
     from .progress import Progress
 
@@ -165,7 +165,7 @@ def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, cer
     from ..instances.atomic import atomic_write
 
     def draw(path: Path) -> None:
-        from ..reports.plots import save_plot
+        from ..reports.plots.routing import save_plot
 
         save_plot(solution, path)
 
@@ -190,9 +190,9 @@ def _least(solution: Solution) -> dict[str, Any]:
 
 
 def _shown(solution: Solution, verbose: bool) -> str:
-    from ..formulations.problems.routing import RoutingProblem
     from ..formulations.rendering import Line, solution_lines, solution_title
-    from ..reports.tables import answer_table, routes_table, unserved_sites, unserved_table
+    from ..formulations.routing.problem import RoutingProblem
+    from ..reports.tables.routing import answer_table, routes_table, unserved_sites, unserved_table
     from .output import lines_text, table_text
 
     problem = solution.problem

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from waybound.formulations.evidence import Evidence, Guarantee
-from waybound.formulations.selections import Selection
+from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judging import Configuration

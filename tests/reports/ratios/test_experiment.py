@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
 from waybound.reports.ratios.experiment import ExperimentPlan, Sweep, run_experiment, sensing_graph, solved
 from waybound.reports.ratios.optimum import best_selection
@@ -59,7 +59,7 @@ def test_the_optimum_of_highs_is_that_of_enumeration():
 def test_an_optimum_that_is_not_proved_is_refused(monkeypatch):
     from dataclasses import replace
 
-    from waybound.solvers import solve as solving
+    from waybound.solving import solve as solving
 
     honest = solving.solve
     monkeypatch.setattr(solving, "solve", lambda *given, **options: replace(honest(*given, **options), status="feasible"))

@@ -117,7 +117,7 @@ def test_certificates_of_some_runs_go_through_solve(measured):
 
 
 def test_an_audit_sees_a_certificate_that_differs_from_the_run(measured, monkeypatch):
-    from waybound.solvers import solve as solving
+    from waybound.solving import solve as solving
 
     honest = solving.solve
     monkeypatch.setattr(solving, "solve", lambda problem, **options: honest(problem, **{**options, "heuristic": "random"}))

@@ -10,8 +10,8 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import STATUSES, Control, Options
 from waybound.solvers.backends.cpsat import STATUS_MAP, CpSat

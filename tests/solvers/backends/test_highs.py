@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from waybound.formulations.program import Program, Rows, Variables
+from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends.highs import STATUS_MAP, Highs, set_option

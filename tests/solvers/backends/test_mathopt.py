@@ -10,7 +10,7 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module

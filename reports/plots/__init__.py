@@ -1,0 +1,3 @@
+"""Pictures of answers."""
+
+from ... import _guard as _guard

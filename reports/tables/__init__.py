@@ -1,0 +1,3 @@
+"""Tables of answers."""
+
+from ... import _guard as _guard
