@@ -261,6 +261,7 @@ def _group_factors(
     where = np.concatenate([at, group[:m], group[:m], group[m:], group[m:]])
     distinct, of = np.unique(values, return_inverse=True)
     denominator = _denominators(distinct)[of]
+    denominator[: len(others)][(values[: len(others)] != 0) & (np.rint(values * denominator)[: len(others)] == 0)] = 0
     factor = np.ones(int(group.max(initial=-1)) + 1, dtype=np.int64)
     exact = np.ones(len(factor), dtype=bool)
     exact[where[denominator == 0]] = False
@@ -328,9 +329,11 @@ def _scaled_objective(cost: Floats, products: Floats, pairs: Integers, low: Floa
         return 1.0, weights, 0.0
     total = float(np.abs(weights[used]) @ reach[used])
     for base in (1.0, float(np.abs(weights[used]).min())):
-        denominators = np.unique(_denominators(np.unique(np.abs(weights[used]) / base))).tolist()
+        values = np.unique(np.abs(weights[used]) / base)
+        denominators = np.unique(_denominators(values)).tolist()
         scale = math.lcm(*denominators) / base
-        if denominators[0] > 0 and scale * base <= DENOMINATORS[-1] and scale * total <= LARGEST_OBJECTIVE:
+        vanishes = values[0] * scale * base < 0.5  # a weight that is no multiple of anything tried, but nearly 0
+        if denominators[0] > 0 and not vanishes and scale * base <= DENOMINATORS[-1] and scale * total <= LARGEST_OBJECTIVE:
             return scale, np.rint(weights * scale), 0.0
     finest, needed = LARGEST_OBJECTIVE / total, 0.5 * float(reach[used].sum()) / (OBJECTIVE_ERROR * total)
     scale = float(np.exp2(min(np.floor(np.log2(finest)), np.ceil(np.log2(needed)))))

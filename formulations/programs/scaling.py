@@ -72,13 +72,16 @@ class Scaled:
         return np.asarray(np.ldexp(duals, self.rows - self.objective), dtype=np.float64)
 
 
-def scaled(program: Program) -> Scaled:
-    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a block of columns can do it."""
+def scaled(program: Program, *, always: bool = False) -> Scaled:
+    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a block of columns can do it.
+
+    ``always`` does so to ordinary programs too: then it is the same program in any units, of whose several optima a solver finds the same.
+    """
     row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
     sizes = _sizes(program, row)
     ones = np.zeros(program.num_variables, dtype=np.int64)
     found = [np.where(program.integer, 0.0, sizes), *_heaviest(program, row, ones)]
-    if all(_ordinary(part) for part in found):
+    if not always and all(_ordinary(part) for part in found):
         return Scaled(program, ones, np.zeros(program.num_rows, dtype=np.int64), 0)
     columns = np.where(program.integer, 0, _shift(sizes))
     heaviest, dearest = _heaviest(program, row, columns)

@@ -10,8 +10,14 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Evidence
 from ...formulations.forms import FORMS
 from ...formulations.problem import Problem
+<<<<<<< HEAD:heuristics/max_min/lp_rounding.py
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
+=======
+from ...formulations.problems.submodular_selection import SubmodularSelection
+from ...formulations.scaling import scaled
+from ...formulations.selections import Selection
+>>>>>>> main:heuristics/methods/lp_rounding.py
 from ...instances.errors import UnsupportedError, UsageError
 from ...instances.selection.instance import Knapsack
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
@@ -55,19 +61,21 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     if not linear:
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
     program = problem.compile(linear[0], relax=True)
-    result = setting.solve_program(program, stop.seconds_left)
+    units = scaled(program, always=True)  # the same optimum in any unit, where there are several
+    result = setting.solve_program(units.program, stop.seconds_left)
     statistics = {"form": program.form, "lp_status": result.status}
     if result.answer is None or result.status != "optimal":
         message = f"the LP was not solved in time: {result.message or result.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
     n = program.variables[0].size  # every form's first block has one variable an element, named x
-    shares = np.asarray(result.answer, dtype=np.float64)[:n]
-    statistics["lp_value"] = program.value(np.asarray(result.answer, dtype=np.float64))
+    point = units.vector(np.asarray(result.answer, dtype=np.float64))
+    shares = point[:n]
+    statistics["lp_value"] = program.value(point)
     answer = Selection(tuple(_rounded(problem, shares, ties)))
     setting.publish(answer)  # which outlives a fault in its evidence
     evidence: tuple[Evidence, ...] = ()
     if result.row_duals is not None and program.dual_evidence is not None:
-        evidence = (program.dual_evidence(result.row_duals),)
+        evidence = (program.dual_evidence(units.duals(result.row_duals)),)
     return Outcome(answer, evidence=evidence, statistics=statistics)
 
 

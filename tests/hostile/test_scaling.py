@@ -30,10 +30,13 @@ SEED = 83
 POWERS = (-30, -10, 10, 30)
 SAME = 1e-9
 VECTOR = 1e-6
-"""Solvers of linear programs end near an optimum, and may end at another point of the same value."""
+"""Linear programs, from which bounds come, end near an optimum, and may end at another point of the same value."""
+
+CLAIM = 1e-5
+"""Solvers accept points that are off by 1e-6 a row and a variable."""
 
 SOLVERS = {
-    "highs": 100, "saddle": 100, "scip": 30, "cpsat": 30, "pulp": 20, "pulp:HiGHS": 20, "mathopt:highs": 20, "mathopt:gscip": 20,
+    "highs": 100, "saddle": 100, "scip": 30, "cpsat": 30, "pulp": 20, "pulp:HiGHS": 5, "mathopt:highs": 5, "mathopt:gscip": 20,
     "mathopt:glop": 20, "mathopt:cp-sat": 10, "mathopt:pdlp": 10, "cvxpy": 2, "cvxpy:HIGHS": 2, "cvxpy:SCS": 2, "pyvrp": 30, "ortools": 10,
 }  # fmt: skip
 """Solvers, and how many problems of each family they get."""
@@ -130,14 +133,27 @@ def told(problem: Problem, keywords: dict[str, Any], factors: list[float]) -> di
 
 
 def differences(a: dict[str, Any], b: dict[str, Any], close: float) -> list[str]:
-    """What two accounts disagree in."""
+    """What two accounts disagree in: objectives by more than ``close``, bounds and what rests on them by more than ``VECTOR`` too."""
+    loose = max(close, VECTOR)
+
+    def levels(name: str, within: float) -> bool:
+        pairs = zip(a.get(name) or [None], b.get(name) or [None], strict=True)
+        return all((v is None) == (w is None) and (v is None or _near(v, w, within)) for v, w in pairs)
+
+    def closed(account: dict[str, Any]) -> bool:
+        return account["status"] == "optimal" or (account["gap"] is not None and account["gap"] <= loose)
+
     found = []
     for name in sorted(a.keys() | b.keys()):
         x, y = a.get(name), b.get(name)
-        if name in ("objective", "bound", "verified") and x is not None and y is not None:
-            alike = all((v is None) == (w is None) and (v is None or _near(v, w, close)) for v, w in zip(x, y, strict=True))
+        if name in ("objective", "bound", "verified"):
+            alike = levels(name, close if name == "objective" else loose)
         elif name in ("ratio", "gap") and x is not None and y is not None:
-            alike = _near(1.0 + x, 1.0 + y, close)
+            alike = _near(1.0 + x, 1.0 + y, loose)
+        elif name == "status" and {x, y} == {"optimal", "feasible"}:
+            alike = closed(a) and closed(b)
+        elif name == "bound_kind" and x and y:
+            alike = levels("bound", loose)  # a claim that is better by a rounding error
         else:
             # Another answer of the same value is as good.
             alike = x == y or name == "answer"
@@ -161,7 +177,7 @@ def disagreements(family: str, case: int, keywords: dict[str, Any], tally: Any) 
     A solver of others may give up in one unit, as its tolerances are its own: that is counted, and may be seen ``SELDOM``.
     """
     first, second, factors, _ = pair(family, case)
-    close = VECTOR if "solver" in keywords or first.problem in ("max-min-lp", "bottleneck-lp") else SAME
+    close = CLAIM if "solver" in keywords else VECTOR if first.problem in ("max-min-lp", "bottleneck-lp") else SAME
     a, b = told(first, keywords, [1.0] * len(factors)), told(second, keywords, factors)
     if keywords.get("solver", "saddle") != "saddle" and gave_up(a) != gave_up(b):
         tally[GIVEN_UP.format(keywords["solver"])] += 1

@@ -43,6 +43,14 @@ def test_decimals_and_thirds_are_scaled_exactly():
     assert counted.row_upper.tolist() == [UNLIMITED, 15]
 
 
+@pytest.mark.parametrize("small", [1e-10, 3e-13])
+def test_no_number_is_so_small_that_it_counts_as_the_multiple_0(small: float) -> None:
+    counted = integer_program(program([0.5625, small], [[1, 1]], -INF, 7, 0, 9, integer=[0, 1]))
+    assert abs(counted.cost[1] / counted.scale - small) * 9 <= counted.error * (1 + 1e-9)
+    counted = integer_program(program([1, 1], [[0.5, small]], -INF, 7.5, 0, 9, integer=[0, 1]))
+    assert not counted.exact
+
+
 def test_sides_that_whole_sums_cannot_meet_move_inwards():
     counted = integer_program(program([1], [[2]], 3, 7, 0, 9, integer=[0]))
     assert (counted.row_lower.tolist(), counted.row_upper.tolist()) == ([3], [7])

@@ -59,17 +59,21 @@ class Network:
     Parameters
     ----------
     watchers : mapping of target to the robots that see it
+    stop : Stop
+        Looked at once a sender.
 
     Raises
     ------
+    Stopped
     ValueError
         If a robot speaks to one with which it shares no target: a fault of its programme.
     """
 
-    def __init__(self, watchers: Mapping[int, Sequence[int]]) -> None:
-        self._watchers = watchers
+    def __init__(self, watchers: Mapping[int, Sequence[int]], stop: Stop = NEVER) -> None:
+        self._watchers, self._stop = watchers, stop
         self._linked: dict[int, set[int]] = {}
         for robots in watchers.values():
+            stop.check()
             for i in robots:
                 self._linked.setdefault(i, set()).update(robots)
         self.rounds = self.messages = self.bytes = self.most_bytes = 0
@@ -79,6 +83,7 @@ class Network:
         self.rounds += 1
         inboxes: dict[int, dict[int, dict[int, Any]]] = {i: {k: {} for k in outbox} for i, outbox in outboxes.items()}
         for i, outbox in outboxes.items():
+            self._stop.check()
             for k, message in outbox.items():
                 for j in self._watchers[k]:
                     if j != i:
@@ -91,6 +96,7 @@ class Network:
         self.rounds += 1
         inboxes: dict[int, dict[int, Any]] = {i: {} for i in outboxes}
         for i, outbox in outboxes.items():
+            self._stop.check()
             for j, message in outbox.items():
                 if j not in self._linked[i]:
                     raise ValueError(f"robot {i} shares no target with robot {j}, so it cannot speak to it")
@@ -150,7 +156,7 @@ def exchange(
             owned[i] = live
             for k in {k for seen in sees for k in seen}:
                 watchers.setdefault(k, []).append(i)
-    network = Network(watchers)
+    network = Network(watchers, stop)
     running = {robot.name: robot.programme() for robot in robots}
     outboxes = {i: next(programme) for i, programme in running.items()}
     inboxes: Mapping[int, Inbox] = network.by_target(outboxes) if running else {}
