@@ -10,14 +10,9 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Evidence
 from ...formulations.forms import FORMS
 from ...formulations.problem import Problem
-<<<<<<< HEAD:heuristics/max_min/lp_rounding.py
+from ...formulations.programs.scaling import scaled
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
-=======
-from ...formulations.problems.submodular_selection import SubmodularSelection
-from ...formulations.scaling import scaled
-from ...formulations.selections import Selection
->>>>>>> main:heuristics/methods/lp_rounding.py
 from ...instances.errors import UnsupportedError, UsageError
 from ...instances.selection.instance import Knapsack
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting

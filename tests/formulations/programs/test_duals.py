@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from programs import program
 
-from waybound.formulations.forms._duals import dual_value
+from waybound.formulations.programs.duals import dual_value
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e-12, 1e12])
