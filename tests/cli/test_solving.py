@@ -154,13 +154,13 @@ class _Scripted(Engine):
 
 
 @pytest.fixture
-def engine(monkeypatch):
+def engine(registered):
     """Registers an engine for one test: ``engine(run)`` with ``run(problem, options, control) -> RawResult``."""
     BACKENDS.names()
 
     def make(work):
         kind = type("Made", (_Scripted,), {"name": "made", "features": frozenset(), "run": lambda self, *given: work(*given)})
-        monkeypatch.setitem(BACKENDS._entries, "made", kind)
+        registered(BACKENDS, "made", kind)
 
     return make
 

@@ -30,14 +30,14 @@ def square(**changes: Any) -> RoutingProblem:
 
 
 @pytest.fixture
-def says(monkeypatch):
+def says(registered):
     """Registers a checker that returns what its evidence says."""
 
     def checker(problem: Any, data: Mapping[str, Any]) -> float:
         return float(data["bound"])
 
     "says" in CHECKERS  # noqa: B015 - discovery comes first
-    monkeypatch.setitem(CHECKERS._entries, "says", checker)
+    registered(CHECKERS, "says", checker)
     return lambda bound, source="a word": Evidence("says", source, 0.0, {"bound": bound})
 
 

@@ -29,8 +29,8 @@ solving = importlib.import_module("waybound.solving.solve")
 
 
 @pytest.fixture
-def engine(monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
-    return solver_of(monkeypatch)
+def engine(registered: Any) -> Callable[..., str]:
+    return solver_of(registered)
 
 
 # -- judging ----------------------------------------------------------------------------------------------------------
@@ -121,14 +121,14 @@ PARTS = [
 @ways
 @pytest.mark.parametrize(("case", "name", "part"), PARTS)
 def test_a_bound_that_fails_is_no_bound(
-    case: int, name: str, part: str, fault: Any, words: str, monkeypatch: pytest.MonkeyPatch, engine: Any, tally: Any
+    case: int, name: str, part: str, fault: Any, words: str, registered: Any, engine: Any, tally: Any
 ) -> None:
     engine()
     problem, method = PROBLEMS[case]
     if part == "compute":  # the only one, else another may end the search for bounds before it
         for other in BOUNDS:
-            monkeypatch.setitem(BOUNDS._entries, other, dataclasses.replace(BOUNDS[other], compute=lambda *_: None))
-    monkeypatch.setitem(BOUNDS._entries, name, dataclasses.replace(BOUNDS[name], **{part: failing(fault)}))
+            registered(BOUNDS, other, dataclasses.replace(BOUNDS[other], compute=lambda *_: None))
+    registered(BOUNDS, name, dataclasses.replace(BOUNDS[name], **{part: failing(fault)}))
     found = wb.solve(problem, **method, bound_time=0.5)
     assert found.certificate.feasible
     assert found.faults == ()
@@ -136,25 +136,22 @@ def test_a_bound_that_fails_is_no_bound(
     tally["faults injected"] += 1
 
 
-def test_a_bound_that_fails_costs_no_other_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bound_that_fails_costs_no_other_bound() -> None:
     problem = wb.WinnerTakesAllSATA(wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0])))
     names = [m.name for m in BOUNDS.values() if not m.missing(problem)]
     assert len(names) > 1
     for name in names:
-        with monkeypatch.context() as patch:
-            patch.setitem(BOUNDS._entries, name, dataclasses.replace(BOUNDS[name], compute=failing(MemoryError)))
-            with pytest.warns(RuntimeWarning, match=f"no bound by {name}: out of memory"):
-                assert wb.bound(problem, seconds=5).bound == 5.0
+        broken = dataclasses.replace(BOUNDS[name], compute=failing(MemoryError))
+        with BOUNDS.temporary(name, broken), pytest.warns(RuntimeWarning, match=f"no bound by {name}: out of memory"):
+            assert wb.bound(problem, seconds=5).bound == 5.0
 
 
 @ways
 @pytest.mark.parametrize("case", range(len(PROBLEMS)))
-def test_evidence_whose_checker_fails_proves_nothing(
-    case: int, fault: Any, words: str, monkeypatch: pytest.MonkeyPatch, engine: Any, tally: Any
-) -> None:
+def test_evidence_whose_checker_fails_proves_nothing(case: int, fault: Any, words: str, registered: Any, engine: Any, tally: Any) -> None:
     engine()
     for kind in CHECKERS:
-        monkeypatch.setitem(CHECKERS._entries, kind, failing(fault))
+        registered(CHECKERS, kind, failing(fault))
     problem, method = PROBLEMS[case]
     found = wb.solve(problem, **method, bound_time=0.5)
     assert found.certificate.feasible
@@ -164,8 +161,8 @@ def test_evidence_whose_checker_fails_proves_nothing(
 
 
 @ways
-def test_evidence_of_a_solver_that_proves_nothing_costs_no_bound_of_ours(fault: Any, words: str, monkeypatch: Any, engine: Any) -> None:
-    monkeypatch.setitem(CHECKERS._entries, "broken", failing(fault, 1 if fault is KeyboardInterrupt else float("inf")))
+def test_evidence_of_a_solver_that_proves_nothing_costs_no_bound_of_ours(fault: Any, words: str, registered: Any, engine: Any) -> None:
+    registered(CHECKERS, "broken", failing(fault, 1 if fault is KeyboardInterrupt else float("inf")))
     useless = Evidence("broken", "the solver's proof", VALUE, {})
     name = engine(lambda p, o, c: RawResult("feasible", answer=BEST, evidence=(useless,)))
     found = wb.solve(TINY, name, bound_time=2)
@@ -187,8 +184,8 @@ def test_a_certificate_that_fails_leaves_the_judges_verdict(fault: Any, words: s
 
 
 @pytest.mark.parametrize("bound", [2 * VALUE, np.inf])
-def test_a_bound_that_contradicts_the_answer_is_withheld_and_said(bound: float, monkeypatch: Any, engine: Any, tmp_path: Path) -> None:
-    monkeypatch.setitem(CHECKERS._entries, "false", lambda problem, data: bound)
+def test_a_bound_that_contradicts_the_answer_is_withheld_and_said(bound: float, registered: Any, engine: Any, tmp_path: Path) -> None:
+    registered(CHECKERS, "false", lambda problem, data: bound)
     proof = Evidence("false", "a false proof", bound, {})
     name = engine(lambda p, o, c: RawResult("optimal", answer=BEST, objective=VALUE, bound=VALUE, evidence=(proof,)))
     found = wb.solve(TINY, name, bound_time=0)
@@ -217,7 +214,7 @@ def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: 
 def test_evidence_that_a_heuristic_cannot_make_leaves_its_answer(heuristic: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = PROBLEMS[2][0]
     whole = wb.solve(problem, heuristic=heuristic, bound_time=0)
-    monkeypatch.setattr(f"waybound.heuristics.selection.greedy_steps.greedy_steps.ending.{part}", failing(MemoryError))
+    monkeypatch.setattr(f"waybound.heuristics.selection.greedy_steps.ending.{part}", failing(MemoryError))
     found = wb.solve(problem, heuristic=heuristic, bound_time=0)
     assert found.objective == whole.objective
     assert found.certificate.guarantee == whole.certificate.guarantee

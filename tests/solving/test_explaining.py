@@ -154,9 +154,9 @@ def test_two_customers_at_one_address_are_no_reason():
     assert (made.verdict, made.according_to) == ("feasible", "the data")
 
 
-def test_what_the_checker_does_not_confirm_is_no_reason(monkeypatch):
+def test_what_the_checker_does_not_confirm_is_no_reason(registered):
     assert "too-few-vehicles" in CHECKERS  # now all are registered
-    monkeypatch.setitem(CHECKERS._entries, "too-few-vehicles", lambda problem, data: -math.inf)
+    registered(CHECKERS, "too-few-vehicles", lambda problem, data: -math.inf)
     made = explain(wb.read("demo-c25", vehicles=2), time_limit=20)
     assert "too-few-vehicles" not in {r.evidence.kind for r in made.reasons if r.evidence}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ def square() -> RoutingProblem:
 
 
 @pytest.fixture
-def engine_that() -> Iterator[Callable[[Callable[..., RawResult]], str]]:
+def engine_that(registered: Any) -> Callable[[Callable[..., RawResult]], str]:
     """Registers an engine with the given behaviour for one test."""
     names: list[str] = []
 
@@ -44,14 +44,11 @@ def engine_that() -> Iterator[Callable[[Callable[..., RawResult]], str]]:
             def run(self, problem: Any, options: Options, control: Control) -> RawResult:
                 return behaviour(problem, options, control)
 
-        BACKENDS.names()
-        BACKENDS.add(Fake.name, Fake)
+        registered(BACKENDS, Fake.name, Fake)
         names.append(Fake.name)
         return Fake.name
 
-    yield make
-    for name in names:
-        BACKENDS._entries.pop(name)
+    return make
 
 
 def test_a_claimed_answer_that_breaks_a_constraint_is_an_error(square: RoutingProblem, engine_that: Any) -> None:

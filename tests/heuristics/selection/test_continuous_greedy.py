@@ -80,7 +80,7 @@ def test_steps_out_of_range_are_refused(steps: object) -> None:
 
 
 def test_a_matrix_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("waybound.heuristics.selection.greedy_steps.continuous_greedy.MOST_ENTRIES", 5)
+    monkeypatch.setattr("waybound.heuristics.selection.continuous_greedy.MOST_ENTRIES", 5)
     with pytest.raises(UsageError, match="at most 5 positive weights, not 6"):
         run("continuous-greedy", SubmodularSelection(DenseFacilityLocation(np.ones((3, 2))), Cardinality(1)))
 

@@ -21,13 +21,9 @@ def tried():
         plan = ExperimentPlan(
             (Sweep("robots", (4, 6), {"targets": 12, "phi": 25.0}),), methods, measure, orders, "something", (("a", "b"),)
         )
-        STUDIES.add(
-            "tried", Study("tried", "for tests", 7, lambda setting: run_experiment("tried", "for tests", plan, setting), False, plan)
-        )
-        try:
+        study = Study("tried", "for tests", 7, lambda setting: run_experiment("tried", "for tests", plan, setting), False, plan)
+        with STUDIES.temporary("tried", study):
             return STUDIES["tried"](StudySetting(7, told=told))
-        finally:
-            del STUDIES._entries["tried"]
 
     return run
 
