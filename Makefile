@@ -29,7 +29,7 @@ test-all: $(READY)
 	$(BIN)/python -m pytest -n 2 -q -rs -m "not hostile" $(PYTEST_FLAGS)
 
 test-hostile: $(READY)
-	WAYBOUND_HOSTILE=1 $(BIN)/python -m pytest tests/hostile -n 2 -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
+	WAYBOUND_HOSTILE=1 $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -136,7 +136,7 @@ def _sifted(problem: RoutingProblem, stop: Stop, solve_program: Solve) -> Eviden
         found = replace(found, value=verified_bound(problem, found))
         if best is None or found.value > best.value:
             best = found
-        negative = _reduced_costs(prep, found.data, problem) < -1e-7 * max(1.0, abs(found.value)) / prep.nodes
+        negative = _reduced_costs(prep, found.data, problem) < -1e-7 * abs(found.value) / prep.nodes
         missing = np.nonzero(negative & ~kept)[0]
         took = time.perf_counter() - began
         if len(missing) == 0 or 1.3 * took > stop.seconds_left:

@@ -132,8 +132,8 @@ def load_factor(data: IntegerRouting) -> int:
     PyVRP prices a unit of excess load at 1e5 at most; where costs count in millionths that is next to nothing.
     """
     gain = max(int(data.distance.max(initial=0)) * int(data.unit.max()), int(data.fixed.max()), int(data.prize.max()))
-    factor = 1
-    while factor * MAX_PENALTY < 10 * gain:
+    factor, most = 1, UNLIMITED // max(1, 10 * int(data.demand.sum()))
+    while factor * MAX_PENALTY < 10 * gain and factor <= most:
         factor *= 10
     return factor
 

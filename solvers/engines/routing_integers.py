@@ -184,16 +184,19 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         charge = clock.up(np.maximum(moved, waited))
         np.fill_diagonal(charge, 0)
 
+    demand, capacity = load.up(carried), load.down([v.capacity for v in fleet])
+    common = max(1, int(np.gcd.reduce(demand)))
+    demand, capacity = demand // common, np.where(capacity == UNLIMITED, UNLIMITED, capacity // common)
     distance = length.nearest(travel.distances)
     made = IntegerRouting(
         distance=distance,
         distance_up=distance if length.exact else length.up(travel.distances),
         duration=clock.up(travel.durations),
         service=service, ready=ready, due=due,
-        demand=load.up(carried),
+        demand=demand,
         charge=charge,
         prize=cost.nearest(goal.prize),
-        capacity=load.down([v.capacity for v in fleet]),
+        capacity=capacity,
         max_duration=np.minimum(clock.down([v.max_duration for v in fleet]), clock.down(budgets["elapsed"])),
         max_distance=length.down([v.max_distance for v in fleet]),
         unit=per_unit.nearest(goal.unit),
@@ -204,7 +207,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         latest_return=clock.down(opens + budgets["elapsed-fixed-start"]),
         cost_factor=cost.factor,
         scales={
-            "cost": cost.factor, "distance": length.factor, "time": clock.factor, "load": load.factor,
+            "cost": cost.factor, "distance": length.factor, "time": clock.factor, "load": _plain(load.factor / common),
             "exact": cost.exact and clock.exact and load.exact,
         },
     )  # fmt: skip

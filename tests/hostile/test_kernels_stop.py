@@ -208,7 +208,7 @@ def test_greedy_keeps_its_time() -> None:
     assert solution.seconds["solve"] < 0.3 + LATE and solution.seconds["bound"] < 0.2 + LATE
 
 
-SIZES = (5e-324, 1e-310, 2.3e-308, 1e-300, 1e-100, 1.0, 1e100, 1e300, 1e307)
+SIZES = (5e-324, 1e-310, 2.3e-308, 1e-300, 1e-100, 1.0, 1e100, 1e300, 1e306)
 
 
 def extreme(rng: np.random.Generator) -> Any:

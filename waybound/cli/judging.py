@@ -80,13 +80,15 @@ def check(
 
 def _compare(read: ReadAnswer, evaluation: Evaluation) -> list[str]:
     """What to say where the file states another objective than its answer has."""
+    from ..formulations.tolerance import same
+
     if read.stated is None:
         return []
     stated = read.stated if isinstance(read.stated, list) else [read.stated]
     values = list(evaluation.values)
     if len(stated) == 1 and len(values) > 1 and "distance" in evaluation.quantities:
         values = [evaluation.quantities["distance"]]  # a .sol states a cost, whatever the levels of the objective
-    if len(stated) == len(values) and all(abs(a - b) <= STATED_TOLERANCE * max(1.0, abs(b)) for a, b in zip(stated, values, strict=True)):
+    if len(stated) == len(values) and all(same(a, b, precision=STATED_TOLERANCE) for a, b in zip(stated, values, strict=True)):
         return []
     shown = values[0] if len(values) == 1 else values
     return [f"the file states {read.stated!r}, recomputed from the data it is {shown!r}; is the convention of distance the file's?"]

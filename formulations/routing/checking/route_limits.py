@@ -81,24 +81,23 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
     service[[0, -1]] = demand[[0, -1]] = 0.0
     busy = service[:, None] + move
     ready[-1] = -math.inf  # nobody waits for a depot to open
-    budgets = [(busy, vehicle.max_duration), (far, vehicle.max_distance)]
-    spans = [(1.0, vehicle.max_duration, False)]
-    if vehicle.energy is not None:
-        store, rate, charge = vehicle.energy.capacity, vehicle.energy.rate, vehicle.energy.charge
-        if charge == "windows":
-            budgets.append((rate * np.maximum(busy, ready[None, :] - np.append(ready[:-1], 0.0)[:, None]), store))
-        else:
-            budgets.append((rate * (move if charge == "travel" else busy), store))
-        if charge in ("elapsed", "elapsed-fixed-start"):
-            spans.append((rate, store, charge == "elapsed-fixed-start"))
     horizon = float(np.abs(ready[:-1]).max()) + float(busy.max(axis=0).sum())
     ulps = 8.0 * (len(at) + 2) * float(np.finfo(np.float64).eps)
     rounding = ulps * horizon
-    rate = 1.0 if vehicle.energy is None else max(1.0, vehicle.energy.rate)
-    wide = rate * rounding + ulps * float(far.max(axis=0).sum())
+    budgets = [(busy, vehicle.max_duration, rounding), (far, vehicle.max_distance, ulps * float(far.max(axis=0).sum()))]
+    spans = [(1.0, vehicle.max_duration, False, rounding)]
+    if vehicle.energy is not None:
+        store, rate, charge = vehicle.energy.capacity, vehicle.energy.rate, vehicle.energy.charge
+        if charge == "windows":
+            drawn = rate * np.maximum(busy, ready[None, :] - np.append(ready[:-1], 0.0)[:, None])
+        else:
+            drawn = rate * (move if charge == "travel" else busy)
+        budgets.append((drawn, store, rate * rounding + ulps * float(drawn.max(axis=0).sum())))
+        if charge in ("elapsed", "elapsed-fixed-start"):
+            spans.append((rate, store, charge == "elapsed-fixed-start", rate * rounding))
     return Limits(
-        ready, due, demand, busy, [(w, allowed(x, 0.0, wide)) for w, x in budgets if math.isfinite(x)],
-        [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed in spans if math.isfinite(x)], vehicle.capacity, horizon, rounding,
+        ready, due, demand, busy, [(w, allowed(x, 0.0, wide)) for w, x, wide in budgets if math.isfinite(x)],
+        [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed, wide in spans if math.isfinite(x)], vehicle.capacity, horizon, rounding,
     )  # fmt: skip
 
 

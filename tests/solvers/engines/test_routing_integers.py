@@ -168,6 +168,15 @@ def test_a_window_without_an_integer_in_it_stays_reachable_and_safe() -> None:
     assert (data.due[1] + data.service[1]) / FINE >= moment
 
 
+@pytest.mark.parametrize("unit", [1.0, 2.0**30, 2.0**-30])
+def test_loads_are_counted_in_their_common_divisor(unit: float) -> None:
+    sites = Sites.of(["o", "a", "b"], demand=[0, 6 * unit, 9 * unit])
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(capacity=14 * unit), VehicleType()))
+    made = integer_routing(problem)
+    assert (made.demand.tolist(), made.capacity.tolist()) == ([0, 2, 3], [4, UNLIMITED])
+    assert made.scales["load"] == pytest.approx(1 / (3 * unit))
+
+
 def test_the_depots_own_demand_and_service_do_not_count() -> None:
     xy = np.array([[0.0, 0.0], [3.0, 4.0]])
     sites = Sites.of(range(2), demand=[0.3333, 1], service=[9.1, 2], coordinates=xy)
@@ -181,15 +190,16 @@ def test_the_depots_own_demand_and_service_do_not_count() -> None:
     ("name", "parts"),
     [
         ("distance", {"x": 300.0}),
-        ("demand", {"demand": [0, 200]}),
+        ("demand", {"demand": [0, 200, 3]}),
         ("service time", {"service": [0, 200]}),
         ("ready time", {"ready": [0, 200]}),
     ],
 )
 def test_values_too_large_for_integers_are_refused_by_name(name: str, parts: dict) -> None:
     parts = dict(parts)
-    xy = np.array([[0.0, 0.0], [parts.pop("x", 1.0), 0.0]])
-    problem = RoutingProblem(Sites.of(range(2), coordinates=xy, **parts), Travel("euclidean", xy), (VehicleType(),))
+    n = max([2, *(len(v) for v in parts.values() if isinstance(v, list))])
+    xy = np.array([[0.0, 0.0], [parts.pop("x", 1.0), 0.0], [0.0, 0.0]])[:n]
+    problem = RoutingProblem(Sites.of(range(n), coordinates=xy, **parts), Travel("euclidean", xy), (VehicleType(),))
     with pytest.raises(InputError, match=f"largest {name}"):
         integer_routing(problem, largest=100)
     integer_routing(problem)

@@ -14,7 +14,7 @@ from waybound.formulations.routing.checking.infeasible_site import check_infeasi
 from waybound.formulations.routing.objective import Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 
@@ -71,6 +71,16 @@ def test_each_limit_alone_proves_a_site_out_of_reach(vehicle, site):
 )
 def test_limits_that_are_just_met_prove_nothing(vehicle, site):
     assert check_infeasible_site(one_site(vehicle, **site), {"site": "a"}) == -math.inf
+
+
+@pytest.mark.parametrize("unit", [2.0**-40, 1.0, 2.0**40])
+@pytest.mark.parametrize("charge", ENERGY_CHARGES)
+def test_energy_is_rounded_in_its_own_unit_whatever_that_of_the_clock(charge, unit):
+    times = np.array([[0, 5], [5, 0]]) / unit
+    sites, travel = Sites.of(["o", "a"]), Travel(EXPLICIT, matrix=np.ones((2, 2)), duration_matrix=times)
+    for store, proof in ((9.9e-9, math.inf), (1.01e-8, -math.inf)):
+        vehicle = VehicleType(energy=Energy(store, rate=1e-9 * unit, charge=charge))
+        assert check_infeasible_site(RoutingProblem(sites, travel, (vehicle,)), {"site": "a"}) == proof
 
 
 def test_one_vehicle_type_that_can_is_enough():
