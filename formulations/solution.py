@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from . import plotting
 from .certificate import Certificate
 from .evaluation import Evaluation
 from .problem import Problem
@@ -18,10 +19,6 @@ Value = float | list[float] | list[float | None]
 
 SCHEMA = 1
 """Version of the JSON written by ``Solution.to_json``."""
-
-PLOTTERS: dict[str, Callable[..., Any]] = {}
-"""Plot functions by problem family; filled by the floor above."""
-
 
 def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[float] = (), precision: float = EQUAL) -> float | None:
     """``tolerance.gap`` at the first level of the objective that is still open; None without a bound."""
@@ -97,14 +94,31 @@ class Solution:
         self._need_answer()
         return self.problem.answer_to_frame(self.answer)
 
-    def plot(self, **options: Any) -> Any:
-        """Draw the answer; returns matplotlib axes."""
-        self._need_answer()
-        if self.problem.family not in PLOTTERS:
-            import importlib
+    def plot(self, *, ax: Any = None, title: str | None = None, **options: Any) -> Any:
+        """Draw the answer.
 
-            importlib.import_module("waybound.reports.plots.routing")  # the floor above registers its plotters on import
-        return PLOTTERS[self.problem.family](self.problem, self.answer, **{"solution": self, **options})
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            New ones by default: of pyplot in a notebook or where pyplot is in use, else without any display.
+        title : str, optional
+            Instead of the one made.
+        **options
+            What else the plot of the problem's family takes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        NoAnswerError
+            If there is no answer.
+        UsageError
+            If answers of this family cannot be drawn.
+        """
+        self._need_answer()
+        return plotting.draw(self, ax=ax, title=title, **options)
 
     def _need_answer(self) -> None:
         from ..instances.errors import NoAnswerError

@@ -242,7 +242,7 @@ class SubmodularSelection(Problem):
         return Selection(tuple(index[str(e)] for e in data["elements"]))
 
     def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
-        """One row an element in the order of choice: element, gain, value after it."""
+        """One row an element, as the answer lists them: element, gain, value after it."""
         import pandas as pd
 
         gains = self.gains(answer.elements)

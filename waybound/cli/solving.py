@@ -156,6 +156,9 @@ def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: P
     if plot is not None:
         from importlib.util import find_spec
 
+        from ..reports.plots import check_drawable
+
+        check_drawable(problem)
         if find_spec("matplotlib") is None:
             raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
 
@@ -165,7 +168,7 @@ def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, cer
     from ..instances.atomic import atomic_write
 
     def draw(path: Path) -> None:
-        from ..reports.plots.routing import save_plot
+        from ..reports.plots import save_plot
 
         save_plot(solution, path)
 
