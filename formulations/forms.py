@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 from ..instances.errors import UnsupportedError, UsageError
 from ..instances.registry import Registry
-from .problem import Problem
 from .programs.exactness import Exactness
 from .programs.program import Program
+
+
+class Asked(Protocol):
+    """What a form looks at in a problem before it is asked to write it down."""
+
+    @property
+    def family(self) -> str: ...
+
+    def features(self) -> frozenset[str]: ...
+
+    def forms(self) -> list[str]: ...
 
 
 @dataclass(frozen=True)
@@ -45,7 +55,7 @@ class Form:
     kind: Callable[[Any], str] = lambda problem: "MILP"
     order: int = 0
 
-    def missing(self, problem: Problem) -> frozenset[str]:
+    def missing(self, problem: Asked) -> frozenset[str]:
         """Features of ``problem`` that the form lacks; empty if it can take it."""
         if problem.family != self.family:
             return frozenset({f"{problem.family} problems"})
@@ -55,7 +65,7 @@ class Form:
 FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms")
 
 
-def compile_form(problem: Problem, form: str | None = None, *, relax: bool = False) -> Program:
+def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False) -> Program:
     """See ``Problem.compile``."""
     usable = problem.forms()
     if form is None:

@@ -25,9 +25,7 @@ class Plot(Protocol):
     ``solution`` gives objective, bound and gap for the caption; ``title`` stands instead of the one made. A plot may take further keywords.
     """
 
-    def __call__(
-        self, problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-    ) -> Any: ...
+    def __call__(self, problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any: ...
 
 
 PLOTS: Registry[Plot] = Registry("plot", "waybound.reports.plots")

@@ -57,9 +57,9 @@ def plot_routes(
     scaling: I. Theory and method", Psychometrika 17); the title says so.
     """
     where, placed = site_positions(problem)
-    ax = new_axes() if ax is None else ax
+    ax, names = new_axes() if ax is None else ax, problem.vehicle_names(answer)
     for rank, k in enumerate(_around_the_depot(problem, answer, where)):
-        _draw_route(ax, problem, answer, where, rank, k)
+        _draw_route(ax, problem, answer, where, rank, k, names[k])
     _draw_sites(ax, problem, answer, where)
     bare(ax)
     entitle(ax, *(_title(problem, answer, solution, placed) if title is None else (title, "")))
@@ -108,7 +108,7 @@ def _around_the_depot(problem: RoutingProblem, answer: Routes, where: Floats) ->
     return [int(k) for k in np.argsort(angles, kind="stable")]
 
 
-def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats, rank: int, number_of: int) -> None:
+def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats, rank: int, number_of: int, name: str) -> None:
     """One route; ``rank`` chooses its colour. On crowded maps lines are thin, and solid, because dashes would not be told apart."""
     route, count = answer.routes[number_of], len(answer)
     vehicle = problem.fleet[route.vehicle]
@@ -126,7 +126,7 @@ def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats,
         )  # fmt: skip
     ax.plot(
         inner[:, 0], inner[:, 1], color=colour, linestyle=style, linewidth=width, zorder=2, gid=str(number_of),
-        label=f"{problem.vehicle_name(number_of)}: {len(route)} visits", solid_capstyle="round", solid_joinstyle="round",
+        label=f"{name}: {len(route)} visits", solid_capstyle="round", solid_joinstyle="round",
     )  # fmt: skip
     ax.scatter(inner[:, 0], inner[:, 1], s=_dot_sizes(problem, visits), color=colour, edgecolors="white", linewidths=0.35 * width, zorder=3)
 

@@ -1,4 +1,4 @@
-"""Pictures of assignment answers."""
+"""Sensing graphs as maps and in two columns."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from matplotlib.collections import LineCollection
 
 import waybound as wb
 from waybound.formulations.selection.selections import Selection
-from waybound.formulations.solution import PLOTTERS
+from waybound.instances.sensing.graph import graph_of_edges
+from waybound.reports.plots import PLOTS
 from waybound.reports.plots import sensing as sensing_plots
-from waybound.reports.plots.routing import save_plot
-from waybound.reports.plots.sensing import plot_max_min, plot_selection
+from waybound.reports.plots.max_min import plot_max_min
+from waybound.reports.plots.selection import plot_selection
 
 
 @pytest.fixture(scope="module")
@@ -19,17 +20,8 @@ def placed():
     return wb.generate("sensing-geometric", robots=30, seed=2).graph
 
 
-@pytest.fixture(scope="module")
-def large():
-    return wb.generate("sata", robots=30, targets=70, phi=10, seed=2).graph
-
-
 def texts(ax):
     return [t.get_text() for t in ax.texts]
-
-
-def bars(ax):
-    return [patch.get_height() for patch in ax.patches]
 
 
 def marks(ax):
@@ -55,7 +47,7 @@ def test_a_small_graph_is_drawn_in_two_columns_with_all_names():
 @pytest.mark.parametrize("kind", [wb.BottleneckSATA, wb.WinnerTakesAllSATA])
 def test_positions_make_a_map(placed, kind):
     problem = kind(placed)
-    ax = PLOTTERS[problem.family](problem, Selection.of([0, 5, 9]))
+    ax = PLOTS[problem.family](problem, Selection.of([0, 5, 9]))
     assert ax.get_aspect() == 1.0
     assert marks(ax) == placed.num_actions + placed.num_targets
     assert sum(lines(ax)) == placed.num_edges
@@ -70,20 +62,7 @@ def test_a_crowded_map_leaves_out_edges_that_nobody_uses(placed, monkeypatch):
     assert lines(ax) == [placed.indptr[1]]
 
 
-def test_a_large_graph_becomes_a_chart_of_its_targets(large):
-    chosen = Selection.of(range(0, 60, 2))
-    covered = np.bincount(large.indices, np.isin(large.action_of_edge, list(chosen)).astype(float), minlength=70)
-    ax = plot_max_min(wb.BottleneckSATA(large), chosen)
-    assert bars(ax) == sorted(covered.tolist())
-    assert "70 of them in ascending order" in ax.get_xlabel()
-    assert ax.lines[0].get_ydata()[0] == covered.min()
-    winner = plot_selection(wb.WinnerTakesAllSATA(large), chosen)
-    assert sum(bars(winner)) == (covered > 0).sum()
-
-
 def test_a_graph_without_edges_can_be_drawn():
-    from waybound.instances.sensing.graph import graph_of_edges
-
     graph = graph_of_edges([0], [], [], robots=1, targets=2)
     plot_max_min(wb.BottleneckSATA(graph), Selection.of([0])).figure.canvas.draw()
     plot_selection(wb.WinnerTakesAllSATA(graph_of_edges([], [], [], robots=1)), Selection()).figure.canvas.draw()
