@@ -113,7 +113,7 @@ class Problem(ABC):
         """Raise UsageError unless solution files of ``suffix`` can hold an answer to this problem."""
         known = (".json", *self.answer_suffixes)
         if suffix not in known:
-            raise UsageError(f"answers to {self.problem} problems are written as {', '.join(known)}")
+            raise UsageError(f"answers to {self.problem} problems are written as {', '.join(known)}, not under the suffix {suffix!r}")
 
     def answer_to_text(self, answer: Any, suffix: str, objective: float | None = None) -> str:
         """Text of a solution file of ``suffix``, one of ``answer_suffixes``; ``objective`` is for formats that state it."""
