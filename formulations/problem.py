@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..instances.instance import Instance
     from .evidence import Evidence
-    from .programs.program import Program
+    from .programs.compiled import Compiled
 
 
 class Problem(ABC):
@@ -90,13 +90,13 @@ class Problem(ABC):
 
         return [form.name for form in sorted(FORMS.values(), key=lambda form: form.order) if not form.missing(self)]
 
-    def compile(self, form: str | None = None, *, relax: bool = False) -> Program:
+    def compile(self, form: str | None = None, *, relax: bool = False) -> Compiled:
         """Write the problem down as arrays.
 
         Parameters
         ----------
         form : str, optional
-            A name of ``forms()``; the first of them by default.
+            A name of ``forms()``; by default the first of them that is exact.
         relax : bool
             Drop integrality.
 

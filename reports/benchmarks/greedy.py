@@ -37,7 +37,7 @@ TARGET_EVALUATIONS = 0.05
 
 
 def setting() -> Setting:
-    return Setting(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, lambda *a: None)
+    return Setting(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, LinearPrograms())
 
 
 def generate(what: str, elements: int, picks: int, seed: int) -> SubmodularSelection:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
+from ..formulations.programs.program import described
 from ..heuristics.heuristic import HEURISTICS
-from ..solvers.backend import BACKENDS, Engine, ProgramBackend
+from ..solvers.backend import BACKENDS, Engine, ProgramBackend, kinds_of
 
 
 @dataclass(frozen=True)
@@ -44,10 +45,10 @@ def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple
         return backend().missing(problem), ()
     assert issubclass(backend, ProgramBackend)
     forms = problem.forms()
-    usable = tuple(f for f in forms if backend.takers(FORMS[f].kind(problem)))
+    usable = tuple(f for f in forms if backend.takers(FORMS[f].makes(problem)))
     if usable or not forms:
         return (frozenset() if usable else frozenset({"a form for this problem"})), usable
-    return frozenset(f"{FORMS[f].kind(problem)} programs" for f in forms), ()
+    return frozenset(f"{described(FORMS[f].makes(problem))} programs" for f in forms), ()
 
 
 def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
@@ -56,7 +57,7 @@ def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
     for name in BACKENDS:
         backend = BACKENDS[name]
         missing, forms = missing_features(name, problem) if problem is not None else (frozenset(), ())
-        takes = ", ".join(sorted(backend.kinds)) if issubclass(backend, ProgramBackend) else f"{backend.family} problems"
+        takes = ", ".join(kinds_of(backend)) if issubclass(backend, ProgramBackend) else f"{backend.family} problems"
         rows.append(
             SolverInfo(
                 name, backend.takes, backend.installed(), backend.version(), backend.summary, takes,
