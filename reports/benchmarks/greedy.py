@@ -30,6 +30,7 @@ from waybound.heuristics.heuristic import HEURISTICS, Setting
 from waybound.heuristics.selection.greedy_steps.limits import Limits
 from waybound.heuristics.selection.greedy_steps.picking import pick
 from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation
+from waybound.solvers.linear_programs import LinearPrograms
 
 ITEMS_OF_ELEMENT, ITEMS, CLIENTS = 20, 2000, 500
 TARGETS = {"coverage": 10.0, "facility location": 3.0}
