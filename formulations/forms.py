@@ -56,20 +56,31 @@ class Form:
 FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms")
 
 
+def default_form(problem: Problem) -> str:
+    """The first exact form of ``problem``: others are taken where they are named, never by default.
+
+    Raises
+    ------
+    UsageError
+        If it has inexact forms alone.
+    UnsupportedError
+        If it has none.
+    """
+    usable = problem.forms()
+    exact = [name for name in usable if FORMS[name].exactness is Exactness.EXACT]
+    if exact:
+        return exact[0]
+    if usable:
+        raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}")
+    raise UnsupportedError("every form", problem.features())
+
+
 def compile_form(problem: Problem, form: str | None = None, *, relax: bool = False) -> Compiled:
     """See ``Problem.compile``."""
-    usable = problem.forms()
-    if form is None:
-        exact = [name for name in usable if FORMS[name].exactness is Exactness.EXACT]
-        if not exact:
-            if usable:
-                raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}")
-            raise UnsupportedError("every form", problem.features())
-        form = exact[0]
-    chosen = FORMS[form]
+    chosen = FORMS[default_form(problem) if form is None else form]
     missing = chosen.missing(problem)
     if missing:
-        raise UnsupportedError(f"form {form}", missing, usable)
+        raise UnsupportedError(f"form {form}", missing, problem.forms())
     made = chosen.build(problem)
     made = replace(made, exactness=chosen.exactness.then(made.exactness))
     return made.relaxed() if relax else made

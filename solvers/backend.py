@@ -24,6 +24,10 @@ from ..instances.registry import Registry
 STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unbounded", "unknown", "error")
 LIMITS = ("none", "time", "iterations", "gap", "nodes", "memory", "interrupt")
 
+LP_SOLVER = "highs"
+"""Who solves the linear programs met on the way where the user names nobody: vertices, interior points and first-order steps by one
+library, which can be interrupted."""
+
 
 @dataclass(frozen=True)
 class Options:
@@ -56,7 +60,7 @@ class Options:
     seed: int = 1
     start: Any = None
     memory_limit: float | None = None
-    lp_solver: str = "highs"
+    lp_solver: str = LP_SOLVER
     extra: dict[str, Any] = field(default_factory=dict)
 
 
@@ -314,8 +318,9 @@ def takes_features(features: frozenset[str], programs: Iterable[frozenset[str]],
 
 def kinds_of(backend: type[ProgramBackend]) -> list[str]:
     """What it takes, in the usual words: ``LP``, ``MILP``, ..."""
-    asked = [LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC]
-    return sorted({described(f) for f in [*asked, *(f | CONES for f in asked)] if backend.takers(f)})
+    cones = [LINEAR, *(frozenset({cone}) for cone in CONES)]
+    asked = (f | cone for f in (LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC) for cone in cones)
+    return sorted({described(f) for f in asked if backend.takers(f)})
 
 
 def takers(features: frozenset[str], but: str = "") -> list[str]:

@@ -8,13 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..formulations.programs.program import Floats, Program
+from ..formulations.programs.program import LINEAR, Floats, Program
 from ..formulations.stop import NEVER, Stop
-from .backend import Control, Options, ProgramBackend, RawResult, solver_named
+from ..instances.errors import UnsupportedError
+from .backend import LP_SOLVER, Control, Options, ProgramBackend, RawResult, solver_named, takers, takes_features
 from .isolation import run_isolated
-
-LP_SOLVER = "highs"
-"""Who solves them where the user names nobody: exact vertices, interior points and first-order steps by one library, interruptible."""
 
 Suits = Mapping[str, Mapping[str, Any]]
 """Options that suit a program, by solver: ``{"highs": {"solver": "ipm"}}``."""
@@ -27,7 +25,7 @@ class LinearPrograms:
     Parameters
     ----------
     solver : str
-        A name of ``solvers()`` that takes programs and returns row duals.
+        A name of ``solvers()`` that takes linear programs.
     seed, threads : int
     """
 
@@ -35,12 +33,24 @@ class LinearPrograms:
     seed: int = 1
     threads: int = 1
 
-    def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
-        """What the solver says of ``program`` until ``stop``, or after so many iterations; its own options in ``suits`` are used."""
+    def backend(self) -> ProgramBackend:
+        """The solver, ready to run; raises UsageError, MissingPackageError or UnsupportedError where there is none for linear programs."""
         backend = solver_named(self.solver)
-        assert isinstance(backend, ProgramBackend)
-        own = dict((suits or {}).get(self.solver.partition(":")[0], {}))
-        options = Options(time_limit=stop.seconds_left, iterations=iterations, seed=self.seed, threads=self.threads, extra=own)
+        if not (isinstance(backend, ProgramBackend) and takes_features(LINEAR, backend.programs, backend.only_integers)):
+            raise UnsupportedError(self.solver, {"LP programs"}, takers(LINEAR))
+        return backend
+
+    def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
+        """What the solver says of ``program`` until ``stop``.
+
+        ``suits`` and ``iterations`` concern those solvers alone that ``suits`` names: what counts as one is not the same for all.
+        """
+        backend = self.backend()
+        own = (suits or {}).get(self.solver.partition(":")[0])
+        options = Options(
+            time_limit=stop.seconds_left, iterations=None if own is None else iterations, seed=self.seed, threads=self.threads,
+            extra=dict(own or {}),
+        )  # fmt: skip
         control = Control()
         with stop.telling(control.stop):
             if backend.needs_process:
@@ -53,3 +63,12 @@ class LinearPrograms:
             return None
         found = self.solve(program, stop, suits).row_duals
         return None if found is None or not np.isfinite(found).all() else found
+
+
+def linear_programs(solver: str | None, seed: int = 1, threads: int = 1) -> LinearPrograms:
+    """Solved by whom the user names, who is looked for at once; or by the default, which few problems need."""
+    if solver is None:
+        return LinearPrograms(seed=seed, threads=threads)
+    made = LinearPrograms(solver, seed, threads)
+    made.backend()
+    return made

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Evidence
 from ...formulations.forms import FORMS
 from ...formulations.problem import Problem
+from ...formulations.programs.exactness import Exactness
 from ...formulations.programs.program import INTEGERS
 from ...formulations.programs.scaling import scaled
 from ...formulations.selection.selections import Selection
@@ -53,7 +54,7 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     if ties not in ("last", "first"):
         raise UsageError(f"ties must be last or first, not {ties!r}")
     stop = setting.begin()
-    linear = [form for form in problem.forms() if FORMS[form].makes(problem) <= INTEGERS]
+    linear = [f for f in problem.forms() if FORMS[f].exactness is Exactness.EXACT and FORMS[f].makes(problem) <= INTEGERS]
     if not linear:
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
     made = problem.compile(linear[0], relax=True)

@@ -165,7 +165,7 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
             control.publish(bound=task.bound(record), evidence=task.evidence(record))
 
     record = Record(graph, max(options.gap, LEAST_GAP), news)
-    game = Game(graph, record, limits, Programs(stop, LinearPrograms(options.lp_solver, options.seed)))
+    game = Game(graph, record, limits, Programs(stop, LinearPrograms(options.lp_solver, options.seed, options.threads)))
     if options.iterations is not None:
         limits.most_work = options.iterations * game.pass_work
     shares = None if options.start is None else task.shares(options.start)

@@ -19,7 +19,7 @@ def test_export_writes_a_program_that_highs_reads_back(run, tmp_path, suffix):
     path = tmp_path / f"model{suffix}"
     result = run("export", "demo-tiny", "--form", "two-index-mtz", "--to", path)
     assert result.exit_code == 0
-    program = wb.read("demo-tiny").compile("two-index-mtz")
+    program = wb.read("demo-tiny").compile("two-index-mtz").program
     model = highspy.Highs()
     model.setOptionValue("output_flag", False)
     assert model.readModel(str(path)) == highspy.HighsStatus.kOk

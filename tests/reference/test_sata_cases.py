@@ -67,7 +67,7 @@ def test_the_suite_runs_on_all_solvers() -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_bottleneck_of_whole_actions(case: str, solver: str) -> None:
     problem = BottleneckSATA(CASES[case].graph)
-    program = problem.compile("max-min")
+    program = problem.compile("max-min").program
     check_answer(problem, program, run(solver, program), CASES[case].bottleneck)
 
 
@@ -76,13 +76,14 @@ def test_bottleneck_of_whole_actions(case: str, solver: str) -> None:
 def test_bottleneck_of_shares(case: str, solver: str) -> None:
     known = CASES[case]
     problem = BottleneckSATA(known.graph, fractional=True)
-    program = problem.compile("max-min")
+    made = problem.compile("max-min")
+    program = made.program
     result = run(solver, program)
     check_answer(problem, program, result, known.lp)
     if known.shares:
-        assert program.decode(result.answer) == pytest.approx(known.shares, abs=1e-5)
+        assert made.decode(result.answer) == pytest.approx(known.shares, abs=1e-5)
     if result.row_duals is not None:
-        evidence = program.dual_evidence(result.row_duals)
+        evidence = made.dual_evidence(result.row_duals)
         assert known.lp - 1e-9 <= verified_bound(problem, evidence) == evidence.value <= known.lp + EXACT
 
 
@@ -91,7 +92,7 @@ def test_bottleneck_of_shares(case: str, solver: str) -> None:
 def test_winner_takes_all_through_every_linear_form(case: str, solver: str) -> None:
     problem = WinnerTakesAllSATA(CASES[case].graph)
     for form in LINEAR:
-        program = problem.compile(form)
+        program = problem.compile(form).program
         check_answer(problem, program, run(solver, program), CASES[case].winner)
 
 
@@ -99,7 +100,7 @@ def test_winner_takes_all_through_every_linear_form(case: str, solver: str) -> N
 @pytest.mark.parametrize("case", CASES)
 def test_winner_takes_all_as_a_product(case: str, solver: str) -> None:
     problem = WinnerTakesAllSATA(CASES[case].graph)
-    program = problem.compile("product")
+    program = problem.compile("product").program
     assert program.kind == "MIQP"
     check_answer(problem, program, run(solver, program), CASES[case].winner)
 
@@ -111,11 +112,12 @@ def test_relaxations_have_the_values_of_the_digest_and_prove_bounds(case: str, s
     problem = WinnerTakesAllSATA(known.graph)
     for form in LINEAR:
         value = known.weak if form == "weak-linearisation" else known.strong
-        program = problem.compile(form, relax=True)
+        made = problem.compile(form, relax=True)
+        program = made.program
         result = run(solver, program)
         assert result.objective == pytest.approx(value, abs=EXACT)
         if result.row_duals is not None:
-            bound = verified_bound(problem, program.dual_evidence(result.row_duals))
+            bound = verified_bound(problem, made.dual_evidence(result.row_duals))
             assert known.winner - 1e-9 <= bound <= value + EXACT
             if form != "weak-linearisation":
                 assert bound == pytest.approx(proved(case, value), abs=EXACT)

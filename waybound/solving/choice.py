@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..formulations.forms import FORMS
+from ..formulations.forms import FORMS, default_form
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
@@ -19,9 +19,9 @@ linear forms of the other families, then those that take nonconvex products what
 def default_solver(problem: Problem, given: Program | None, form: str | None, relax: bool) -> str:
     """The first installed solver that can take the problem, or the program that is meant."""
     lacking: frozenset[str] = frozenset()
-    meant = given.features() if given is not None else FORMS[form].makes(problem) if form is not None else None
-    if relax:
-        meant = None if meant is None else meant - INTEGERS
+    meant = given.features() if given is not None else FORMS[form].makes(problem) if form is not None else INTEGERS if relax else None
+    if relax and meant is not None:
+        meant -= INTEGERS
     for name in [*PREFERENCE, *(n for n in BACKENDS if n not in PREFERENCE)]:
         if name in BACKENDS and BACKENDS[name].installed():
             missing, _ = missing_features(name, problem)
@@ -32,6 +32,8 @@ def default_solver(problem: Problem, given: Program | None, form: str | None, re
             if not missing:
                 return name
             lacking |= missing
+    if meant is None and problem.forms():
+        default_form(problem)  # says so where all of them are inexact
     raise UnsupportedError("every installed solver", lacking or {"an installed solver"})
 
 

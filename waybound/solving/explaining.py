@@ -88,7 +88,7 @@ class Explanation:
         }
 
 
-def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
+def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
     """Why ``problem`` has no answer, in its own words.
 
     First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion
@@ -96,11 +96,11 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
 
     Parameters
     ----------
-    problem : Problem or Program
+    problem : Problem, Compiled or Program
     time_limit : float, seconds
         For everything together.
     form : str, optional
-        Form whose rows shall be named; the problem's first by default.
+        Form whose rows shall be named; the problem's first exact one by default.
 
     Returns
     -------
@@ -113,6 +113,8 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
     """
     if not time_limit > 0:
         raise UsageError(f"the time limit must be positive, not {time_limit!r}")
+    if form is not None and not isinstance(problem, Problem):
+        raise UsageError(f"the program is already compiled, as {problem.form if isinstance(problem, Compiled) else problem.name}")
     end = time.perf_counter() + time_limit
 
     def work(control: Control) -> RawResult:
@@ -135,7 +137,7 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
     return made or Explanation("undecided", message=f"undecided within {time_limit:g} s")
 
 
-def reasons_from_data(problem: Problem | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
+def reasons_from_data(problem: Problem | Compiled | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
     """Reasons that are proofs by themselves, each confirmed by its checker: sites out of reach, or else a fleet too small."""
     from ..formulations.routing.problem import RoutingProblem
 
@@ -156,7 +158,7 @@ def reasons_from_data(problem: Problem | Program, stopped: Callable[[], bool] = 
             yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
 
 
-def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, control: Control) -> Explanation:
+def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control) -> Explanation:
     if form is not None and isinstance(problem, Problem):
         FORMS[form]  # a name that does not exist is refused before anything is tried
     notes: list[str] = []
@@ -173,11 +175,14 @@ def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, c
 _FEASIBLE = Explanation("feasible", "the data", message="there is an answer that passes every check")
 
 
-def _explain_rows(problem: Problem | Program, form: str | None, end: float, control: Control, notes: list[str]) -> Explanation:
+def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control, notes: list[str]) -> Explanation:
     if not BACKENDS[FILTER_SOLVER].installed():
         return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].package}")
     try:
-        made = ArrayProblem(problem).compile() if isinstance(problem, Program) else _compiled(problem, form)
+        if isinstance(problem, Compiled):
+            made = problem
+        else:
+            made = ArrayProblem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
     except UnsupportedError as error:
         if form is not None:
             raise
@@ -216,12 +221,12 @@ def _explain_rows(problem: Problem | Program, form: str | None, end: float, cont
     return Explanation("undecided", form=made.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
 
 
-def _is_answer(problem: Problem | Program, made: Compiled, point: Any) -> bool:
+def _is_answer(problem: Problem | Compiled | Program, made: Compiled, point: Any) -> bool:
     """Whether ``point`` of the program satisfies all its rows, or stands for an answer that passes every check."""
     if isinstance(problem, Program):
         return point is not None and problem.residual(point) == 0.0
     try:
-        return point is not None and problem.evaluate(made.decode(point)).feasible
+        return point is not None and made.problem.evaluate(made.decode(point)).feasible
     except InputError:
         return False
 
@@ -250,15 +255,6 @@ def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float,
         except WayboundError as fault:
             notes.append(f"{heuristic or 'the default solver'} failed: {fault}")
     return False
-
-
-def _compiled(problem: Problem, form: str | None) -> Compiled:
-    if form is None:
-        usable = [name for name in problem.forms() if FORMS[name].exactness.infeasibility_is_valid]
-        if not usable:
-            raise UnsupportedError("every form", problem.features())
-        form = usable[0]
-    return problem.compile(form)
 
 
 class _Tester:

@@ -27,7 +27,7 @@ from ..instances.errors import CheckFailedError, InputError, UnsupportedError, U
 from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
 from ..solvers.backend import Control, Engine, Options, ProgramBackend, RawResult, solver_named, takers
-from ..solvers.linear_programs import LP_SOLVER, LinearPrograms
+from ..solvers.linear_programs import LinearPrograms, linear_programs
 from . import claims
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
@@ -72,7 +72,7 @@ def solve(
     progress: Progress | None = None,
     isolate: bool = False,
     memory_limit: float | None = None,
-    lp_solver: str = LP_SOLVER,
+    lp_solver: str | None = None,
     options: dict[str, Any] | None = None,
     **parameters: Any,
 ) -> Solution:
@@ -99,8 +99,8 @@ def solve(
     start : answer or Solution, optional
     progress : callable, optional
         Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
-    lp_solver : str
-        Who solves the linear programs that bounds, engines and heuristics meet on their way.
+    lp_solver : str, optional
+        Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
     isolate : bool
         Run the solver in a process of its own, with hard time and memory limits.
     options : dict, optional
@@ -136,7 +136,8 @@ def solve(
     if isinstance(start, Solution):
         start = start.answer
     budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
-    chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, lp_solver, {**(options or {}), **parameters})
+    linear = linear_programs(lp_solver, seed, threads)
+    chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, linear.solver, {**(options or {}), **parameters})
 
     given: Compiled | None = None
     if isinstance(problem, Program):
@@ -159,7 +160,7 @@ def solve(
         first: list[Evidence] = []
         goal: Goal | None = None
         if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first, goal = first_evidence(problem, min(SECONDS, budget), _linear(chosen))  # type: ignore[arg-type]
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear)  # type: ignore[arg-type]
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
@@ -302,7 +303,7 @@ def _certified(
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, options, budget, best, progress)
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
@@ -365,7 +366,7 @@ def _gather(
     problem: Problem,
     run: _Run,
     searched: Searched,
-    options: Options,
+    linear: LinearPrograms,
     budget: float,
     best: float | None,
     progress: Progress | None,
@@ -384,9 +385,7 @@ def _gather(
     known = tuple(evidence)
 
     def find(control: Control) -> RawResult:
-        found = find_bounds(
-            problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=_linear(options)
-        )  # fmt: skip
+        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
     found = search(find, Control(), budget, overtime=BOUND_OVERTIME)

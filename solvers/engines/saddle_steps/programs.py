@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -65,12 +65,14 @@ class Programs(LinearPrograms):
         return int((math.sqrt(1e-10 + 6e-8 * max(seconds, 0.0)) - 1e-5) / 3e-8)
 
     def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
-        """Solve ``program``; not ``optimal`` where it takes more than its share of iterations or time, or is refused."""
+        """Solve ``program``; not ``optimal``, and without duals, where it takes more than its share of iterations or time, or is refused."""
         try:
             result = super().solve(program, self._stop, SIMPLEX, iterations=len(program.data) + SPARE_ITERATIONS)
         except InputError as fault:  # weights of sizes that the solver does not take
             result = RawResult("error", message=str(fault))
-        iterations = result.statistics.get("simplex_iterations", 0) + result.statistics.get("ipm_iterations", 0)
+        if result.status != "optimal":
+            result = replace(result, row_duals=None)
+        iterations = sum(result.statistics.get(name, 0) for name in ("simplex_iterations", "ipm_iterations", "iterations"))
         self.solved += 1
         self.work += WORK_OF_PROGRAM + iterations * (WORK_OF_ITERATION + WORK_OF_ENTRY * len(program.data))
         return result
