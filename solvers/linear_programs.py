@@ -11,6 +11,7 @@ import numpy as np
 from ..formulations.programs.program import LINEAR, Floats, Program
 from ..formulations.stop import NEVER, Stop
 from ..instances.errors import UnsupportedError
+from ..instances.limits import MOST
 from .backend import LP_SOLVER, Control, Options, ProgramBackend, RawResult, solver_named, takers, takes_features
 from .isolation import run_isolated
 
@@ -25,7 +26,7 @@ class LinearPrograms:
     Parameters
     ----------
     solver : str
-        A name of ``solvers()`` that takes linear programs.
+        A name of ``solvers()`` that takes linear programs. Bounds need row duals, of which ``mathopt:gscip`` and ``pulp:NAME`` tell none.
     seed, threads : int
     """
 
@@ -48,7 +49,7 @@ class LinearPrograms:
         backend = self.backend()
         own = (suits or {}).get(self.solver.partition(":")[0])
         options = Options(
-            time_limit=stop.seconds_left, iterations=None if own is None else iterations, seed=self.seed, threads=self.threads,
+            time_limit=min(stop.seconds_left, MOST["time_limit"]), iterations=None if own is None else iterations, seed=self.seed, threads=self.threads,
             extra=dict(own or {}),
         )  # fmt: skip
         control = Control()

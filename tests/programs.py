@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 
-from waybound.formulations.programs.program import INTEGERS, QUADRATIC, Program, Rows, Variables
+from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.stop import NEVER, Stop
 from waybound.solvers.backend import Control, Options, ProgramBackend, RawResult
+from waybound.solvers.backends.highs import Highs
 from waybound.solvers.linear_programs import LinearPrograms, Suits
 
 INF = math.inf
@@ -47,17 +48,24 @@ class AnsweredBy(LinearPrograms):
 
 
 class Patient(ProgramBackend):
-    """Takes any program, and waits until it is asked to stop; ``told`` keeps its options."""
+    """Waits until it is asked to stop, or for its time; ``told`` keeps the options that were given to any of this class."""
 
     name, package, modules, summary = "patient", "numpy", ("json",), "waits"
-    programs = (INTEGERS | QUADRATIC,)
-
-    def __init__(self, variant: str = "") -> None:
-        super().__init__(variant)
-        self.told: list[Options] = []
+    told: ClassVar[list[Options]] = []
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         self.told.append(options)
         asked = threading.Event()
         control.on_stop(asked.set)
         return RawResult("unknown", "interrupt" if asked.wait(min(options.time_limit, 30.0)) else "time")
+
+
+class Counting(Highs):
+    """HiGHS under another name; ``told`` keeps the programs and options that were given to any of this class."""
+
+    name = "counting"
+    told: ClassVar[list[tuple[Program, Options]]] = []
+
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        self.told.append((program, options))
+        return super().search(program, options, control)
