@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ..instances.instance import Instance
-    from .programs.program import Program
+    from .programs.compiled import Compiled
 
 
 class Problem(ABC):
@@ -136,13 +136,13 @@ class Problem(ABC):
         """Names of the forms that can write this problem down, the best one first."""
         return [form.name for form in sorted(FORMS.values(), key=lambda form: form.order) if not form.missing(self)]
 
-    def compile(self, form: str | None = None, *, relax: bool = False) -> Program:
+    def compile(self, form: str | None = None, *, relax: bool = False) -> Compiled:
         """Write the problem down as arrays.
 
         Parameters
         ----------
         form : str, optional
-            A name of ``forms()``; the first of them by default.
+            A name of ``forms()``; by default the first of them that is exact.
         relax : bool
             Drop integrality.
 

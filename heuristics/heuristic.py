@@ -14,6 +14,7 @@ from ..formulations.problem import Problem
 from ..formulations.stop import Stop
 from ..instances.errors import UsageError
 from ..instances.registry import Registry
+from ..solvers.linear_programs import LinearPrograms
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,8 @@ class Setting:
         ``publish(answer)`` reports a better answer.
     stop : Stop
         The wish to end; ``setting.begin()`` adds the time.
-    solve_program : callable
-        ``solve_program(program, seconds)`` solves a small program and returns its ``RawResult``: the solver is handed
-        in, because heuristics lie below solvers.
+    linear : LinearPrograms
+        Who solves the linear programs that it meets.
     """
 
     rng: np.random.Generator
@@ -41,7 +41,7 @@ class Setting:
     start: Any
     publish: Callable[[Any], None]
     stop: Stop
-    solve_program: Callable[..., Any]
+    linear: LinearPrograms
 
     def begin(self) -> Stop:
         """When a heuristic that starts now has to end: its time is up, or it is asked to."""

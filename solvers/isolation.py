@@ -82,16 +82,10 @@ def run_isolated(solver: str, target: Problem | Program, options: Options, contr
 
 
 def _payload(solver: str, target: Problem | Program, options: Options) -> bytes:
-    if isinstance(target, Program):
-        target = replace(target, decode=_as_is, encode=None, dual_evidence=None, problem=None)
     try:
         return pickle.dumps((solver, target, options))
     except (pickle.PicklingError, TypeError, AttributeError) as fault:
         raise UsageError(f"this problem cannot be sent to a process of its own: {fault}") from None
-
-
-def _as_is(x: Any) -> Any:
-    return x
 
 
 class _Child:

@@ -48,7 +48,7 @@ class ArrayProblem(Problem):
         _check_shapes(program)
         refuse_numbers(program)
         self.program = program
-        self.name = name or program.form
+        self.name = name or program.name
         self.problem = "arrays"
 
     @property

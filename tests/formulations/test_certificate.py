@@ -25,6 +25,7 @@ from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee
 from waybound.formulations.routing.objective import Reward, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
+from waybound.formulations.stop import Stop
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
@@ -53,7 +54,7 @@ def says(registered):
 
 def test_a_bound_is_what_the_checker_derives_not_what_the_evidence_claims():
     problem = square()
-    evidence = spanning_tree_bound(problem, 30.0)  # loading its kernel counts
+    evidence = spanning_tree_bound(problem, Stop(30.0))  # loading its kernel counts
     boast = Evidence(evidence.kind, evidence.source, 1e6, evidence.data)
     made = certify(problem, problem.evaluate(TOUR), [boast])
     assert made.bound == pytest.approx(14.0, abs=1e-6)
@@ -153,7 +154,7 @@ def written(problem: RoutingProblem, answer: Routes | None, *evidence: Evidence)
 
 def test_a_certificate_file_is_verified_again():
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     again = check_certificate(problem, data, problem.evaluate(TOUR))
     assert again.bound == data["bound"]
     assert again.evidence == tuple(Evidence.from_json(e) for e in data["evidence"])
@@ -181,14 +182,14 @@ def test_a_proof_of_infeasibility_survives_the_file():
 )
 def test_a_file_that_states_more_than_it_proves_fails(change, message):
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     with pytest.raises(CheckFailedError, match=message):
         check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
 
 
 def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     with pytest.raises(CheckFailedError, match="visited 0 times"):
         check_certificate(problem, data, problem.evaluate(Routes.of([[1, 2]])))
 
@@ -213,7 +214,7 @@ def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
 )
 def test_files_that_are_malformed_or_for_other_data_are_refused(change):
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     with pytest.raises(InputError):
         check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
 
@@ -228,7 +229,7 @@ def test_evidence_for_one_instance_is_priced_anew_on_another():
         square(),
         RoutingProblem(Sites.of("oabc", demand=[0, 1, 1, 1]), Travel(EXPLICIT, matrix=np.full((4, 4), 100.0)), (VehicleType(count=1),)),
     )
-    evidence = spanning_tree_bound(far, 1.0)
+    evidence = spanning_tree_bound(far, Stop(1.0))
     assert verified_bound(far, evidence) == pytest.approx(400.0)
     assert verified_bound(near, evidence) <= 14.0 + 1e-9
 

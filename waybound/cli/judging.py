@@ -10,12 +10,29 @@ import typer
 
 from ..instances.errors import UsageError
 from ..solvers import interrupts
-from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, bounded, output_path, read_problem, remark
+from .options import (
+    Convention,
+    File,
+    Format,
+    Json,
+    LpSolver,
+    ProblemName,
+    Quiet,
+    Seed,
+    Set,
+    Threads,
+    Verbose,
+    bounded,
+    output_path,
+    read_problem,
+    remark,
+)
 
 if TYPE_CHECKING:
     from ..formulations.answers import ReadAnswer
     from ..formulations.evaluation import Evaluation
     from ..formulations.problem import Problem
+    from ..solvers.linear_programs import LinearPrograms
 
 STATED_TOLERANCE = 1e-6
 """Relative difference up to which a stated objective counts as the recomputed one."""
@@ -99,6 +116,9 @@ def _compare(read: ReadAnswer, evaluation: Evaluation) -> list[str]:
 def bound(
     file: File,
     bound_time: Annotated[float, typer.Option("--bound-time", metavar="S", help="Seconds for all methods together.")] = 60.0,
+    seed: Seed = 1,
+    threads: Threads = 1,
+    lp_solver: LpSolver = None,
     certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Write the evidence (.json).")] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
@@ -112,7 +132,7 @@ def bound(
 
     Exit code 0 with a bound, 3 if it is proved that there is no solution to bound, 4 if nothing was proved.
     """
-    bounded(bound_time=bound_time)
+    bounded(bound_time=bound_time, seed=seed, threads=threads)
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
     asked = read_problem(file, format, problem, convention, settings)
@@ -121,15 +141,17 @@ def bound(
     from ..formulations.answers import json_text
     from ..formulations.certificate import certify
     from ..instances.atomic import atomic_write
+    from ..solvers.linear_programs import linear_programs
     from ..solving.search import in_time
     from .delivery import Delivery
     from .output import lines_text, stdout_is_ours
     from .progress import Progress
 
     unable: list[str] = []
+    linear = linear_programs(lp_solver, seed, threads)
     interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
-        evidence, seconds = _bounded(asked, bound_time, progress, unable)
+        evidence, seconds = _bounded(asked, bound_time, linear, progress, unable)
     made = in_time(lambda: certify(asked, None, evidence, unproved=unable), lambda: certify(asked, None))
     for line in unable:
         remark(line)
@@ -166,14 +188,15 @@ def bound(
     raise typer.Exit(delivery.code or (3 if made.infeasible else 0 if made.bound is not None else _nothing()))
 
 
-def _bounded(problem: Problem, seconds: float, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
+def _bounded(problem: Problem, seconds: float, linear: LinearPrograms, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
     """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
     from ..solvers.backend import Control, RawResult
     from ..solving.bounding import find_bounds
     from ..solving.search import BOUND_OVERTIME, search
 
     def find(control: Control) -> RawResult:
-        return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress, unable=unable))
+        found = find_bounds(problem, seconds, control=control, progress=progress, unable=unable, linear=linear)
+        return RawResult("unknown", answer=found)
 
     searched = search(find, Control(), seconds, overtime=BOUND_OVERTIME)
     return searched.result.answer or [], searched.seconds

@@ -15,9 +15,12 @@ from .options import (
     File,
     Format,
     Json,
+    LpSolver,
     ProblemName,
     Quiet,
+    Seed,
     Set,
+    Threads,
     Verbose,
     bounded,
     complain,
@@ -66,8 +69,9 @@ def solve(
     ] = None,
     iterations: Annotated[int | None, typer.Option("--iterations", metavar="N", help="Work limit; makes a run repeatable.")] = None,
     gap: Annotated[float, typer.Option("--gap", metavar="G", help="Relative gap at which the search may stop.")] = 0.0,
-    seed: Annotated[int, typer.Option("--seed", metavar="N")] = 1,
-    threads: Annotated[int, typer.Option("--threads", metavar="N")] = 1,
+    seed: Seed = 1,
+    threads: Threads = 1,
+    lp_solver: LpSolver = None,
     start: Annotated[Path | None, typer.Option("--start", metavar="SOLUTION", help="A solution file to start from.")] = None,
     isolate: Annotated[bool, typer.Option("--isolate", help="Run the solver in a process of its own, with hard limits.")] = False,
     memory_limit: Annotated[
@@ -112,7 +116,7 @@ def solve(
         solution = search(
             asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
             gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
-            options=options,
+            lp_solver=lp_solver, options=options,
         )  # fmt: skip
     delivery = Delivery(verbose)
 

@@ -10,6 +10,7 @@ from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.tolerance import same
 from ..solvers.backend import Control, RawResult
+from ..solvers.linear_programs import LinearPrograms
 from .bounding import find_bounds
 from .search import search
 
@@ -23,12 +24,16 @@ MOST_SITES = 500
 """Larger instances have bounds that no answer reaches, and whose verification takes as long as finding them."""
 
 
-def first_evidence(problem: RoutingProblem, seconds: float) -> tuple[list[Evidence], Goal | None]:
+def first_evidence(problem: RoutingProblem, seconds: float, linear: LinearPrograms | None = None) -> tuple[list[Evidence], Goal | None]:
     """Evidence found within ``seconds``, and the goal that it sets."""
     if len(problem.sites) > MOST_SITES:
         return [], None
     try:
-        found = search(lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control)), Control(), seconds)
+
+        def find(control: Control) -> RawResult:
+            return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, linear=linear))
+
+        found = search(find, Control(), seconds)
         evidence = found.result.answer or []
         return evidence, Goal(problem, evidence)
     except (Exception, KeyboardInterrupt):  # whatever fails here will be told by the bounding that follows the search, and costs no answer

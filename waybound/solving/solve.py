@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from ..formulations.arrays.problem import ArrayProblem
 from ..formulations.certificate import Certificate, better_bound, certify, judged_only
 from ..formulations.evaluation import Evaluation
 from ..formulations.evidence import Evidence, Guarantee
-from ..formulations.forms import relaxed
 from ..formulations.problem import Problem
+from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
@@ -25,10 +26,11 @@ from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
-from ..solvers.backend import Control, Engine, Options, ProgramBackend, RawResult, takers
+from ..solvers.backend import Control, Engine, Options, ProgramBackend, RawResult, solver_named, takers
+from ..solvers.linear_programs import LinearPrograms, linear_programs
 from . import claims
 from .bounding import find_bounds, proved
-from .choice import able_solvers, default_solver, first_program, solver_named
+from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
 from .search import BOUND_OVERTIME, Searched, in_time, search
@@ -45,7 +47,7 @@ class _Run:
     exactness: Exactness
     go: Callable[[Control], RawResult]
     decode: Callable[[Any], Any]
-    program: Program | None
+    compiled: Compiled | None
     versions: dict[str, str]
     compile_seconds: float
     outcome: list[Outcome]
@@ -54,7 +56,7 @@ class _Run:
 
 
 def solve(
-    problem: Problem | Program,
+    problem: Problem | Compiled | Program,
     solver: str | None = None,
     *,
     heuristic: str | None = None,
@@ -70,6 +72,7 @@ def solve(
     progress: Progress | None = None,
     isolate: bool = False,
     memory_limit: float | None = None,
+    lp_solver: str | None = None,
     options: dict[str, Any] | None = None,
     **parameters: Any,
 ) -> Solution:
@@ -77,7 +80,7 @@ def solve(
 
     Parameters
     ----------
-    problem : Problem or Program
+    problem : Problem, Compiled or Program
     solver : str, optional
         A name of ``solvers()``; ``pulp:HiGHS`` names a solver within a solver. Without solver and heuristic, the first
         installed one that can take the problem.
@@ -96,6 +99,8 @@ def solve(
     start : answer or Solution, optional
     progress : callable, optional
         Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
+    lp_solver : str, optional
+        Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
     isolate : bool
         Run the solver in a process of its own, with hard time and memory limits.
     options : dict, optional
@@ -114,7 +119,7 @@ def solve(
     CheckFailedError
         If a claim of the solver does not hold up, and there is no answer to hand over.
     """
-    if not isinstance(problem, Problem | Program):
+    if not isinstance(problem, Problem | Compiled | Program):
         raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
     check_number("time_limit", time_limit, above=0)
     check_number("gap", gap)
@@ -131,18 +136,22 @@ def solve(
     if isinstance(start, Solution):
         start = start.answer
     budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
-    chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, {**(options or {}), **parameters})
+    linear = linear_programs(lp_solver, seed, threads)
+    chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, linear.solver, {**(options or {}), **parameters})
 
-    given: Program | None = None
+    given: Compiled | None = None
     if isinstance(problem, Program):
-        given = problem
-        problem = _problem_of(given)
+        problem = ArrayProblem(problem)
+        given = problem.compile()
+    elif isinstance(problem, Compiled):
+        given, problem = problem, problem.problem
     if heuristic is not None:
         if solver is not None or form is not None or relax:
             raise UsageError("a heuristic takes no solver, form or relaxation")
         run = _heuristic_run(problem, heuristic, chosen)
     else:
-        run = _solver_run(problem, given, solver or default_solver(problem, given, form, relax), form, relax, chosen, isolate)
+        solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
+        run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
 
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     crash: Exception | None = None
@@ -151,7 +160,7 @@ def solve(
         first: list[Evidence] = []
         goal: Goal | None = None
         if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first, goal = first_evidence(problem, min(SECONDS, budget))  # type: ignore[arg-type]
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear)  # type: ignore[arg-type]
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
@@ -171,16 +180,8 @@ def solve(
         return made
 
 
-def _problem_of(program: Program) -> Problem:
-    if program.problem is not None:
-        return program.problem
-    from ..formulations.arrays.problem import ArrayProblem
-
-    return ArrayProblem(program)
-
-
 def _solver_run(
-    problem: Problem, given: Program | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
+    problem: Problem, given: Compiled | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
 ) -> _Run:
     backend = solver_named(solver)
     versions = {backend.package: backend.version()}
@@ -200,24 +201,29 @@ def _solver_run(
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
     if given is None:
-        program = problem.compile(form, relax=relax) if form is not None else first_program(problem, backend, relax)
+        made = problem.compile(form, relax=relax) if form is not None else first_compiled(problem, backend, relax)
     elif form is not None:
         raise UsageError(f"the program is already compiled, as {given.form}")
     else:
-        program = relaxed(given) if relax else given
+        made = given.relaxed() if relax else given
     compiled = time.perf_counter() - began
-    if program.kind not in backend.kinds:
-        raise UnsupportedError(solver, {f"{program.kind} programs"}, takers(program.kind, solver))
+    lacking = ProgramBackend.missing(backend, made.program)
+    if lacking:
+        raise UnsupportedError(solver, lacking, takers(made.program.features(), solver))
     start = None
-    if options.start is not None and program.encode is not None:
+    if options.start is not None and made.encode is not None:
         try:
-            start = program.encode(options.start)
+            start = made.encode(options.start)
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     hinted = replace(options, start=start)
     runner = backend
-    go = _isolated(solver, program, hinted) if isolate else (lambda control: runner.run(program, hinted, control))
-    return _Run(solver, program.form, program.exactness, go, program.decode, program, versions, compiled, [], notes)
+    go = _isolated(solver, made.program, hinted) if isolate else (lambda control: runner.run(made.program, hinted, control))
+    return _Run(solver, made.form, made.exactness, go, made.decode, made, versions, compiled, [], notes)
+
+
+def _linear(options: Options) -> LinearPrograms:
+    return LinearPrograms(options.lp_solver, options.seed, options.threads)
 
 
 def _isolated(solver: str, target: Problem | Program, options: Options) -> Callable[[Control], RawResult]:
@@ -235,18 +241,11 @@ def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
     outcomes: list[Outcome] = []
 
     def go(control: Control) -> RawResult:
-        def solve_program(program: Program, seconds: float) -> RawResult:
-            backend = solver_named("highs")
-            assert isinstance(backend, ProgramBackend)
-            inner = Control()
-            control.on_stop(inner.stop)
-            return backend.run(program, Options(time_limit=seconds, seed=options.seed), inner)
-
         stop = Stop()
         control.on_stop(stop.ask)
         setting = Setting(
             rng=np.random.default_rng(options.seed), seconds=options.time_limit, start=options.start,
-            publish=lambda answer: control.publish(answer), stop=stop, solve_program=solve_program,
+            publish=lambda answer: control.publish(answer), stop=stop, linear=_linear(options),
         )  # fmt: skip
         outcome = method.run(problem, setting, **options.extra)
         outcomes.append(outcome)
@@ -283,7 +282,7 @@ def _verdict(
 ) -> tuple[Judge, tuple[Any, Evaluation | None]]:
     """The best of the engine's last word, its published incumbent and the start, and who judged them."""
     judge = Judge(problem, run.name, run.exactness, run.decode, run.notes, crash)
-    judge.last_word(result, prices=run.program is None or run.exactness is Exactness.EXACT)
+    judge.last_word(result, prices=run.compiled is None or run.exactness is Exactness.EXACT)
     if control.answer is not result.answer:
         judge.incumbent(control.answer)
     judge.start(options.start)
@@ -304,7 +303,7 @@ def _certified(
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, budget, best, progress)
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
@@ -363,15 +362,22 @@ def _certified(
 
 
 def _gather(
-    evidence: list[Evidence], problem: Problem, run: _Run, searched: Searched, budget: float, best: float | None, progress: Progress | None
+    evidence: list[Evidence],
+    problem: Problem,
+    run: _Run,
+    searched: Searched,
+    linear: LinearPrograms,
+    budget: float,
+    best: float | None,
+    progress: Progress | None,
 ) -> None:
     """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
     result = searched.result
     evidence.extend(run.outcome[0].evidence if run.outcome else ())
     evidence.extend(result.evidence)
-    if run.program is not None and result.row_duals is not None and run.program.dual_evidence is not None:
+    if run.compiled is not None and result.row_duals is not None and run.compiled.dual_evidence is not None:
         try:
-            evidence.append(run.program.dual_evidence(result.row_duals))
+            evidence.append(run.compiled.dual_evidence(result.row_duals))
         except Exception as fault:
             run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
     if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
@@ -379,7 +385,7 @@ def _gather(
     known = tuple(evidence)
 
     def find(control: Control) -> RawResult:
-        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes)
+        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
     found = search(find, Control(), budget, overtime=BOUND_OVERTIME)

@@ -115,11 +115,11 @@ def test_bad_arrays_are_refused_by_name() -> None:
 def test_compiling_gives_the_arrays_back_with_vectors_as_answers() -> None:
     problem = ArrayProblem(knapsack())
     assert problem.forms() == ["arrays"]
-    program = problem.compile()
-    assert program.problem is problem and program.exactness is Exactness.EXACT
-    assert program.encode is not None and program.encode([4, 0]).tolist() == [4.0, 0.0]
+    made = problem.compile()
+    assert made.problem is problem and made.exactness is Exactness.EXACT
+    assert made.encode is not None and made.encode([4, 0]).tolist() == [4.0, 0.0]
     with pytest.raises(InputError):
-        program.encode([4])
+        made.encode([4])
     assert problem.compile(relax=True).exactness is Exactness.RELAXATION
 
 
