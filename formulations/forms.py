@@ -53,7 +53,7 @@ class Form:
         return (problem.features() - self.features) | self.refuses(problem)
 
 
-FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms")
+FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms", group="waybound.forms")
 
 
 def compile_form(problem: Problem, form: str | None = None, *, relax: bool = False) -> Compiled:

@@ -117,7 +117,7 @@ class Heuristic:
                 raise UsageError(f"{self.name} has no option {name!r}; it takes {', '.join(known) or 'none'}")
 
 
-HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*")
+HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*", group="waybound.heuristics")
 
 
 @dataclass(frozen=True)

@@ -347,4 +347,6 @@ def takers(features: frozenset[str], but: str = "") -> list[str]:
     return [name for name in found if name != but]
 
 
-BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines")
+BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry(
+    "solver", "waybound.solvers.backends", "waybound.solvers.engines", group="waybound.solvers"
+)
