@@ -2,7 +2,7 @@
 
 Each registry has a group of entry points of its own: ``waybound.solvers``, ``waybound.heuristics``, ``waybound.forms``,
 ``waybound.formats``, ``waybound.problems``, ``waybound.bounds``, ``waybound.checkers``, ``waybound.generators``, ``waybound.kinds``. An
-entry point names a module that registers itself on import, or the entry. How each is written, with a complete example: ``docs/adding-*.md``.
+entry point names a module that registers itself on import, or the entry. How each is written, with an example: ``docs/adding-*.md``.
 
 What stands here keeps its name and meaning within a minor version; other modules may move.
 """
