@@ -65,7 +65,7 @@ class Form:
         return (problem.features() - self.features) | self.refuses(problem)
 
 
-FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms")
+FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms", group="waybound.forms")
 
 
 def default_form(problem: Asked) -> str:

@@ -163,4 +163,6 @@ def problem_from_instance(instance: Instance, problem: str | None = None, **sett
     return PROBLEMS[name](instance, name, settings)
 
 
-PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry("problem", "waybound.formulations.*")
+PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry(
+    "problem", "waybound.formulations.*", group="waybound.problems"
+)

@@ -14,8 +14,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.evidence import Evidence
+from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
+from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
 from ..formulations.programs.scaling import Scaled, scaled
 from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
@@ -47,6 +48,8 @@ class Options:
         Where to start from.
     memory_limit : float, MB, optional
         Kept by ``isolate``.
+    no_improvement : int, optional
+        Iterations without a better answer after which a search ends.
     lp_solver : str
         Who solves the linear programs that an engine meets on its way.
     extra : dict
@@ -60,8 +63,14 @@ class Options:
     seed: int = 1
     start: Any = None
     memory_limit: float | None = None
+    no_improvement: int | None = None
     lp_solver: str = LP_SOLVER
     extra: dict[str, Any] = field(default_factory=dict)
+
+    def asked(self) -> dict[str, Any]:
+        """What a method may not honour and is asked for, by name."""
+        given = {"iterations": self.iterations, "no_improvement": self.no_improvement, "gap": self.gap or None}
+        return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -83,7 +92,12 @@ class RawResult:
     message : str
         What the user should read, such as why nothing was found.
     evidence : tuple of Evidence
-        What proves bounds, for the checker to verify (engines). Where any proves something, other methods do not bound again.
+        What proves bounds, for the checker to verify (engines, heuristics). Where any proves something, other methods do not bound again.
+    holds : Exactness
+        For what status, objective and bound are claimed, as seen from what the method was given: engines that round data say
+        ``RESTRICTION``, heuristics ``NEITHER``.
+    guarantee : Guarantee, optional
+        What a heuristic guarantees for its answer on this instance.
     """
 
     status: str
@@ -95,6 +109,8 @@ class RawResult:
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
     evidence: tuple[Evidence, ...] = ()
+    holds: Exactness = Exactness.EXACT
+    guarantee: Guarantee | None = None
 
 
 class Control:
@@ -194,6 +210,10 @@ class Backend(ABC):
         What the engine does on an interrupt, where a user should know.
     needs_process : bool
         Whether it can only be stopped in a process of its own.
+    honours : frozenset of str
+        Of ``iterations, no_improvement, gap`` those that it keeps to; ``solve`` refuses the others by name.
+    one_thread : bool
+        Whether it searches on one thread, whatever it is given.
     variants : tuple of str
         Examples of solvers within it, named as ``pulp:HiGHS``; empty if it has none.
     """
@@ -205,6 +225,8 @@ class Backend(ABC):
     interrupts: ClassVar[str] = ""
     takes: ClassVar[str]
     needs_process: bool = False
+    honours: ClassVar[frozenset[str]] = frozenset({"iterations", "gap"})
+    one_thread: ClassVar[bool] = False
     variants: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, variant: str = "") -> None:
@@ -330,4 +352,6 @@ def takers(features: frozenset[str], but: str = "") -> list[str]:
     return [name for name in found if name != but]
 
 
-BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines")
+BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry(
+    "solver", "waybound.solvers.backends", "waybound.solvers.engines", group="waybound.solvers"
+)

@@ -38,4 +38,4 @@ class BoundMethod:
     prepare: Callable[[], None] = lambda: None
 
 
-BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*")
+BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")

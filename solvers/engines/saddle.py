@@ -55,6 +55,7 @@ class Saddle(Engine):
     modules = ("numba", "highspy", "scipy")
     summary = "first-order methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
+    one_thread = True
     family = "max-min"
     features = frozenset({"sensing", "packing-covering"})
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import CheckFailedError, UnsupportedError, UsageError
@@ -63,43 +62,6 @@ def test_an_honest_best_effort_that_breaks_a_constraint_is_no_answer(square: Rou
     assert solution.answer is None
     assert solution.status == "unknown"
     assert "carries 4" in solution.message
-
-
-def worth(value: float) -> Evaluation:
-    return Evaluation((value,), (), (), {})
-
-
-def test_claimed_infeasibility_is_refuted_by_a_verified_start(square: RoutingProblem, engine_that: Any) -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match="there is no answer"):
-        claims.check_bound("liar", "min", RawResult("infeasible"), worth(24.0), Exactness.EXACT)
-
-
-def test_a_claimed_bound_above_a_verified_answer_is_an_error() -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match=r"25\.0.*24\.0"):
-        claims.check_bound("liar", "min", RawResult("feasible", bound=25.0), worth(24.0), Exactness.EXACT)
-    claims.check_bound("restriction", "min", RawResult("feasible", bound=25.0), worth(24.0), Exactness.RESTRICTION)
-
-
-def test_a_claimed_optimum_worse_than_a_verified_answer_is_an_error() -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match=r"optimum 15.*value 9"):
-        claims.check_bound("HiGHS 1.14", "min", RawResult("optimal", objective=15.0, bound=9.0), worth(9.0), Exactness.EXACT)
-
-
-def test_a_claimed_optimum_better_than_a_verified_bound_is_an_error() -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match=r"optimum 20.*bound is 24"):
-        claims.check_verified("liar", "min", RawResult("optimal", objective=20.0), 24.0, Exactness.EXACT)
 
 
 def test_a_claimed_objective_better_than_the_answers_is_a_fault_beside_the_answer(square: RoutingProblem, engine_that: Any) -> None:
