@@ -4,14 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 from ..instances.errors import UnsupportedError, UsageError
 from ..instances.registry import Registry
-from .problem import Problem
 from .programs.compiled import Compiled
 from .programs.exactness import Exactness
 from .programs.program import INTEGERS
+
+
+class Asked(Protocol):
+    """What a form looks at in a problem before it is asked to write it down."""
+
+    @property
+    def family(self) -> str: ...
+    @property
+    def problem(self) -> str: ...
+
+    def features(self) -> frozenset[str]: ...
+
+    def forms(self) -> list[str]: ...
 
 
 @dataclass(frozen=True)
@@ -46,7 +58,7 @@ class Form:
     makes: Callable[[Any], frozenset[str]] = lambda problem: INTEGERS
     order: int = 0
 
-    def missing(self, problem: Problem) -> frozenset[str]:
+    def missing(self, problem: Asked) -> frozenset[str]:
         """Features of ``problem`` that the form lacks; empty if it can take it."""
         if problem.family != self.family:
             return frozenset({f"{problem.family} problems"})
@@ -56,7 +68,7 @@ class Form:
 FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms")
 
 
-def default_form(problem: Problem) -> str:
+def default_form(problem: Asked) -> str:
     """The first exact form of ``problem``: others are taken where they are named, never by default.
 
     Raises
@@ -75,7 +87,7 @@ def default_form(problem: Problem) -> str:
     raise UnsupportedError("every form", problem.features())
 
 
-def compile_form(problem: Problem, form: str | None = None, *, relax: bool = False) -> Compiled:
+def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False) -> Compiled:
     """See ``Problem.compile``."""
     chosen = FORMS[default_form(problem) if form is None else form]
     missing = chosen.missing(problem)

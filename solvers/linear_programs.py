@@ -49,8 +49,8 @@ class LinearPrograms:
         backend = self.backend()
         own = (suits or {}).get(self.solver.partition(":")[0])
         options = Options(
-            time_limit=min(stop.seconds_left, MOST["time_limit"]), iterations=None if own is None else iterations, seed=self.seed, threads=self.threads,
-            extra=dict(own or {}),
+            time_limit=min(stop.seconds_left, MOST["time_limit"]), iterations=None if own is None else iterations,
+            seed=self.seed, threads=self.threads, extra=dict(own or {}),
         )  # fmt: skip
         control = Control()
         with stop.telling(control.stop):

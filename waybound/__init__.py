@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ._version import __version__ as __version__
+from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
@@ -189,6 +190,15 @@ class _Face(ModuleType):
 
 
 sys.modules[__name__].__class__ = _Face
+
+
+def _draw(solution: Solution, **options: Any) -> Any:
+    from .reports.plots import plot_solution
+
+    return plot_solution(solution, **options)
+
+
+plotting.draw = _draw
 
 
 def __getattr__(name: str) -> Any:

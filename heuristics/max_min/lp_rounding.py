@@ -49,7 +49,7 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
 
     Notes
     -----
-    Source: Sung (2019), 3.4.1; digest 2.2 (rounding), case S6 of 4.1 (failure).
+    Source: Sung (2019), 3.4.1; where it fails: docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
     if ties not in ("last", "first"):
         raise UsageError(f"ties must be last or first, not {ties!r}")

@@ -10,8 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.formulations.certificate import beats_bound, better_bound, certify, check_certificate, verified_bound
-from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.certificate import (
+    SHOWN_VIOLATIONS,
+    Certificate,
+    beats_bound,
+    better_bound,
+    certificate_lines,
+    certify,
+    check_certificate,
+    verified_bound,
+)
+from waybound.formulations.evaluation import Check, Violation
+from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee
 from waybound.formulations.routing.objective import Reward, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
@@ -222,3 +232,55 @@ def test_evidence_for_one_instance_is_priced_anew_on_another():
     evidence = spanning_tree_bound(far, Stop(1.0))
     assert verified_bound(far, evidence) == pytest.approx(400.0)
     assert verified_bound(near, evidence) <= 14.0 + 1e-9
+
+
+# -- for people --------------------------------------------------------------------------------------------------------
+
+
+def certificate(**changes):
+    given = {"instance_hash": "sha256:0", "problem": "cvrp", "sense": "min", "convention": "exact", "feasible": True}
+    return Certificate(**{**given, **changes})
+
+
+def test_each_check_is_told_with_its_residual_and_what_was_not_tested():
+    made = certificate(checks=(Check("load", True, 0.5e-7, 4), Check("energy", True, 0.0, 0), Check("visits", False, 2.0, 9)))
+    texts = {line.label.strip(): line.text for line in certificate_lines(made)}
+    assert texts["load"] == "4 tested, largest residual 5e-08"
+    assert texts["energy"] == "nothing to test"
+    assert texts["visits"].startswith("broken")
+
+
+def test_violations_beyond_the_first_are_counted():
+    broken = tuple(Violation("visits", f"{k} is visited 0 times", 1.0) for k in range(SHOWN_VIOLATIONS + 5))
+    texts = [line.text for line in certificate_lines(certificate(feasible=False, violations=broken))]
+    assert "and 5 more" in texts
+    assert "infeasible: 15 violations" in texts
+
+
+def test_an_infinite_amount_is_not_printed_as_a_number():
+    broken = (Violation("visits", "a site that does not exist", math.inf),)
+    assert "a site that does not exist" in [line.text for line in certificate_lines(certificate(feasible=False, violations=broken))]
+
+
+def test_a_guarantee_is_told_with_its_source_and_assumptions():
+    stated = Guarantee(2.0, "at most twice the optimum", ("triangle inequality",), "Someone 1976, theorem 1")
+    made = certificate(guarantee=stated, observed_ratio=1.25)
+    texts = {line.label: line.text for line in certificate_lines(made)}
+    assert "Someone 1976, theorem 1" in texts["guarantee"]
+    assert "triangle inequality" in texts["guarantee"]
+    assert texts["ratio"].startswith("at most 1.25")
+
+
+FORGED = "x\x1b[31m RED \x1b]0;t\x07\nbound        999999, verified: optimal <b>&"
+
+
+def test_text_out_of_a_file_forges_no_line_and_no_markup():
+    made = certificate(
+        problem=FORGED, objective=3.0, bound=2.0, bound_source=FORGED, violations=(Violation(FORGED, FORGED, 1.0),), feasible=False
+    )
+    lines = certificate_lines(made)
+    assert all(line.label.isprintable() and line.text.isprintable() for line in lines)
+    text = repr(made)
+    assert len(text.split("\n")) == 1 + len(lines)
+    assert all(row.isprintable() for row in text.split("\n"))
+    assert "\x1b" not in made._repr_html_() and "<b>" not in made._repr_html_()

@@ -81,7 +81,8 @@ def check(
             }
         )
     else:
-        from ..formulations.rendering import Line, certificate_lines
+        from ..formulations.certificate import certificate_lines
+        from ..formulations.rendering import Line
         from .output import print_lines
 
         lines = certificate_lines(made)
@@ -108,7 +109,8 @@ def _compare(read: ReadAnswer, evaluation: Evaluation) -> list[str]:
     if len(stated) == len(values) and all(same(a, b, precision=STATED_TOLERANCE) for a, b in zip(stated, values, strict=True)):
         return []
     shown = values[0] if len(values) == 1 else values
-    return [f"the file states {read.stated!r}, recomputed from the data it is {shown!r}; is the convention of distance the file's?"]
+    cure = "; is the convention of distance the file's?" if "distance" in evaluation.quantities else ""
+    return [f"the file states {read.stated!r}, recomputed from the data it is {shown!r}{cure}"]
 
 
 def bound(
@@ -168,7 +170,8 @@ def bound(
     }
 
     def shown() -> str:
-        from ..formulations.rendering import Line, certificate_lines
+        from ..formulations.certificate import certificate_lines
+        from ..formulations.rendering import Line
 
         if made.infeasible:
             lines = [Line("bound", f"none: there is no solution, verified: {made.bound_source}", "bad")]
@@ -227,7 +230,7 @@ def explain(
         print_json({"instance": asked.name, "problem": asked.problem, **made.to_json()})
     else:
         from ..formulations.rendering import Line
-        from ..reports.tables.routing import Column, Table
+        from ..reports.tables.table import Column, Table
 
         verdict = {"infeasible": "there is no solution", "feasible": "there is a solution", "undecided": "undecided"}[made.verdict]
         source = f", according to {made.according_to}" if made.according_to else ""

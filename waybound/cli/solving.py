@@ -160,6 +160,9 @@ def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: P
     if plot is not None:
         from importlib.util import find_spec
 
+        from ..reports.plots import check_drawable
+
+        check_drawable(problem)
         if find_spec("matplotlib") is None:
             raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
 
@@ -169,7 +172,7 @@ def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, cer
     from ..instances.atomic import atomic_write
 
     def draw(path: Path) -> None:
-        from ..reports.plots.routing import save_plot
+        from ..reports.plots import save_plot
 
         save_plot(solution, path)
 
@@ -194,23 +197,14 @@ def _least(solution: Solution) -> dict[str, Any]:
 
 
 def _shown(solution: Solution, verbose: bool) -> str:
-    from ..formulations.rendering import Line, solution_lines, solution_title
-    from ..formulations.routing.problem import RoutingProblem
-    from ..reports.tables.routing import answer_table, routes_table, unserved_sites, unserved_table
+    from ..formulations.rendering import Line
+    from ..formulations.solution import solution_lines, solution_title
+    from ..reports.tables.answers import answer_tables
     from .output import lines_text, table_text
 
-    problem = solution.problem
-    told = ""
-    if isinstance(problem, RoutingProblem):
-        if solution.answer is not None:
-            told += table_text(routes_table(problem, solution.answer))
-        left = unserved_sites(problem, solution.answer)
-        if left:
-            told += table_text(unserved_table(left))
-    elif solution.answer is not None:
-        told += table_text(answer_table(problem, solution.answer))
+    told = "".join(map(table_text, answer_tables(solution.problem, solution.answer)))
     lines = solution_lines(solution)
-    lines += [Line("note", note) for note in problem.notes]
+    lines += [Line("note", note) for note in solution.problem.notes]
     if verbose:
         lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
         lines += [Line(k, str(v), "quiet") for k, v in solution.statistics.items()]

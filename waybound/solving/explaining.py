@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..formulations.arrays.problem import ArrayProblem
-from ..formulations.evidence import Evidence
+from ..formulations.evidence import Reason
 from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
@@ -28,23 +28,6 @@ from .solve import solve
 FILTER_SOLVER = "highs"
 
 Flags = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Reason:
-    """One part of an explanation: a ``site``, the ``fleet``, or a ``row`` of a form; ``where`` is its name.
-
-    ``evidence`` is what the checker confirmed, a proof by itself that there is no answer; None for rows.
-    """
-
-    kind: str
-    where: str
-    message: str
-    evidence: Evidence | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        evidence = None if self.evidence is None else self.evidence.to_json()
-        return {"kind": self.kind, "where": self.where, "message": self.message, "evidence": evidence}
 
 
 @dataclass(frozen=True)
@@ -138,24 +121,8 @@ def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, 
 
 
 def reasons_from_data(problem: Problem | Compiled | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
-    """Reasons that are proofs by themselves, each confirmed by its checker: sites out of reach, or else a fleet too small."""
-    from ..formulations.routing.problem import RoutingProblem
-
-    if not isinstance(problem, RoutingProblem):
-        return
-    from ..formulations.routing.fleet_need import fleet_conflicts, none
-    from ..formulations.routing.reachability import unreachable
-
-    required, ids = problem.sites.required, problem.sites.ids
-    sites = [
-        Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(problem), {"site": ids[k]}))
-        for k, why in unreachable(problem).items() if required[k]
-    ]  # fmt: skip
-    yield from sites
-    if not sites and not stopped():
-        for found in fleet_conflicts(problem, stopped):
-            site = found.data.get("site")
-            yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
+    """Reasons that are proofs by themselves, each confirmed by its checker."""
+    return problem.infeasibility_reasons(stopped) if isinstance(problem, Problem) else iter(())
 
 
 def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control) -> Explanation:

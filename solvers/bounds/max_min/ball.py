@@ -123,7 +123,7 @@ def ball_evidence(
 
     Notes
     -----
-    Source: linear programming duality; see the module's text.
+    Source: linear programming duality; docs/formulations/bottleneck.md#balls.
     """
     graph, linear = problem.graph, linear or LinearPrograms()
     if len(graph.unseen_targets):

@@ -217,3 +217,7 @@ def test_whole_numbers_are_known_exactly():
     asked = small([1.0], [1e7], [1.0], 2e6, math.inf, {0})
     made = certify(asked, asked.evaluate([2e6 + 1]), [Evidence("lp-dual", "by hand", 2e6, {"duals": [1.0]})])
     assert made.bound == 2e6 and made.observed_ratio > 1.0 and made.gap > 0.0
+
+
+def test_its_facts_are_its_sizes() -> None:
+    assert ArrayProblem(knapsack()).facts() == {"variables": 2, "rows": 1, "entries": 2}
