@@ -7,13 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from programs import Counting
+from random_sensing import random_graph
 
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import CheckFailedError, UnsupportedError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.backends.scip import Scip
 from waybound.solving.solve import solve
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
@@ -174,3 +178,46 @@ def test_an_answer_of_another_type_is_refused(square: RoutingProblem) -> None:
 def test_a_variant_without_a_name_is_refused(square: RoutingProblem) -> None:
     with pytest.raises(UsageError, match="names no solver within pulp"):
         solve(square, "pulp:")
+
+
+# -- who solves linear programs on the way ----------------------------------------------------------------------------
+
+LINEAR_WORK = [{"heuristic": "lp-rounding"}, {"heuristic": "greedy", "bound_time": 20}, {"solver": "saddle", "iterations": 2000}]
+
+
+@pytest.mark.parametrize("given", LINEAR_WORK, ids=["heuristic", "bounding", "engine"])
+def test_heuristics_bounds_and_engines_use_the_lp_solver_that_is_named(registered: Any, given: dict[str, Any]) -> None:
+    registered(BACKENDS, "counting", Counting)
+    Counting.told.clear()
+    problem = BottleneckSATA(random_graph(3), fractional=given.get("solver") == "saddle")
+    own, named = solve(problem, **given), solve(problem, **given, lp_solver="counting", seed=5, threads=2)
+    assert Counting.told
+    assert {(options.seed, options.threads) for _, options in Counting.told} == {(5, 2)}
+    assert own.bound is not None and named.bound == pytest.approx(own.bound, rel=1e-6)
+
+
+@pytest.mark.skipif(not Scip.installed(), reason="needs the extra scip (PySCIPOpt)")
+@pytest.mark.parametrize("given", LINEAR_WORK, ids=["heuristic", "bounding", "engine"])
+def test_scip_may_be_that_solver(given: dict[str, Any]) -> None:
+    problem = BottleneckSATA(random_graph(3), fractional=given.get("solver") == "saddle")
+    own, named = solve(problem, **given), solve(problem, **given, lp_solver="scip")
+    assert own.bound is not None and named.bound == pytest.approx(own.bound, rel=1e-5)
+    assert named.objective is not None
+
+
+@pytest.mark.parametrize("given", [{}, {"heuristic": "savings"}])
+@pytest.mark.parametrize(
+    ("name", "error", "words"),
+    [
+        ("hihgs", UsageError, "unknown solver 'hihgs'"),
+        ("pyvrp", UnsupportedError, "LP programs"),
+        ("cpsat", UnsupportedError, "LP programs"),
+    ],
+)
+def test_who_cannot_be_that_solver_is_refused_before_the_search(
+    square: RoutingProblem, engine_that: Any, name: str, error: type[Exception], words: str, given: dict[str, Any],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr("waybound.solving.solve.search", lambda *_, **__: pytest.fail("searched"))
+    with pytest.raises(error, match=words):
+        solve(square, **(given or {"solver": engine_that(lambda *_: pytest.fail("searched"))}), lp_solver=name)

@@ -65,7 +65,7 @@ class Programs(LinearPrograms):
         return int((math.sqrt(1e-10 + 6e-8 * max(seconds, 0.0)) - 1e-5) / 3e-8)
 
     def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
-        """Solve ``program``; not ``optimal``, and without duals, where it takes more than its share of iterations or time, or is refused."""
+        """Solve ``program``; not ``optimal``, and without duals, where it exceeds its share, or is refused."""
         try:
             result = super().solve(program, self._stop, SIMPLEX, iterations=len(program.data) + SPARE_ITERATIONS)
         except InputError as fault:  # weights of sizes that the solver does not take
