@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..instances.registry import Registry
-from .stop import Stop
 
 
 @dataclass(frozen=True)
@@ -53,36 +52,33 @@ class EvidenceChecker(Protocol):
     def __call__(self, problem: Any, data: Mapping[str, Any]) -> float: ...
 
 
-CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.checking")
+CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.*.checking", group="waybound.checkers")
 
 
 @dataclass(frozen=True)
-class BoundMethod:
-    """A way to bound a problem, registered in ``BOUNDS``.
+class Reason:
+    """Why a problem has no answer, or one part of it.
 
     Parameters
     ----------
-    name : str
-    missing : callable
-        Features of the problem for which the method proves nothing (empty: it applies).
-    compute : callable
-        ``compute(problem, seconds, solve_program, stop)`` returns Evidence, or None where it found nothing in time. It keeps
-        ``stop.within(seconds)``, in compiled loops too.
-        ``solve_program(program, seconds)`` solves an LP and returns its row duals (None if it did not finish).
-    order : int
-        Cheap methods first.
-    prepare : callable
-        What it does once a process, such as compiling a kernel; not counted against the budget.
+    kind : str
+        What is to blame: ``site``, ``fleet``, ``row`` (of a form), or another word of the problem's.
+    where : str
+        Its name.
+    message : str
+        One line in the problem's words.
+    evidence : Evidence, optional
+        Proves by itself that there is no answer, as its checker confirmed; None for rows.
     """
 
-    name: str
-    missing: Callable[[Any], frozenset[str]]
-    compute: Callable[[Any, float, Callable[..., Any], Stop], Evidence | None]
-    order: int = 0
-    prepare: Callable[[], None] = lambda: None
+    kind: str
+    where: str
+    message: str
+    evidence: Evidence | None = None
 
-
-BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.formulations.bounds")
+    def to_json(self) -> dict[str, Any]:
+        evidence = None if self.evidence is None else self.evidence.to_json()
+        return {"kind": self.kind, "where": self.where, "message": self.message, "evidence": evidence}
 
 
 @dataclass(frozen=True)

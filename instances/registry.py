@@ -3,28 +3,44 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import pkgutil
+import warnings
 from collections.abc import Callable, Iterator
-from typing import Generic, TypeVar
+from contextlib import contextmanager
+from types import ModuleType
+from typing import TYPE_CHECKING, Generic, TypeVar
 
-from .errors import UsageError
+from .errors import UsageError, in_words
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 T = TypeVar("T")
 
 
 class Registry(Generic[T]):
-    """Things by name, registered by the modules of one package, which are imported on first use.
+    """Things by name, registered by modules that are imported on first use.
 
     Parameters
     ----------
     what : str
         Singular, for error messages: "solver".
-    package : str
-        Full name of the package whose modules register entries; a new module is all that a new entry takes.
+    places : str
+        Full names of packages, or of single modules, in which ``*`` stands for any one subpackage: ``waybound.formulations.*.forms``.
+        A new public module in one of them is all that a new entry takes; modules whose names begin with ``_`` or end with ``_kernels``
+        are left alone.
+    group : str
+        Group of entry points through which installed packages add entries: each names a module that registers itself, or the entry.
+
+    Warns
+    -----
+    RuntimeWarning
+        For each entry point that cannot be loaded; all others are there all the same.
     """
 
-    def __init__(self, what: str, package: str) -> None:
-        self.what, self.package = what, package
+    def __init__(self, what: str, *places: str, group: str = "") -> None:
+        self.what, self.places, self.group = what, places, group
         self._entries: dict[str, T] = {}
         self._complete = False
 
@@ -39,13 +55,38 @@ class Registry(Generic[T]):
         """``add`` as a decorator."""
         return lambda entry: self.add(name, entry)
 
+    @contextmanager
+    def temporary(self, name: str, entry: T) -> Iterator[T]:
+        """``entry`` under ``name`` within a ``with`` block, in place of the one that may have it."""
+        self._discover()
+        before = dict(self._entries)
+        self._entries[name] = entry
+        try:
+            yield entry
+        finally:
+            self._entries.clear()
+            self._entries.update(before)
+
     def _discover(self) -> None:
         if not self._complete:
             self._complete = True
-            package = importlib.import_module(self.package)
-            for module in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
-                if not module.name.startswith("_"):
-                    importlib.import_module(f"{self.package}.{module.name}")
+            for place in self.places:
+                for module in _modules_at(place):
+                    importlib.import_module(module)
+            if self.group:
+                from importlib.metadata import entry_points
+
+                for point in entry_points(group=self.group):
+                    self._load(point)
+
+    def _load(self, point: EntryPoint) -> None:
+        try:
+            found = point.load()
+            if not isinstance(found, ModuleType):
+                self.add(point.name, found)
+        except Exception as fault:
+            owner = "" if point.dist is None else f" of {point.dist.name}"
+            warnings.warn(f"{self.what} {point.name}{owner} cannot be loaded: {in_words(fault)}", RuntimeWarning, stacklevel=2)
 
     def __getitem__(self, name: str) -> T:
         self._discover()
@@ -68,3 +109,26 @@ class Registry(Generic[T]):
     def values(self) -> list[T]:
         """All entries, in the order of their names."""
         return [self._entries[name] for name in self.names()]
+
+
+def _modules_at(place: str) -> Iterator[str]:
+    """Names of the modules that a place of a registry stands for, each package's in alphabetical order."""
+    above, star, below = place.partition(".*")
+    if star:
+        for module in _members(above):
+            if module.ispkg:
+                yield from _modules_at(f"{above}.{module.name}{below}")
+        return
+    try:
+        found = importlib.util.find_spec(place)
+    except ModuleNotFoundError:
+        found = None
+    if found is not None and found.submodule_search_locations is None:
+        yield place
+    elif found is not None:
+        yield from (f"{place}.{module.name}" for module in _members(place) if not module.ispkg)
+
+
+def _members(package: str) -> list[pkgutil.ModuleInfo]:
+    found = pkgutil.iter_modules(importlib.import_module(package).__path__)
+    return sorted((m for m in found if not m.name.startswith("_") and not m.name.endswith("_kernels")), key=lambda m: m.name)

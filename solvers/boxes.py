@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.program import Floats, Program
+from ..formulations.programs.program import Floats, Program
 
 PASSES = 20
 WIDEST = 1e12

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.program import Floats, Program
+from ..formulations.programs.program import Floats, Program
 from .boxes import finite_box
 
 Integers = NDArray[np.int64]

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..formulations.export._checks import refuse_numbers
-from ..formulations.program import Program, Rows
+from ..formulations.programs.export._checks import refuse_numbers
+from ..formulations.programs.program import Program, Rows
 from ..instances.errors import InputError
 from .backend import RawResult
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -21,3 +24,10 @@ def benchmarks() -> Path:
     if not folder or not Path(folder).is_dir():
         pytest.skip("WAYBOUND_BENCHMARKS names no folder: real benchmark files are not tested here")
     return Path(folder)
+
+
+@pytest.fixture
+def registered() -> Iterator[Callable[..., Any]]:
+    """``registered(REGISTRY, name, entry)``: an entry for one test, in place of the one that may have the name."""
+    with ExitStack() as stack:
+        yield lambda registry, name, entry: stack.enter_context(registry.temporary(name, entry))

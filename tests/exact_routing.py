@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from exact_base import PARTS, Truth, Values
 
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Route, Routes
-from waybound.instances.instance import VehicleType
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.instance import VehicleType
 
 
 def scale_of(*arrays: Any) -> int:

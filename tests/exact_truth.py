@@ -18,13 +18,13 @@ from exact_base import PARTS, Truth, Values
 from exact_routing import RoutingTruth
 from exact_simplex import Tableau, bounded
 
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.max_min_lp import MaxMinLP
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.problems.submodular_selection import SubmodularSelection
-from waybound.formulations.selections import Selection
-from waybound.instances.selection import Cardinality, Knapsack
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.selection.selections import Selection
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.instances.selection.instance import Cardinality, Knapsack
 
 
 def truth(problem: Problem) -> Truth:

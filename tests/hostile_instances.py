@@ -15,17 +15,18 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from waybound.formulations.objective import Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.arrays import ArrayProblem
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.max_min_lp import MaxMinLP
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.formulations.program import Program, Rows, Variables
-from waybound.instances.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
-from waybound.instances.selection import (
+from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.routing.objective import Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+from waybound.instances.selection.instance import (
     Cardinality,
     Constraint,
     Coverage,
@@ -34,8 +35,7 @@ from waybound.instances.selection import (
     Knapsack,
     PartitionMatroid,
 )
-from waybound.instances.sensing import SensingGraph, graph_of_edges
-from waybound.instances.travel import Travel
+from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
 
 Floats = np.ndarray[Any, np.dtype[np.float64]]
 Rng = np.random.Generator

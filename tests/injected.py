@@ -35,7 +35,7 @@ def failing(fault: Callable[[], BaseException], times: float = float("inf")) -> 
     return fail
 
 
-def solver_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+def solver_of(registered: Any) -> Callable[..., str]:
     """``make(work)`` registers a solver of routing problems, ``made``, for one test; without ``work`` it finds the best answer."""
     BACKENDS.names()
 
@@ -44,7 +44,7 @@ def solver_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
             "name": "made", "family": "routing", "features": frozenset(), "package": "numpy", "modules": ("json",), "summary": "made",
             "missing": lambda self, problem: frozenset(), "run": lambda self, *given: work(*given),
         }  # fmt: skip
-        monkeypatch.setitem(BACKENDS._entries, "made", type("Made", (Engine,), body))
+        registered(BACKENDS, "made", type("Made", (Engine,), body))
         return "made"
 
     return make

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waybound.formulations.selections import Selection
-from waybound.instances.sensing import SensingGraph, graph_of_edges
+from waybound.formulations.selection.selections import Selection
+from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
 
 Robot = list[tuple[float, ...]]
 

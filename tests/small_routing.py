@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from waybound.formulations.objective import Composable, Reward, TotalCost, Vehicles
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Route, Routes
-from waybound.instances.instance import Energy, Sites, VehicleType
-from waybound.instances.travel import EXPLICIT, Travel
+from waybound.formulations.routing.objective import Composable, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
 
 CUSTOMERS = 5
 

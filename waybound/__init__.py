@@ -11,25 +11,27 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ._version import __version__ as __version__
+from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
     from .formulations.evidence import Evidence, Guarantee
-    from .formulations.exactness import Exactness
-    from .formulations.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
+    from .formulations.max_min.bottleneck_sata import BottleneckSATA
+    from .formulations.max_min.max_min_lp import MaxMinLP
     from .formulations.problem import Problem
-    from .formulations.problems.bottleneck_sata import BottleneckSATA
-    from .formulations.problems.max_min_lp import MaxMinLP
-    from .formulations.problems.routing import RoutingProblem
-    from .formulations.problems.submodular_selection import SubmodularSelection, UserFunction
-    from .formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-    from .formulations.program import Program, Rows, Variables
-    from .formulations.routes import Route, Routes
-    from .formulations.selections import Selection
+    from .formulations.programs.compiled import Compiled
+    from .formulations.programs.exactness import Exactness
+    from .formulations.programs.program import Program, Rows, Variables
+    from .formulations.routing.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
+    from .formulations.routing.problem import RoutingProblem
+    from .formulations.routing.routes import Route, Routes
+    from .formulations.selection.selections import Selection
+    from .formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+    from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
-    from .heuristics.submodularity import check_submodular
+    from .heuristics.selection.submodularity import check_submodular
     from .instances.errors import (
         CheckFailedError,
         InputError,
@@ -39,8 +41,9 @@ if TYPE_CHECKING:
         UsageError,
         WayboundError,
     )
-    from .instances.instance import Energy, RoutingInstance, Sites, VehicleType
-    from .instances.selection import (
+    from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
+    from .instances.routing.travel import Travel
+    from .instances.selection.instance import (
         Cardinality,
         Coverage,
         DenseFacilityLocation,
@@ -49,32 +52,32 @@ if TYPE_CHECKING:
         PartitionMatroid,
         SelectionInstance,
     )
-    from .instances.sensing import SensingGraph
-    from .instances.travel import Travel
+    from .instances.sensing.graph import SensingGraph
     from .reports.missions.running import run
-    from .solvers.explaining import Explanation
-    from .solvers.listing import heuristic_table as heuristics
-    from .solvers.listing import solver_table as solvers
-    from .solvers.solve import solve
+    from .solving.explaining import Explanation
+    from .solving.listing import heuristic_table as heuristics
+    from .solving.listing import solver_table as solvers
+    from .solving.solve import solve
 
 _MODULES = {
     "api": ("bound", "check", "explain", "generate", "read"),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
-    "formulations.exactness": ("Exactness",),
-    "formulations.objective": ("LongestRoute", "Makespan", "Objective", "Reward", "TotalCost", "Vehicles"),
+    "formulations.programs.exactness": ("Exactness",),
+    "formulations.routing.objective": ("LongestRoute", "Makespan", "Objective", "Reward", "TotalCost", "Vehicles"),
     "formulations.problem": ("Problem",),
-    "formulations.problems.bottleneck_sata": ("BottleneckSATA",),
-    "formulations.problems.max_min_lp": ("MaxMinLP",),
-    "formulations.problems.routing": ("RoutingProblem",),
-    "formulations.problems.submodular_selection": ("SubmodularSelection", "UserFunction"),
-    "formulations.problems.winner_takes_all_sata": ("WinnerTakesAllSATA",),
-    "formulations.program": ("Program", "Rows", "Variables"),
-    "formulations.routes": ("Route", "Routes"),
-    "formulations.selections": ("Selection",),
+    "formulations.max_min.bottleneck_sata": ("BottleneckSATA",),
+    "formulations.max_min.max_min_lp": ("MaxMinLP",),
+    "formulations.routing.problem": ("RoutingProblem",),
+    "formulations.selection.submodular_selection": ("SubmodularSelection", "UserFunction"),
+    "formulations.selection.winner_takes_all_sata": ("WinnerTakesAllSATA",),
+    "formulations.programs.compiled": ("Compiled",),
+    "formulations.programs.program": ("Program", "Rows", "Variables"),
+    "formulations.routing.routes": ("Route", "Routes"),
+    "formulations.selection.selections": ("Selection",),
     "formulations.solution": ("Solution",),
-    "heuristics.submodularity": ("check_submodular",),
+    "heuristics.selection.submodularity": ("check_submodular",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",
@@ -84,8 +87,8 @@ _MODULES = {
         "UsageError",
         "WayboundError",
     ),
-    "instances.instance": ("Energy", "RoutingInstance", "Sites", "VehicleType"),
-    "instances.selection": (
+    "instances.routing.instance": ("Energy", "RoutingInstance", "Sites", "VehicleType"),
+    "instances.selection.instance": (
         "Cardinality",
         "Coverage",
         "DenseFacilityLocation",
@@ -94,11 +97,11 @@ _MODULES = {
         "PartitionMatroid",
         "SelectionInstance",
     ),
-    "instances.sensing": ("SensingGraph",),
-    "instances.travel": ("Travel",),
+    "instances.sensing.graph": ("SensingGraph",),
+    "instances.routing.travel": ("Travel",),
     "reports.missions.running": ("run",),
-    "solvers.explaining": ("Explanation",),
-    "solvers.solve": ("solve",),
+    "solving.explaining": ("Explanation",),
+    "solving.solve": ("solve",),
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -111,6 +114,7 @@ __all__ = [
     "Certificate",
     "Check",
     "CheckFailedError",
+    "Compiled",
     "Coverage",
     "DenseFacilityLocation",
     "Energy",
@@ -172,7 +176,7 @@ class _Table(ModuleType):
     """A package that answers a call with the table of its entries."""
 
     def __call__(self, problem: Any = None) -> Any:
-        listing = importlib.import_module("waybound.solvers.listing")
+        listing = importlib.import_module("waybound.solving.listing")
         return getattr(listing, _TABLES[self.__name__.rpartition(".")[2]])(problem)
 
 
@@ -186,6 +190,15 @@ class _Face(ModuleType):
 
 
 sys.modules[__name__].__class__ = _Face
+
+
+def _draw(solution: Solution, **options: Any) -> Any:
+    from .reports.plots import plot_solution
+
+    return plot_solution(solution, **options)
+
+
+plotting.draw = _draw
 
 
 def __getattr__(name: str) -> Any:

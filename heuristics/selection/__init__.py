@@ -1,3 +1,3 @@
-"""What heuristics for selection problems share: evaluation, compiled loops, guarantees, evidence."""
+"""Approximations for selection problems."""
 
 from ... import _guard as _guard

@@ -10,8 +10,8 @@ from ... import _guard as _guard
 from ..errors import UsageError
 from ..instance import Instance
 from ..registry import Registry
-from ._draw import Draw as Draw
-from ._settings import Setting
+from .draw import Draw as Draw
+from .settings import Setting
 
 
 @dataclass(frozen=True)
@@ -44,4 +44,4 @@ class Generator:
         return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in self.settings.items()}
 
 
-GENERATORS: Registry[Generator] = Registry("generator", "waybound.instances.generators")
+GENERATORS: Registry[Generator] = Registry("generator", "waybound.instances.*.generators", group="waybound.generators")

@@ -11,7 +11,7 @@ import numpy as np
 
 from ... import _guard as _guard
 from ..errors import UsageError
-from ..generators._settings import Setting as Setting
+from ..generators.settings import Setting as Setting
 from ..registry import Registry
 
 
@@ -107,4 +107,4 @@ def make_world(kind: str, seed: int, **settings: Any) -> World:
     return recipe.make(np.random.Generator(np.random.PCG64(int(seed))), setting_values(kind, recipe.settings, settings))
 
 
-WORLDS: Registry[WorldKind] = Registry("world", "waybound.instances.worlds")
+WORLDS: Registry[WorldKind] = Registry("world", "waybound.instances.worlds", group="waybound.worlds")

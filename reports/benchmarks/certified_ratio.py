@@ -15,9 +15,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from waybound.formulations.problems.submodular_selection import SubmodularSelection
-from waybound.instances.selection import Cardinality, Coverage, PartitionMatroid
-from waybound.solvers.solve import solve
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.instances.selection.instance import Cardinality, Coverage, PartitionMatroid
+from waybound.solving.solve import solve
 
 CASES = ((1000, 100, 2000, 20), (1000, 100, 1000, 10), (10000, 100, 2000, 20), (2000, 40, 400, 12))
 """Elements, picks (and groups), items, items an element."""

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.instances.sensing import SensingGraph, graph_of_edges
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
 from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
 
 PER_ROBOT, PER_TARGET, SEEN, REACH = 10, 20, 10, 15
@@ -99,7 +99,7 @@ def report(actions: int, seed: int, repeats: int) -> str:
             for which, found in runs.items():
                 if which != "pulp" or number < 3:
                     found.append(in_a_fresh_process(module, "--actions", actions, "--seed", seed, "--once", which, "--folder", folder))
-        program = BottleneckSATA(generate(actions, seed), fractional=True).compile()
+        program = BottleneckSATA(generate(actions, seed), fractional=True).compile().program
         same_model(program, folder / "max_min.mps")
 
     def median(which: str, clock: str) -> float:

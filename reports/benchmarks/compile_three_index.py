@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.forms._routes import ArcIndex
-from waybound.formulations.preparation import prepare
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.program import Program
-from waybound.formulations.reachability import minimum_vehicles
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import Travel
+from waybound.formulations.programs.program import Program
+from waybound.formulations.routing.forms._routes import ArcIndex
+from waybound.formulations.routing.preparation import prepare
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.reachability import minimum_vehicles
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
 
 WINDOWS = {"wide": (2000.0, 3000.0), "medium": (200.0, 400.0), "narrow": (20.0, 60.0)}
@@ -145,7 +145,7 @@ def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[
     with_waybound(generate(2, 1, size[2], size[3]))  # loads the modules
     if which == "waybound":
         return timed(partial(with_waybound, problem))
-    program = problem.compile("three-index")
+    program = problem.compile("three-index").program
     for name in ("cost", "lower", "upper", "integer", "row_lower", "row_upper", "indptr", "indices", "data"):
         getattr(program, name)  # made on first use
     return timed(partial(with_bare_highs, program))
@@ -154,7 +154,7 @@ def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[
 def report(customers: int, vehicles: int, windows: str, seed: int, repeats: int) -> str:
     """Measure, and say what came out."""
     size = (customers, vehicles, windows, seed)
-    program = generate(*size).compile("three-index")
+    program = generate(*size).compile("three-index").program
     unfiltered = (customers * (customers - 1) + 2 * customers + 1) * vehicles
     time_rows = sum(b.size for b in program.rows if b.name == "time")
     module = __spec__.name if __spec__ else __name__

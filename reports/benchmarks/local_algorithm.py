@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.heuristics.local_max_min.arrays import local_shares
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.instances.generating import generate
-from waybound.instances.sensing import SensingGraph
+from waybound.instances.sensing.graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from waybound.solvers.engines.local_max_min.arrays import local_shares
 
 SLOPE = 1.15
 """Most growth of log time by log size."""
@@ -61,9 +61,9 @@ def local_memory(graph: SensingGraph, h: int) -> int:
 
 def highs_seconds(graph: SensingGraph, advised: bool) -> tuple[float, float | None]:
     """CPU seconds of HiGHS on the compiled program, and the optimum."""
-    program = BottleneckSATA(graph, fractional=True).compile("max-min")
+    program = BottleneckSATA(graph, fractional=True).compile("max-min").program
     if not advised:
-        program = replace(program, advice={})
+        program = replace(program, name="unknown")
     backend = BACKENDS["highs"]()
     assert isinstance(backend, ProgramBackend)
     began = time.process_time()

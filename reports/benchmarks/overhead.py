@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from waybound import read
-from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routing.problem import RoutingProblem
 
 TARGET = 1.03
 """Most CPU time that the wrapped library may take, relative to the bare one."""

@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 
 from waybound.formulations.certificate import certify
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.instances.generating import generate
-from waybound.instances.sensing import SensingGraph, graph_of_edges
+from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
-from waybound.solvers.backends.saddle import Saddle
+from waybound.solvers.engines.saddle import Saddle
 
 GAPS = (1e-1, 1e-2, 1e-3, 1e-4)
 
@@ -117,11 +117,11 @@ def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
 
 def highs(graph: SensingGraph, method: str, limit: float) -> str:
     """HiGHS on the compiled program: CPU seconds and optimum, or that it was given up."""
-    program = replace(BottleneckSATA(graph, fractional=True).compile("max-min"), advice={"highs": {"solver": method}})
+    program = replace(BottleneckSATA(graph, fractional=True).compile("max-min").program, name="unknown")
     backend = BACKENDS["highs"]()
     assert isinstance(backend, ProgramBackend)
     began = time.process_time()
-    result = backend.run(program, Options(time_limit=limit), Control())
+    result = backend.run(program, Options(time_limit=limit, extra={"solver": method}), Control())
     seconds = time.process_time() - began
     if result.status != "optimal":
         return f"{method} given up after {seconds:.1f} s"

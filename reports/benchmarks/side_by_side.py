@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.program import Program
+from waybound.formulations.programs.program import Program
 
 
 def same_model(program: Program, path: Path) -> None:

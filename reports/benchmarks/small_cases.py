@@ -17,10 +17,10 @@ from collections import defaultdict
 import numpy as np
 
 from waybound.formulations.certificate import check_certificate
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import Travel
-from waybound.solvers.solve import solve
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+from waybound.solving.solve import solve
 
 SOLVERS: dict[str, dict[str, object]] = {
     "highs": {"time_limit": 60.0},

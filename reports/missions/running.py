@@ -19,7 +19,7 @@ from ...instances.errors import UsageError
 from ...instances.worlds import World
 from ...solvers import interrupts
 from ...solvers.backend import BACKENDS, STATUSES
-from ...solvers.solve import solve
+from ...solving.solve import solve
 from .mission import MISSIONS, Decision, Mission
 
 if TYPE_CHECKING:

@@ -9,15 +9,15 @@ from typing import Any, ClassVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.problem import Problem
-from ...formulations.problems.bottleneck_sata import BottleneckSATA
-from ...formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from ...heuristics.local_max_min.rounding import largest_shares
+from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from ...instances.errors import UsageError
 from ...instances.generators import Draw
-from ...instances.sensing import SensingGraph
+from ...instances.sensing.graph import SensingGraph
 from ...instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ...instances.worlds.tracking import TrackingObservation, TrackingWorld, distances, linked, scenario_values
+from ...solvers.engines.local_max_min.rounding import largest_shares
 from . import force_vectors
 from .mission import MISSIONS, Actions, Decision, Mission, Scene
 
@@ -46,7 +46,7 @@ class Tracking(Mission):
 
     Notes
     -----
-    Source: Sung (2019), chapter 3; digest 2.1, 2.6 and 2.8. Readings of what it leaves open: docs/missions.md.
+    Source: Sung (2019), chapter 3. Readings of what it leaves open: docs/missions.md#tracking.
     """
 
     name: ClassVar[str] = "tracking"

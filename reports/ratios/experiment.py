@@ -12,8 +12,8 @@ import numpy as np
 from ...formulations.problem import Problem
 from ...instances.errors import CheckFailedError, UsageError
 from ...instances.generating import generate
-from ...instances.sensing import SensingGraph
-from ..tables import Column, Table
+from ...instances.sensing.graph import SensingGraph
+from ..tables.table import Column, Table
 from .figures import sweep_figure
 from .judging import TOLERANCE
 from .optimum import Optimum
@@ -167,7 +167,7 @@ def solved(problem: Problem) -> Optimum:
     CheckFailedError
         If it is not proved within the default time limit.
     """
-    from ...solvers.solve import solve
+    from ...solving.solve import solve
 
     found = solve(problem, "highs", bound_time=0.0)
     if found.faults:

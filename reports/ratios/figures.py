@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..drawing import COLOURS
+from ..plots.drawing import COLOURS
 from .study import Figure
 
 SHOWN_POINTS = 600

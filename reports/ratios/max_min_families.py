@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.problems.bottleneck_sata import BottleneckSATA
-from ...formulations.problems.max_min_lp import MaxMinLP
-from ...instances.sensing import SensingGraph, graph_of_edges
+from ...formulations.max_min.bottleneck_sata import BottleneckSATA
+from ...formulations.max_min.max_min_lp import MaxMinLP
+from ...instances.sensing.graph import SensingGraph, graph_of_edges
 from .families import Family, listed
 from .judging import Case
 from .optimum import Optimum, attained
@@ -150,7 +150,7 @@ REFERENCES: dict[str, tuple[list[list[Sees]], float]] = {
     "S8": ([[[0, 1], [1]]], 1.0),
     "S10": ([[{0: 4.0, 1: 2.0}, {2: 5.0}], [{0: 4.0}, {1: 3.0}], [{0: 3.0, 2: 1.0}, {1: 5.0}]], 4.661764705882353),
 }
-"""Small graphs with their optima: cases A to G, and S1 to S10 of digest 4.1."""
+"""Small graphs with their optima: cases A to G, and S1w to S10 of docs/formulations/sensing.md#reference-cases; A is S1."""
 
 
 def references() -> Family:

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
+from ...formulations.max_min.bottleneck_sata import BottleneckSATA
+from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
-from ...formulations.problems.bottleneck_sata import BottleneckSATA
-from ...formulations.problems.max_min_lp import MaxMinLP
-from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
-from ...formulations.selections import Selection
+from ...formulations.selection.selections import Selection
+from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
 from ...instances.errors import CheckFailedError, UsageError
-from ...instances.selection import Cardinality, DenseFacilityLocation, Knapsack
+from ...instances.selection.instance import Cardinality, DenseFacilityLocation, Knapsack
 
 Floats = NDArray[np.float64]
 

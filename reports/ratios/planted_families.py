@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.problems.submodular_selection import SubmodularSelection
-from ...formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from ...instances.selection import Cardinality, Constraint, Coverage, Knapsack, PartitionMatroid
-from ...instances.sensing import graph_of_edges
+from ...formulations.selection.submodular_selection import SubmodularSelection
+from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...instances.selection.instance import Cardinality, Constraint, Coverage, Knapsack, PartitionMatroid
+from ...instances.sensing.graph import graph_of_edges
 from .families import Family
 from .judging import Case
 

@@ -8,11 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
-from ...formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from ...instances.selection import Cardinality, Constraint, Coverage, DenseFacilityLocation, FacilityLocation, Knapsack, PartitionMatroid
-from ...instances.selection import SetFunction as ArrayFunction
-from ...instances.sensing import SensingGraph, graph_of_edges
+from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...instances.selection.instance import (
+    Cardinality,
+    Constraint,
+    Coverage,
+    DenseFacilityLocation,
+    FacilityLocation,
+    Knapsack,
+    PartitionMatroid,
+)
+from ...instances.selection.instance import SetFunction as ArrayFunction
+from ...instances.sensing.graph import SensingGraph, graph_of_edges
 from .families import Family
 from .judging import Case
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ...formulations.max_min.bottleneck_sata import BottleneckSATA
+from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
-from ...formulations.problems.bottleneck_sata import BottleneckSATA
-from ...formulations.problems.max_min_lp import MaxMinLP
-from ...formulations.problems.submodular_selection import SubmodularSelection, UserFunction
-from ...formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from ...instances.instance import Instance
-from ...instances.selection import SelectionInstance
+from ...instances.selection.instance import SelectionInstance
 from .study import Fault, Report
 
 

@@ -49,8 +49,8 @@ def test_an_interrupt_prints_the_best_answer_verified_and_is_exit_0(solver):
 
 MADE = """
 import os, signal, sys, threading, time
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Route, Routes
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
 from waybound.solvers.backend import BACKENDS, Engine, RawResult
 
 NUMBER = getattr(signal, sys.argv.pop(1))
@@ -130,7 +130,7 @@ def test_an_answer_is_written_whenever_the_signal_comes(number, body, more, tmp_
 
 
 FINDING = """
-import waybound.solvers.bounding as bounding
+import waybound.solving.bounding as bounding
 def waits(problem, seconds, *, control, **given):
     send()
     while not control.stopped:
@@ -140,7 +140,7 @@ bounding.find_bounds = waits
 """
 
 EXPLAINING = """
-import waybound.solvers.explaining as explaining
+import waybound.solving.explaining as explaining
 def waits(problem, form, end, control):
     send()
     while not control.stopped:

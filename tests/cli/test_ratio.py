@@ -6,7 +6,7 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.evidence import Guarantee
-from waybound.formulations.selections import Selection
+from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judging import Configuration
@@ -15,15 +15,16 @@ from waybound.reports.ratios.study import STUDIES, Study
 
 
 @pytest.fixture
-def bad_study():
+def bad_study(registered):
     """A study whose heuristic chooses nothing and states 1/2."""
     nothing = Guarantee(2.0, "f(S) >= f(OPT) / 2", (), "nowhere")
     features = frozenset({"function:coverage", "function:facility-location", "constraint:cardinality"})
-    HEURISTICS.add("idle", Heuristic("idle", ("selection",), features, lambda p, s: Outcome(Selection(), nothing), "for tests", "1/2"))
+    registered(
+        HEURISTICS, "idle", Heuristic("idle", ("selection",), features, lambda p, s: Outcome(Selection(), nothing), "for tests", "1/2")
+    )
     plan = GuaranteePlan((Configuration("idle", "idle", lambda problem: 2.0),), random_families("cardinality", 5)[:2])
-    STUDIES.add("idle", Study("idle", "for tests", 10, lambda setting: run_plan("idle", "for tests", plan, setting), plan=plan))
-    yield "idle"
-    del STUDIES._entries["idle"], HEURISTICS._entries["idle"]
+    registered(STUDIES, "idle", Study("idle", "for tests", 10, lambda setting: run_plan("idle", "for tests", plan, setting), plan=plan))
+    return "idle"
 
 
 def test_without_a_study_all_are_listed(run, strict_json):

@@ -13,12 +13,12 @@ from oracles import optimum as first_level_optimum
 from oracles import small_problems
 from small_routing import FEATURES, optimum, small
 
-from waybound.formulations.objective import LongestRoute, TotalCost, Vehicles
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Routes
+from waybound.formulations.routing.objective import LongestRoute, TotalCost, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import Travel
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated
 

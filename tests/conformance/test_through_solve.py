@@ -10,9 +10,9 @@ import pytest
 from small_routing import optimum, small
 
 import waybound as wb
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import Travel
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS
 
 ROUTING = ("ortools", "pyvrp")

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from waybound.formulations.compiled import kernel
+from waybound.formulations.kernels import kernel
 from waybound.formulations.stop import NEVER, Stop, Stopped
 from waybound.formulations.stop_kernel import asked
 

@@ -19,7 +19,7 @@ from waybound.formulations.problem import Problem
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import CheckFailedError, InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS
-from waybound.solvers.bounding import find_bounds
+from waybound.solving.bounding import find_bounds
 
 SEED = 81
 

@@ -14,16 +14,17 @@ import numpy as np
 import pytest
 
 import waybound as wb
-from waybound.formulations.bounds.fleet_need import fleet_need_evidence
-from waybound.formulations.bounds.infeasible_site import infeasible_site_evidence, too_few_vehicles_evidence
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.fleet_need import fleet_conflicts, suspicions
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.program import Program, Rows, Variables
-from waybound.instances.instance import Energy, Sites, VehicleType
-from waybound.instances.travel import EXPLICIT, Travel
-from waybound.solvers.explaining import explain, reasons_from_data
+from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.routing.fleet_need import fleet_conflicts, suspicions
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import Stop
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.solvers.bounds.routing.fleet_need import fleet_need_evidence
+from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence, too_few_vehicles_evidence
+from waybound.solving.explaining import explain, reasons_from_data
 
 LET_PASS = 1e-8
 """More than the judge lets pass for rounding; no sum of the numbers drawn exceeds a limit by so little without meeting it."""
@@ -224,7 +225,7 @@ def test_reasons_of_random_routing_instances_are_true(share, tally, part):
             assert is_true(problem, tables, reason.evidence), (seed, reason)
             tally[f"reasons: {reason.evidence.kind}"] += 1
         for find in (infeasible_site_evidence, too_few_vehicles_evidence, fleet_need_evidence):
-            found = find(problem, 10.0)
+            found = find(problem, Stop(10.0))
             if found is not None:
                 assert not solvable, (seed, found)
                 assert is_true(problem, tables, found), (seed, found)

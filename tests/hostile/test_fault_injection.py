@@ -18,18 +18,19 @@ from typer.testing import CliRunner
 
 import waybound as wb
 from waybound.cli.app import app
-from waybound.formulations.evidence import BOUNDS, CHECKERS, Evidence
+from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.problem import Problem
 from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.selection import Coverage, PartitionMatroid
+from waybound.instances.selection.instance import Coverage, PartitionMatroid
 from waybound.solvers.backend import RawResult
+from waybound.solvers.bounds import BOUNDS
 
-solving = importlib.import_module("waybound.solvers.solve")
+solving = importlib.import_module("waybound.solving.solve")
 
 
 @pytest.fixture
-def engine(monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
-    return solver_of(monkeypatch)
+def engine(registered: Any) -> Callable[..., str]:
+    return solver_of(registered)
 
 
 # -- judging ----------------------------------------------------------------------------------------------------------
@@ -48,15 +49,11 @@ def test_a_last_word_that_cannot_be_judged_costs_no_other_answer(
     if stage == "evaluate":
         monkeypatch.setattr(type(TINY), "evaluate", lambda self, a: fail() if a is WORSE else honest(self, a))
     else:
-        monkeypatch.setattr(solving, "_solver_run", _decoding(solving._solver_run, fail))
+        monkeypatch.setattr(solving._Run, "decode", lambda self, a: fail() if a is WORSE else a)
     found = wb.solve(TINY, engine(work), bound_time=0)
     assert (found.objective, found.status) == (VALUE, "feasible")
     assert words in found.message
     tally["faults injected"] += 1
-
-
-def _decoding(honest: Callable[..., Any], fail: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda *given: dataclasses.replace(honest(*given), decode=lambda a: fail() if a is WORSE else a)
 
 
 def test_one_interrupt_while_judging_costs_nothing(monkeypatch: pytest.MonkeyPatch, engine: Any) -> None:
@@ -75,10 +72,10 @@ def test_a_claimed_point_that_is_no_answer_is_the_solvers_fault_and_costs_no_sta
     def no_route(x: Any) -> Any:
         raise InputError("arcs form a cycle without the depot")
 
-    program = dataclasses.replace(TINY.compile(), decode=no_route)
+    made = dataclasses.replace(TINY.compile(), decode=no_route)
     with pytest.raises(CheckFailedError, match="the optimal answer claimed by highs is no answer: arcs form a cycle"):
-        wb.solve(program, "highs", bound_time=0)
-    found = wb.solve(program, "highs", start=BEST, bound_time=0)
+        wb.solve(made, "highs", bound_time=0)
+    found = wb.solve(made, "highs", start=BEST, bound_time=0)
     assert (found.objective, found.status) == (VALUE, "feasible")
     assert "arcs form a cycle" in found.faults[0]
 
@@ -120,14 +117,14 @@ PARTS = [
 @ways
 @pytest.mark.parametrize(("case", "name", "part"), PARTS)
 def test_a_bound_that_fails_is_no_bound(
-    case: int, name: str, part: str, fault: Any, words: str, monkeypatch: pytest.MonkeyPatch, engine: Any, tally: Any
+    case: int, name: str, part: str, fault: Any, words: str, registered: Any, engine: Any, tally: Any
 ) -> None:
     engine()
     problem, method = PROBLEMS[case]
     if part == "compute":  # the only one, else another may end the search for bounds before it
         for other in BOUNDS:
-            monkeypatch.setitem(BOUNDS._entries, other, dataclasses.replace(BOUNDS[other], compute=lambda *_: None))
-    monkeypatch.setitem(BOUNDS._entries, name, dataclasses.replace(BOUNDS[name], **{part: failing(fault)}))
+            registered(BOUNDS, other, dataclasses.replace(BOUNDS[other], compute=lambda *_: None))
+    registered(BOUNDS, name, dataclasses.replace(BOUNDS[name], **{part: failing(fault)}))
     found = wb.solve(problem, **method, bound_time=0.5)
     assert found.certificate.feasible
     assert found.faults == ()
@@ -135,25 +132,22 @@ def test_a_bound_that_fails_is_no_bound(
     tally["faults injected"] += 1
 
 
-def test_a_bound_that_fails_costs_no_other_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bound_that_fails_costs_no_other_bound() -> None:
     problem = wb.WinnerTakesAllSATA(wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0])))
     names = [m.name for m in BOUNDS.values() if not m.missing(problem)]
     assert len(names) > 1
     for name in names:
-        with monkeypatch.context() as patch:
-            patch.setitem(BOUNDS._entries, name, dataclasses.replace(BOUNDS[name], compute=failing(MemoryError)))
-            with pytest.warns(RuntimeWarning, match=f"no bound by {name}: out of memory"):
-                assert wb.bound(problem, seconds=5).bound == 5.0
+        broken = dataclasses.replace(BOUNDS[name], compute=failing(MemoryError))
+        with BOUNDS.temporary(name, broken), pytest.warns(RuntimeWarning, match=f"no bound by {name}: out of memory"):
+            assert wb.bound(problem, seconds=5).bound == 5.0
 
 
 @ways
 @pytest.mark.parametrize("case", range(len(PROBLEMS)))
-def test_evidence_whose_checker_fails_proves_nothing(
-    case: int, fault: Any, words: str, monkeypatch: pytest.MonkeyPatch, engine: Any, tally: Any
-) -> None:
+def test_evidence_whose_checker_fails_proves_nothing(case: int, fault: Any, words: str, registered: Any, engine: Any, tally: Any) -> None:
     engine()
     for kind in CHECKERS:
-        monkeypatch.setitem(CHECKERS._entries, kind, failing(fault))
+        registered(CHECKERS, kind, failing(fault))
     problem, method = PROBLEMS[case]
     found = wb.solve(problem, **method, bound_time=0.5)
     assert found.certificate.feasible
@@ -163,8 +157,8 @@ def test_evidence_whose_checker_fails_proves_nothing(
 
 
 @ways
-def test_evidence_of_a_solver_that_proves_nothing_costs_no_bound_of_ours(fault: Any, words: str, monkeypatch: Any, engine: Any) -> None:
-    monkeypatch.setitem(CHECKERS._entries, "broken", failing(fault, 1 if fault is KeyboardInterrupt else float("inf")))
+def test_evidence_of_a_solver_that_proves_nothing_costs_no_bound_of_ours(fault: Any, words: str, registered: Any, engine: Any) -> None:
+    registered(CHECKERS, "broken", failing(fault, 1 if fault is KeyboardInterrupt else float("inf")))
     useless = Evidence("broken", "the solver's proof", VALUE, {})
     name = engine(lambda p, o, c: RawResult("feasible", answer=BEST, evidence=(useless,)))
     found = wb.solve(TINY, name, bound_time=2)
@@ -186,8 +180,8 @@ def test_a_certificate_that_fails_leaves_the_judges_verdict(fault: Any, words: s
 
 
 @pytest.mark.parametrize("bound", [2 * VALUE, np.inf])
-def test_a_bound_that_contradicts_the_answer_is_withheld_and_said(bound: float, monkeypatch: Any, engine: Any, tmp_path: Path) -> None:
-    monkeypatch.setitem(CHECKERS._entries, "false", lambda problem, data: bound)
+def test_a_bound_that_contradicts_the_answer_is_withheld_and_said(bound: float, registered: Any, engine: Any, tmp_path: Path) -> None:
+    registered(CHECKERS, "false", lambda problem, data: bound)
     proof = Evidence("false", "a false proof", bound, {})
     name = engine(lambda p, o, c: RawResult("optimal", answer=BEST, objective=VALUE, bound=VALUE, evidence=(proof,)))
     found = wb.solve(TINY, name, bound_time=0)
@@ -205,7 +199,7 @@ def test_a_bound_that_contradicts_the_answer_is_withheld_and_said(bound: float, 
 def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: str, monkeypatch: pytest.MonkeyPatch, tally: Any) -> None:
     problem = PROBLEMS[1][0]
     whole = wb.solve(problem, heuristic="local", bound_time=0)
-    monkeypatch.setattr("waybound.heuristics.methods.local._guarantee", failing(fault))
+    monkeypatch.setattr("waybound.heuristics.max_min.local._guarantee", failing(fault))
     found = wb.solve(problem, heuristic="local", bound_time=0)
     assert found.objective == whole.objective
     assert words in found.message
@@ -216,7 +210,7 @@ def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: 
 def test_evidence_that_a_heuristic_cannot_make_leaves_its_answer(heuristic: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = PROBLEMS[2][0]
     whole = wb.solve(problem, heuristic=heuristic, bound_time=0)
-    monkeypatch.setattr(f"waybound.heuristics.selection.ending.{part}", failing(MemoryError))
+    monkeypatch.setattr(f"waybound.heuristics.selection.greedy_steps.ending.{part}", failing(MemoryError))
     found = wb.solve(problem, heuristic=heuristic, bound_time=0)
     assert found.objective == whole.objective
     assert found.certificate.guarantee == whole.certificate.guarantee

@@ -24,8 +24,8 @@ cli = importlib.import_module("waybound.cli.solving")
 
 
 @pytest.fixture
-def engine(monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
-    return solver_of(monkeypatch)
+def engine(registered: Any) -> Callable[..., str]:
+    return solver_of(registered)
 
 
 @pytest.fixture

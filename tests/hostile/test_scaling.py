@@ -18,13 +18,13 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.routes import Routes
-from waybound.formulations.selections import Selection
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
+from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import CheckFailedError, WayboundError
-from waybound.solvers.backend import BACKENDS
-from waybound.solvers.bounding import find_bounds
+from waybound.solvers.backend import BACKENDS, takes_features
+from waybound.solving.bounding import find_bounds
 
 SEED = 83
 POWERS = (-30, -10, 10, 30)
@@ -194,7 +194,7 @@ def able(problem: Problem, solver: str) -> bool:
     if kind.takes == "problem":
         return not kind().missing(problem)
     made = kind(variant) if variant else kind()
-    return any(FORMS[form].kind(problem) in made.kinds for form in problem.forms())
+    return any(takes_features(FORMS[form].makes(problem), made.programs, made.only_integers) for form in problem.forms())
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")

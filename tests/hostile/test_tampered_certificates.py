@@ -17,22 +17,22 @@ from scipy.optimize import linprog
 
 import waybound as wb
 from waybound.formulations.answers import json_text
-from waybound.formulations.certificate import Certificate, certify, check_certificate
+from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.certificate import Certificate, certificate_lines, certificate_title, certify, check_certificate
 from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.evidence import CHECKERS, Evidence
-from waybound.formulations.fleet_need import _small_groups, fleet_conflicts, proves, suspicions
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.arrays import ArrayProblem
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.max_min_lp import MaxMinLP
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.formulations.rendering import as_text, certificate_lines, certificate_title
-from waybound.formulations.selections import Selection
+from waybound.formulations.rendering import as_text
+from waybound.formulations.routing.fleet_need import _small_groups, fleet_conflicts, proves, suspicions
+from waybound.formulations.selection.selections import Selection
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
-from waybound.instances.instance import Sites, VehicleType
-from waybound.instances.travel import Travel
-from waybound.solvers.bounding import find_bounds
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+from waybound.solving.bounding import find_bounds
 
 from .. import random_sensing, sata_cases, selection_problems
 from ..programs import program

@@ -16,15 +16,15 @@ from hostile_judging import VANISHING
 
 from waybound.formulations.certificate import certify, verified_bound
 from waybound.formulations.problem import Problem
-from waybound.formulations.problems.routing import RoutingProblem
-from waybound.formulations.problems.submodular_selection import SubmodularSelection
-from waybound.formulations.routes import Route, Routes
-from waybound.formulations.routing_check import schedule
-from waybound.formulations.selections import Selection
+from waybound.formulations.routing.judge import schedule
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.formulations.selection.selections import Selection
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.instance import ENERGY_CHARGES, Energy
-from waybound.instances.selection import Knapsack
-from waybound.solvers.bounding import find_bounds
+from waybound.instances.routing.instance import ENERGY_CHARGES, Energy
+from waybound.instances.selection.instance import Knapsack
+from waybound.solving.bounding import find_bounds
 
 SEED = 82
 ROUNDING = 1e-12

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import InputError
-from waybound.instances.instance import RoutingInstance
 from waybound.instances.reading import read_instance
+from waybound.instances.routing.instance import RoutingInstance
 
 SITE_ARRAYS = ("depot", "demand", "ready", "due", "service", "reward", "required")
 

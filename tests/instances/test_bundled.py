@@ -14,7 +14,7 @@ from waybound.instances import data
 from waybound.instances.bundled import RECIPES, bundled_names, bundled_path, regenerate
 from waybound.instances.errors import UsageError
 from waybound.instances.reading import read_instance
-from waybound.instances.selection import Cardinality, Coverage, SelectionInstance
+from waybound.instances.selection.instance import Cardinality, Coverage, SelectionInstance
 from waybound.instances.writing import write_instance
 
 GENERATED = [name for name in bundled_names() if not RECIPES[name].source]

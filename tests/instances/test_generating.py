@@ -12,7 +12,7 @@ from waybound.instances.errors import UsageError
 from waybound.instances.formats.waybound_json import write
 from waybound.instances.generating import generate
 from waybound.instances.generators import GENERATORS
-from waybound.instances.reach import refuse_unreachable
+from waybound.instances.routing.reach import refuse_unreachable
 
 
 def test_the_recipes_are_known() -> None:

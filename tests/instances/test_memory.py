@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from waybound.instances import memory, travel
+from waybound.instances import memory
 from waybound.instances.errors import UsageError
-from waybound.instances.travel import Travel
+from waybound.instances.routing import travel
+from waybound.instances.routing.travel import Travel
 
 
 def test_something_is_known_of_this_machine() -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
 from waybound.instances.errors import UsageError
-from waybound.instances.selection import Cardinality
+from waybound.instances.selection.instance import Cardinality
 from waybound.reports.ratios import max_min_families as graphs
 from waybound.reports.ratios import selection_families as random
 from waybound.reports.ratios import selection_traps as traps
@@ -74,7 +74,7 @@ def test_more_layers_are_not_better_by_themselves():
 
 
 def test_a_target_that_nobody_sees_ends_the_guarantee():
-    from waybound.instances.sensing import graph_of_edges
+    from waybound.instances.sensing.graph import graph_of_edges
 
     graph = graph_of_edges([0, 0], [0, 1], [0, 1], robots=1, targets=3)
     found = run(BottleneckSATA(graph, fractional=True), "local")

@@ -96,7 +96,7 @@ def test_lazy_greedy_has_the_value_of_greedy(problem):
 @SHORT
 @given(bottlenecks())
 def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
-    from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+    from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 
     note(instance_text(problem))
     assert optimum(problem).value >= optimum(BottleneckSATA(problem.graph)).value * (1 - 1e-9)
@@ -105,7 +105,7 @@ def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
 def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
     """A heuristic that takes the first elements and claims 1/2 is caught on an instance of two elements at most."""
     from waybound.formulations.evidence import Guarantee
-    from waybound.formulations.selections import Selection
+    from waybound.formulations.selection.selections import Selection
     from waybound.heuristics.heuristic import Outcome
 
     seen = {}
@@ -128,8 +128,8 @@ def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
 
 def test_weights_of_any_size_keep_the_optimum_two_sided():
     for spread in (1e-6, 1.0, 1e6):
-        from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-        from waybound.instances.sensing import graph_of_edges
+        from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+        from waybound.instances.sensing.graph import graph_of_edges
 
         rng = np.random.default_rng(4)
         weights = spread * rng.lognormal(0, 2, 12)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from waybound.formulations.problems.submodular_selection import SubmodularSelection
-from waybound.instances.selection import Cardinality
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.instances.selection.instance import Cardinality
 from waybound.reports.ratios import max_min_families as graphs
 from waybound.reports.ratios import selection_traps as traps
 from waybound.reports.ratios.judging import judge, ratio_of, run_heuristic
@@ -50,7 +50,7 @@ def test_greedy_falls_to_its_bound_on_geometric_covers(name, k):
     assert found == pytest.approx(1.0 - (1.0 - 1.0 / k) ** k, abs=2 * k * bribe)
 
 
-def test_cover_tight_of_the_digest_is_the_geometric_cover_of_two():
+def test_cover_tight_is_the_geometric_cover_of_two():
     f, good, bad = traps.geometric_cover(2, 1 / 80)
     assert 80 * SubmodularSelection(f, Cardinality(2)).value(good.elements) == pytest.approx(80)
     assert 80 * bad == pytest.approx(62)
@@ -114,7 +114,7 @@ def test_cycles_are_solved_exactly(n, h):
 @pytest.mark.parametrize("h", [1, 2, 5])
 @pytest.mark.parametrize("n", [2, 3, 8])
 def test_private_targets_are_solved_exactly_and_have_the_integrality_gap(n, h):
-    from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
+    from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 
     problem = graphs.private_targets(n)
     assert value(problem, "local", h=h, **EXACT) == pytest.approx(1 / n, abs=1e-6)

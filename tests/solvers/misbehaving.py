@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from waybound.formulations.problems.routing import RoutingProblem
+from waybound.formulations.routing.problem import RoutingProblem
 
 
 @dataclass(frozen=True, eq=False)

@@ -86,8 +86,8 @@ SPLIT = """
 import os, signal, sys, threading
 import numpy as np
 import scipy.sparse as sp
-from waybound.formulations.program import Program, Rows, Variables
-from waybound.solvers.solve import solve
+from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.solving.solve import solve
 rng = np.random.default_rng(0)
 m, n = 6, 50
 a = sp.csr_matrix(rng.integers(0, 100, (m, n)).astype(float))

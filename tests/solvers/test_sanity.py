@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from waybound.formulations.program import Program, Rows, Variables
+from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import InputError
 from waybound.solvers.sanity import prepared, settled
 

@@ -49,7 +49,7 @@ def _leave(code: str | int | None) -> None:
 
     for number in interrupts.SIGNALS:
         signal.signal(number, signal.SIG_IGN)  # all is said: one more Ctrl-C must not change the exit code
-    search = sys.modules.get("waybound.solvers.search")
+    search = sys.modules.get("waybound.solving.search")
     running = search is not None and any(t.name == search.ENGINE_THREAD for t in threading.enumerate())
     if running or interrupts.received:
         interrupts.leave(code if isinstance(code, int) else int(code is not None))

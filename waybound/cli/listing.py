@@ -25,16 +25,17 @@ def info(
     verbose: Verbose = False,
 ) -> None:
     """What an instance holds, which solvers and heuristics take it, and what the others lack."""
-    from ..reports.tables import facts, facts_table, heuristics_table, solvers_table
-    from ..solvers.listing import heuristic_table, solver_table
+    from ..reports.tables.facts import facts, facts_table
+    from ..reports.tables.listing import heuristics_table, solvers_table
+    from ..solving.listing import heuristic_table, solver_table
     from .output import print_json, print_table
 
     source, asked = read_both(file, format, problem, convention, settings)
-    data = {"format": source.format, "problems": list(source.problems), **facts(asked)}
+    data = facts(asked)
     able, approximate = solver_table(asked), heuristic_table(asked)
     if json:
         listed = {"solvers": [dataclasses.asdict(i) for i in able], "heuristics": [dataclasses.asdict(i) for i in approximate]}
-        print_json({**data, **listed})
+        print_json({"format": source.format, "problems": list(source.problems), **data, **listed})
         return
     print_table(facts_table(data))
     print_table(solvers_table(able, asked=True))
@@ -50,8 +51,8 @@ def solvers(
     verbose: Verbose = False,
 ) -> None:
     """All solvers, installed or not, and with FILE which of them take it."""
-    from ..reports.tables import solvers_table
-    from ..solvers.listing import solver_table
+    from ..reports.tables.listing import solvers_table
+    from ..solving.listing import solver_table
     from .output import print_json, print_table
 
     infos = solver_table(None if file is None else read_problem(file, format, problem, None, settings))
@@ -70,8 +71,8 @@ def heuristics(
     verbose: Verbose = False,
 ) -> None:
     """All heuristics with what they guarantee, and with FILE which of them take it."""
-    from ..reports.tables import heuristics_table
-    from ..solvers.listing import heuristic_table
+    from ..reports.tables.listing import heuristics_table
+    from ..solving.listing import heuristic_table
     from .output import print_json, print_table
 
     infos = heuristic_table(None if file is None else read_problem(file, format, problem, None, settings))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ....formulations.problems.bottleneck_sata import BottleneckSATA
+from ....formulations.max_min.bottleneck_sata import BottleneckSATA
 from .. import planted_families as planted
 from .. import selection_families as random
 from .. import selection_traps as traps

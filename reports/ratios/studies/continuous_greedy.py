@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ....formulations.problems.submodular_selection import UserFunction
+from ....formulations.selection.submodular_selection import UserFunction
 from .. import planted_families as planted
 from .. import selection_families as random
 from .. import selection_traps as traps

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ....instances.selection import Cardinality, PartitionMatroid
+from ....instances.selection.instance import Cardinality, PartitionMatroid
 from .. import planted_families as planted
 from .. import selection_families as random
 from .. import selection_traps as traps

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ....formulations.problems.bottleneck_sata import BottleneckSATA
-from ....instances.sensing import SensingGraph
+from ....formulations.max_min.bottleneck_sata import BottleneckSATA
+from ....instances.sensing.graph import SensingGraph
 from ..experiment import ExperimentPlan, Measured, Sweep, experiment, solved
 from ..judging import judge, run_heuristic
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ....formulations.problems.max_min_lp import MaxMinLP
+from ....formulations.max_min.max_min_lp import MaxMinLP
 from .. import max_min_families as families
 from ..guarantees import guarantee_study
 from ..judging import Configuration

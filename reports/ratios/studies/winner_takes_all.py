@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ....formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from ....instances.sensing import SensingGraph
+from ....formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ....instances.sensing.graph import SensingGraph
 from ..experiment import ExperimentPlan, Measured, Sweep, experiment, solved
 from ..judging import judge, run_heuristic
 

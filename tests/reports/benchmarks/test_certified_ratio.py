@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from waybound.reports.benchmarks import certified_ratio as benchmark
-from waybound.solvers.solve import solve
+from waybound.solving.solve import solve
 
 
 @pytest.mark.parametrize("case", benchmark.CASES)

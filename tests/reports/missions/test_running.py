@@ -12,9 +12,9 @@ import pandas as pd
 import pytest
 
 import waybound as wb
-from waybound.formulations.problems.submodular_selection import SubmodularSelection
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
-from waybound.instances.selection import Cardinality, Coverage
+from waybound.instances.selection.instance import Cardinality, Coverage
 from waybound.instances.worlds import Setting, World, setting_values
 from waybound.reports.missions import running
 from waybound.reports.missions.mission import Mission

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.formulations.selections import Selection
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.selection.selections import Selection
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UsageError
 from waybound.instances.worlds.tracking import TrackingRules, TrackingWorld
 from waybound.reports.missions.mission import Decision

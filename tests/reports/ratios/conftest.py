@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 from waybound.formulations.evidence import Evidence, Guarantee
-from waybound.formulations.selections import Selection
+from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judging import Configuration
@@ -70,13 +71,10 @@ BAD = {
 
 
 @pytest.fixture
-def bad_heuristics() -> Iterator[None]:
+def bad_heuristics(registered: Any) -> None:
     features = frozenset({"function:coverage", "function:facility-location", "function:user", "constraint:cardinality"})
     for name, run in BAD.items():
-        HEURISTICS.add(name, Heuristic(name, ("selection",), features, run, "for tests", "1/2"))
-    yield
-    for name in BAD:
-        del HEURISTICS._entries[name]
+        registered(HEURISTICS, name, Heuristic(name, ("selection",), features, run, "for tests", "1/2"))
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
 from waybound.reports.ratios.experiment import ExperimentPlan, Sweep, run_experiment, sensing_graph, solved
 from waybound.reports.ratios.optimum import best_selection
@@ -21,13 +21,9 @@ def tried():
         plan = ExperimentPlan(
             (Sweep("robots", (4, 6), {"targets": 12, "phi": 25.0}),), methods, measure, orders, "something", (("a", "b"),)
         )
-        STUDIES.add(
-            "tried", Study("tried", "for tests", 7, lambda setting: run_experiment("tried", "for tests", plan, setting), False, plan)
-        )
-        try:
+        study = Study("tried", "for tests", 7, lambda setting: run_experiment("tried", "for tests", plan, setting), False, plan)
+        with STUDIES.temporary("tried", study):
             return STUDIES["tried"](StudySetting(7, told=told))
-        finally:
-            del STUDIES._entries["tried"]
 
     return run
 
@@ -59,7 +55,7 @@ def test_the_optimum_of_highs_is_that_of_enumeration():
 def test_an_optimum_that_is_not_proved_is_refused(monkeypatch):
     from dataclasses import replace
 
-    from waybound.solvers import solve as solving
+    from waybound.solving import solve as solving
 
     honest = solving.solve
     monkeypatch.setattr(solving, "solve", lambda *given, **options: replace(honest(*given, **options), status="feasible"))

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from ratio_strategies import assignments, graphs, selections
 from sata_cases import CASES
 
-from waybound.formulations.problems.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problems.max_min_lp import MaxMinLP
-from waybound.formulations.problems.submodular_selection import SubmodularSelection, UserFunction
-from waybound.formulations.problems.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.formulations.selections import Selection
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.max_min.max_min_lp import MaxMinLP
+from waybound.formulations.selection.selections import Selection
+from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.selection import Cardinality, Coverage
+from waybound.instances.selection.instance import Cardinality, Coverage
 from waybound.reports.ratios.optimum import MOST_ELEMENTS, allowed_sets, attained, optimum, set_values
 
 

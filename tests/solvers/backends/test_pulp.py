@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.formulations.program import Program
+from waybound.formulations.programs.program import Program
 from waybound.instances.errors import MissingPackageError, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.pulp import PuLP

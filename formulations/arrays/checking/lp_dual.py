@@ -1,0 +1,203 @@
+"""Evidence ``lp-dual``: the row duals of a linear program, multiplied out against its arrays.
+
+For min c x over L <= A x <= U, l <= x <= u and any y::
+
+    c x  >=  sum_i min over r in [L_i, U_i] of y_i r  +  sum_j min over x_j in [l_j, u_j] of d_j x_j,      d = c - A' y
+
+A dual that points to a side that is not there is set to 0 first: that too is a dual vector. What makes such a bound fail in practice
+is a reduced cost of 1e-17 on a variable without a bound. Three remedies are tried in turn: bounds that single rows imply for the variable,
+duals moved by a rounding so that the reduced cost points to a side that has a bound, and its sign in exact arithmetic. Where none
+helps nothing is proved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import grain, lift
+from ...evidence import CHECKERS
+from ...routing.checking.multipliers import numbers
+
+Floats = NDArray[np.float64]
+
+_EPS = float(np.finfo(np.float64).eps)
+_PASSES = 3
+_WIDEST = 1e12
+"""Implied bounds beyond this are not worth having: the rounding of a reduced cost times it would swallow the bound."""
+
+
+@CHECKERS.register("lp-dual")
+def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
+    """Bound on a linear (or mixed-integer linear) program that any row duals prove (weak duality with bounded variables).
+
+    Parameters
+    ----------
+    problem : ArrayProblem
+        Its ``program`` holds the arrays.
+    data : dict
+        ``duals``: one number a row, d objective / d right side.
+
+    Returns
+    -------
+    float
+        The bound in the program's sense; minus infinity (``min``) or infinity (``max``) where nothing is proved.
+
+    Raises
+    ------
+    InputError
+        If the list is missing, too short or too long, or holds anything but finite numbers.
+
+    Notes
+    -----
+    Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming";
+    docs/formulations/arrays.md#row-duals.
+    """
+    if problem.family != "arrays":
+        raise InputError("row duals are evidence for programs given as arrays", found=problem.family)
+    program = problem.program
+    duals = numbers(data, "duals", program.num_rows)
+    sign = 1.0 if program.sense == "min" else -1.0
+    if program.quadratic is not None or program.cones:
+        return -sign * math.inf
+    arrays = _Arrays(
+        sign * program.cost, program.lower, program.upper, program.row_lower, program.row_upper,
+        np.repeat(np.arange(program.num_rows), np.diff(program.indptr)), program.indices, program.data,
+    )  # fmt: skip
+    with np.errstate(over="ignore", invalid="ignore"):
+        bound = _bound(arrays, sign * duals)
+    if not math.isfinite(bound):
+        return -sign * math.inf
+    counted = program.cost[program.cost != 0]
+    step = grain(counted) if program.integer[program.cost != 0].all() else None
+    if step is not None and (np.fmod(counted, step.size) == 0.0).all():  # exactly: terms of both signs may cancel
+        bound = lift(bound, "min", step)
+    offset = float(program.offset)
+    bound = sign * bound + offset
+    return bound - sign * 4 * _EPS * abs(bound) if offset else bound
+
+
+@dataclass(frozen=True, eq=False)
+class _Arrays:
+    """A program to be minimised; the matrix as (row, column, value) triples."""
+
+    cost: Floats
+    lower: Floats
+    upper: Floats
+    row_lower: Floats
+    row_upper: Floats
+    row: NDArray[np.int64]
+    column: NDArray[np.int32]
+    value: Floats
+
+
+def _bound(p: _Arrays, y: Floats) -> float:
+    y = _one_sided(p, y)
+    low, high = _reduced_costs(p, y)
+    lower, upper = p.lower, p.upper
+    if _endless(low, high, lower, upper).any():
+        lower, upper = _implied(p)
+        for _ in range(_PASSES):
+            wrong = np.nonzero(_endless(low, high, lower, upper))[0]
+            if len(wrong) == 0:
+                break
+            y = _one_sided(p, _turned(p, y, wrong, low, high, lower, upper))
+            low, high = _reduced_costs(p, y)
+        for j in np.nonzero(_endless(low, high, lower, upper))[0]:
+            exact = _exact_reduced_cost(p, y, int(j))
+            low[j], high[j] = (0.0 if exact >= 0 else low[j]), (0.0 if exact <= 0 else high[j])
+    least = np.minimum.reduce([_times(low, lower), _times(low, upper), _times(high, lower), _times(high, upper)])
+    rows = y * np.where(y > 0, p.row_lower, np.where(y < 0, p.row_upper, 0.0))
+    error = 4 * _EPS * (float(np.abs(rows).sum()) + float(np.abs(least).sum()))
+    if not math.isfinite(error):
+        return -math.inf
+    return math.fsum(rows) + math.fsum(least) - error
+
+
+def _one_sided(p: _Arrays, y: Floats) -> Floats:
+    """``y`` without the entries that would multiply an infinite side."""
+    return np.where(((y > 0) & np.isfinite(p.row_lower)) | ((y < 0) & np.isfinite(p.row_upper)), y, 0.0)
+
+
+def _reduced_costs(p: _Arrays, y: Floats) -> tuple[Floats, Floats]:
+    """Limits between which the reduced costs lie for certain."""
+    product = p.value * y[p.row]
+    d = p.cost - np.bincount(p.column, product, minlength=len(p.cost))
+    weight = np.abs(p.cost) + np.bincount(p.column, np.abs(product), minlength=len(p.cost))
+    doubt = _EPS * (np.bincount(p.column, minlength=len(p.cost)) + 4) * weight
+    return d - doubt, d + doubt
+
+
+def _endless(low: Floats, high: Floats, lower: Floats, upper: Floats) -> NDArray[np.bool_]:
+    """Variables that a reduced cost of the wrong sign, or of unknown sign, could drive to infinity."""
+    found: NDArray[np.bool_] = ((low < 0) & (upper == math.inf)) | ((high > 0) & (lower == -math.inf))
+    return found
+
+
+def _turned(p: _Arrays, y: Floats, wrong: NDArray[np.int64], low: Floats, high: Floats, lower: Floats, upper: Floats) -> Floats:
+    """Duals moved a little, so that the reduced costs of ``wrong`` variables point to a side that has a bound."""
+    y = y.copy()
+    for j in wrong.tolist():
+        entries = np.nonzero((p.column == j) & (p.value != 0))[0]
+        if len(entries) == 0:
+            continue
+        doubt, middle = high[j] - low[j], (low[j] + high[j]) / 2.0
+        aim = (doubt if upper[j] == math.inf else 0.0) - (doubt if lower[j] == -math.inf else 0.0)
+        k = entries[int(np.argmax(np.abs(p.value[entries] * y[p.row[entries]])))]
+        y[p.row[k]] += (middle - aim) / p.value[k]
+    return y
+
+
+def _times(a: Floats, x: Floats) -> Floats:
+    """Products in which 0 times infinity is 0."""
+    return np.where(a == 0, 0.0, a * x)
+
+
+def _exact_reduced_cost(p: _Arrays, y: Floats, j: int) -> Fraction:
+    at = np.nonzero(p.column == j)[0]
+    terms = (Fraction(float(p.value[k])) * Fraction(float(y[p.row[k]])) for k in at)
+    return Fraction(float(p.cost[j])) - sum(terms, Fraction(0))
+
+
+def _implied(p: _Arrays) -> tuple[Floats, Floats]:
+    """Bounds of the variables where given, else bounds that single rows imply, rounded outwards."""
+    lower, upper = p.lower.copy(), p.upper.copy()
+    rows = len(p.row_lower)
+    for _ in range(_PASSES):
+        up = p.value > 0
+        smallest = np.where(p.value == 0, 0.0, p.value * np.where(up, lower[p.column], upper[p.column]))
+        largest = np.where(p.value == 0, 0.0, p.value * np.where(up, upper[p.column], lower[p.column]))
+        ceiling = _others(p, smallest, rows, p.row_upper, 1.0)
+        floor = _others(p, largest, rows, p.row_lower, -1.0)
+        with np.errstate(divide="ignore"):
+            above = np.where(up, ceiling / p.value, floor / p.value)
+            below = np.where(up, floor / p.value, ceiling / p.value)
+        above = np.where(np.isfinite(above) & (np.abs(above) < _WIDEST), above + 8 * _EPS * np.abs(above), math.inf)
+        below = np.where(np.isfinite(below) & (np.abs(below) < _WIDEST), below - 8 * _EPS * np.abs(below), -math.inf)
+        new_upper, new_lower = np.full(len(upper), math.inf), np.full(len(lower), -math.inf)
+        np.minimum.at(new_upper, p.column, above)
+        np.maximum.at(new_lower, p.column, below)
+        changed = (np.isinf(upper) & np.isfinite(new_upper)) | (np.isinf(lower) & np.isfinite(new_lower))
+        upper, lower = np.where(np.isinf(upper), new_upper, upper), np.where(np.isinf(lower), new_lower, lower)
+        if not changed.any():
+            break
+    return lower, upper
+
+
+def _others(p: _Arrays, extreme: Floats, rows: int, side: Floats, towards: float) -> Floats:
+    """Per entry: the row's side minus the extreme activity of the row's other entries, moved outwards by its rounding error."""
+    endless = ~np.isfinite(extreme)
+    count = np.bincount(p.row, endless, minlength=rows)
+    finite = np.where(endless, 0.0, extreme)
+    total, size = np.bincount(p.row, finite, minlength=rows), np.bincount(p.row, np.abs(finite), minlength=rows)
+    entries = np.bincount(p.row, minlength=rows)
+    rest = side[p.row] - (total[p.row] - finite)
+    rest += towards * _EPS * (entries[p.row] + 4) * (size[p.row] + np.where(np.isfinite(side), np.abs(side), 0.0)[p.row])
+    return np.where(count[p.row] - endless == 0, rest, math.nan)

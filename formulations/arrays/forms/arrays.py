@@ -1,0 +1,48 @@
+"""The form of a problem that is given as arrays: the arrays themselves.
+
+    min/max  c x + x' Q x / 2 + offset,   L <= A x <= U,   l <= x <= u,   some x integer
+
+Without a quadratic part and cones, row duals y of its linear relaxation are evidence ``lp-dual``: every x has the value of at least
+sum_i min over r in [L_i, U_i] of y_i r  +  sum_j min over x_j in [l_j, u_j] of (c - A' y)_j x_j  (minimisation).
+See docs/formulations/arrays.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ....instances.errors import InputError
+from ...evidence import Evidence
+from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
+from ...programs.duals import dual_value
+from ...programs.program import Floats
+from ..problem import ArrayProblem
+
+
+def build(problem: ArrayProblem) -> Compiled:
+    """The problem's own program, with answers that are vectors; see the module's text."""
+    given = problem.program
+
+    def encode(answer: Floats) -> Floats:
+        x = np.asarray(answer, dtype=np.float64)
+        if x.shape != (given.num_variables,):
+            raise InputError("the start is no vector with one number a variable", expected=f"({given.num_variables},)", found=str(x.shape))
+        return x
+
+    def dual_evidence(row_duals: Floats) -> Evidence:
+        # Solvers disagree on the sign of a maximisation's duals (HiGHS' interior point without crossover reverses it).
+        sign = 1.0 if given.sense == "min" else -1.0
+        duals = max((np.asarray(row_duals, dtype=np.float64) * s for s in (1.0, -1.0)), key=lambda y: sign * dual_value(given, y))
+        return Evidence("lp-dual", "LP relaxation of the program", dual_value(given, duals), {"duals": [float(y) for y in duals]})
+
+    linear = given.quadratic is None and not given.cones
+    return Compiled(replace(given, name="arrays"), problem, lambda x: x, encode, dual_evidence if linear else None)
+
+
+FORMS.add(
+    "arrays",
+    Form("arrays", "arrays", frozenset({"LP", "integer", "quadratic", "cones"}), build, makes=lambda problem: problem.program.features()),
+)

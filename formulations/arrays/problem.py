@@ -1,0 +1,206 @@
+"""A bare program as a problem of its own: its answer is a vector, judged against rows, bounds and integrality."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ...instances.errors import InputError
+from ...instances.instance import digest
+from ..evaluation import Evaluation, judge
+from ..evidence import Evidence
+from ..problem import Problem
+from ..programs.cones import KINDS as CONE_KINDS
+from ..programs.program import Floats, Program
+from ..programs.scaling import scaled
+from ..tolerance import EQUAL, VECTOR
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class ArrayProblem(Problem):
+    """Find a vector that a program allows, of the best value.
+
+    Parameters
+    ----------
+    program : Program
+        Linear or quadratic, mixed-integer or not, with or without cones. What it was compiled from is forgotten.
+    name : str, optional
+
+    Raises
+    ------
+    InputError
+        If its arrays do not fit each other, or hold a NaN or an infinite cost or coefficient.
+    """
+
+    family: ClassVar[str] = "arrays"
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, program: Program, name: str | None = None) -> None:
+        from ..programs.export._checks import refuse_numbers
+
+        _check_shapes(program)
+        refuse_numbers(program)
+        self.program = program
+        self.name = name or program.name
+        self.problem = "arrays"
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return (self.program.sense,)
+
+    @property
+    def convention(self) -> str:
+        return "exact"
+
+    def digest(self) -> str:
+        p = self.program
+        quadratic: tuple[Any, ...] = ()
+        if p.quadratic is not None:
+            q = p.quadratic.tocsr()
+            quadratic = (q.indptr, q.indices, q.data)
+        return digest(
+            "arrays", p.sense, p.cost, p.lower, p.upper, p.integer, p.row_lower, p.row_upper, p.indptr, p.indices, p.data,
+            float(p.offset), *(part for block in p.cones for part in block.parts()), *quadratic,
+        )  # fmt: skip
+
+    def features(self) -> frozenset[str]:
+        """``LP`` always; ``integer``, ``quadratic`` and ``cones`` where the program has them."""
+        p = self.program
+        marks = {"integer": p.is_integer, "quadratic": p.quadratic is not None, "cones": bool(p.cones)}
+        return frozenset({"LP", *(name for name, present in marks.items() if present)})
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes of the program."""
+        p = self.program
+        return {"variables": p.num_variables, "rows": p.num_rows, "entries": len(p.data)}
+
+    def evaluate(self, answer: Any) -> Evaluation:
+        """Recompute the objective and every row, bound, cone and integrality of the vector ``answer`` of shape (variables,).
+
+        Rows, cones and the objective are those of the nearest vector within the bounds, its integers whole, if there is one within the
+        tolerance. What a row may be broken by is relative to its size; ``concession`` says what that can be worth.
+        """
+        p, x = self.program, self._vector(answer)
+        known = bool(np.isfinite(x).all())
+        columns, rows = self._sizes
+        with np.errstate(over="ignore", invalid="ignore"):
+            fraction = np.where(p.integer, np.abs(x - np.round(x)), 0.0)
+            outside = np.maximum(p.lower - x, x - p.upper)
+            within = (outside <= VECTOR * columns).all() and (fraction <= VECTOR).all()
+            near = np.clip(np.where(p.integer, np.round(x), x), p.lower, p.upper) if within else x
+            row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
+            parts = p.data * near[p.indices]
+            activity = np.bincount(row, parts, minlength=p.num_rows) if p.num_rows else np.zeros(0)
+            np.maximum.at(rows := rows.copy(), row, np.abs(parts))
+            terms = [*(p.cost * near).tolist(), float(p.offset)]
+            if p.quadratic is not None:
+                terms.append(float(near @ (p.quadratic @ near)) / 2.0)
+            value = math.fsum(terms) if known else math.nan
+            broken = np.maximum(p.row_lower - activity, activity - p.row_upper)
+        judged = [
+            judge("bounds", outside, lambda k: _outside(p.variable_name(k), x[k], p.lower[k], p.upper[k]), VECTOR * columns),
+            judge("rows", broken, lambda k: _outside(p.row_name(k), activity[k], p.row_lower[k], p.row_upper[k]), VECTOR * rows),
+            judge("integrality", fraction, lambda k: f"{p.variable_name(k)} is {x[k]:.9g}, not a whole number", VECTOR),
+        ]
+        for cones in p.cones:
+            size = max(float(np.abs(cones.offset).max(initial=0.0)), float((np.abs(cones.data) * columns[cones.indices]).max(initial=0.0)))
+            message = partial("{0} leaves cone number {1}".format, cones.name)
+            judged.append(judge(cones.name, cones.excess(near), message, VECTOR * size))
+        checks = tuple(check for check, _ in judged)
+        violations = tuple(v for _, found in judged for v in found)
+        return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), self._precision)
+
+    @cached_property
+    def _precision(self) -> float:
+        """Sums of whole numbers times costs are as exact as any sum."""
+        p = self.program
+        return EQUAL if p.quadratic is None and bool(p.integer[p.cost != 0].all()) else VECTOR
+
+    @cached_property
+    def _sizes(self) -> tuple[Floats, Floats]:
+        """Of each variable and each row the larger of its own limits and, unless it is empty, of the unit in which solvers count it."""
+        p, units = self.program, scaled(self.program)
+        own = [np.where(np.isfinite(end), np.abs(end), 0.0) for end in (p.lower, p.upper, p.row_lower, p.row_upper)]
+        columns, rows = np.ldexp(np.ones(p.num_variables), units.columns), np.zeros(p.num_rows)
+        filled = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))[p.data != 0]
+        rows[filled] = np.ldexp(1.0, -units.rows[filled])
+        return np.maximum.reduce([columns, *own[:2]]), np.maximum.reduce([rows, *own[2:]])
+
+    def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
+        """How much less ``evidence`` proves where every row is as wide as the answer's largest residual makes it."""
+        from ..certificate import verified_bound
+
+        residual = next((c.residual for c in evaluation.checks if c.name == "rows"), 0.0)
+        if residual == 0.0:
+            return 0.0
+        rows = tuple(replace(block, lower=block.lower - residual, upper=block.upper + residual) for block in self.program.rows)
+        wider = ArrayProblem(replace(self.program, rows=rows), self.name)
+        return abs(verified_bound(self, evidence) - verified_bound(wider, evidence))
+
+    def answer_to_json(self, answer: Any) -> dict[str, Any]:
+        return {"kind": "vector", "values": self._vector(answer).tolist()}
+
+    def answer_from_json(self, data: Any) -> Floats:
+        if not isinstance(data, Mapping) or data.get("kind") != "vector" or not isinstance(data.get("values"), list):
+            raise InputError("not an answer to a program", expected='an object {"kind": "vector", "values": [...]}')
+        if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data["values"]):
+            raise InputError("the answer's values must be numbers")
+        return self._vector(data["values"])
+
+    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+        """One row a variable: variable, value, lower, upper."""
+        import pandas as pd
+
+        p = self.program
+        names = [p.variable_name(k) for k in range(p.num_variables)]
+        return pd.DataFrame({"variable": names, "value": self._vector(answer), "lower": p.lower, "upper": p.upper})
+
+    def _vector(self, answer: Any) -> Floats:
+        try:
+            x = np.asarray(answer, dtype=np.float64)
+        except (TypeError, ValueError):
+            x = np.zeros((0, 0))
+        if x.shape != (self.program.num_variables,):
+            raise InputError(
+                "the answer to a program is a vector with one number a variable",
+                expected=f"({self.program.num_variables},)",
+                found=f"{x.shape}",
+            )
+        return x
+
+
+def _outside(name: str, value: float, low: float, high: float) -> str:
+    return f"{name} is {value:.9g}, outside [{low:g}, {high:g}]"
+
+
+def _check_shapes(program: Program) -> None:
+    if program.sense not in ("min", "max"):
+        raise InputError("the sense of a program is min or max", found=str(program.sense))
+    for block in program.variables:
+        if {len(block.lower), len(block.upper), len(block.cost)} != {block.size}:
+            raise InputError(f"the arrays of variables {block.name} have different lengths")
+    for rows in program.rows:
+        if len(rows.upper) != rows.size or len(rows.indptr) != rows.size + 1 or len(rows.indices) != len(rows.data):
+            raise InputError(f"the arrays of rows {rows.name} have different lengths")
+        if rows.indptr[0] != 0 or rows.indptr[-1] != len(rows.data) or (np.diff(rows.indptr) < 0).any():
+            raise InputError(f"the row starts of rows {rows.name} do not ascend from 0 to the number of entries")
+        if len(rows.indices) and not (rows.indices.min() >= 0 and rows.indices.max() < program.num_variables):
+            raise InputError(f"rows {rows.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
+    for cones in program.cones:
+        if cones.kind not in CONE_KINDS or cones.width < 2 or (cones.kind == "exponential" and cones.width != 3):
+            found = f"{cones.kind} of width {cones.width}"
+            raise InputError(f"cones {cones.name} must be second-order of width 2 or more, or exponential of width 3", found=found)
+        if len(cones.offset) % cones.width or len(cones.indptr) != len(cones.offset) + 1 or len(cones.indices) != len(cones.data):
+            raise InputError(f"the arrays of cones {cones.name} have different lengths")
+        if len(cones.indices) and not (cones.indices.min() >= 0 and cones.indices.max() < program.num_variables):
+            raise InputError(f"cones {cones.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
+    n = program.num_variables
+    if program.quadratic is not None and program.quadratic.shape != (n, n):
+        raise InputError("the quadratic part has the wrong shape", expected=f"({n}, {n})", found=str(program.quadratic.shape))

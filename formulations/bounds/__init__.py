@@ -1,3 +1,0 @@
-"""Combinatorial and LP bounds, each with evidence: one module a bound."""
-
-from ... import _guard as _guard

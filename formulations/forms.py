@@ -1,0 +1,98 @@
+"""Forms: ways to write a problem down as a program. One module a form; it registers itself in ``FORMS``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+from ..instances.errors import UnsupportedError, UsageError
+from ..instances.registry import Registry
+from .programs.compiled import Compiled
+from .programs.exactness import Exactness
+from .programs.program import INTEGERS
+
+
+class Asked(Protocol):
+    """What a form looks at in a problem before it is asked to write it down."""
+
+    @property
+    def family(self) -> str: ...
+    @property
+    def problem(self) -> str: ...
+
+    def features(self) -> frozenset[str]: ...
+
+    def forms(self) -> list[str]: ...
+
+
+@dataclass(frozen=True)
+class Form:
+    """A form and what it can express.
+
+    Parameters
+    ----------
+    name : str
+        Used with ``--form``.
+    family : str
+        Family of the problems it takes.
+    features : frozenset of str
+        Features of the problem that it can express.
+    build : callable
+        From the problem to its program, compiled. Its docstring is the mathematics.
+    exactness : Exactness
+    refuses : callable, optional
+        Further reasons why it cannot take a problem, as feature names.
+    makes : callable, optional
+        Features of the program that it makes of a problem (see ``Program.features``); integers by default.
+    order : int
+        Forms of lower order come first; the first that can take a problem is its default, so this ranks by measured speed.
+    """
+
+    name: str
+    family: str
+    features: frozenset[str]
+    build: Callable[[Any], Compiled]
+    exactness: Exactness = Exactness.EXACT
+    refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
+    makes: Callable[[Any], frozenset[str]] = lambda problem: INTEGERS
+    order: int = 0
+
+    def missing(self, problem: Asked) -> frozenset[str]:
+        """Features of ``problem`` that the form lacks; empty if it can take it."""
+        if problem.family != self.family:
+            return frozenset({f"{problem.family} problems"})
+        return (problem.features() - self.features) | self.refuses(problem)
+
+
+FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms", group="waybound.forms")
+
+
+def default_form(problem: Asked) -> str:
+    """The first exact form of ``problem``: others are taken where they are named, never by default.
+
+    Raises
+    ------
+    UsageError
+        If it has inexact forms alone.
+    UnsupportedError
+        If it has none.
+    """
+    usable = problem.forms()
+    exact = [name for name in usable if FORMS[name].exactness is Exactness.EXACT]
+    if exact:
+        return exact[0]
+    if usable:
+        raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}")
+    raise UnsupportedError("every form", problem.features())
+
+
+def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False) -> Compiled:
+    """See ``Problem.compile``."""
+    chosen = FORMS[default_form(problem) if form is None else form]
+    missing = chosen.missing(problem)
+    if missing:
+        raise UnsupportedError(f"form {form}", missing, problem.forms())
+    made = chosen.build(problem)
+    made = replace(made, exactness=chosen.exactness.then(made.exactness))
+    return made.relaxed() if relax else made

@@ -1,0 +1,3 @@
+"""Bottleneck assignment and max-min linear programs."""
+
+from ... import _guard as _guard

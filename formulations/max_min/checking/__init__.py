@@ -1,0 +1,3 @@
+"""Checkers of max-min evidence, in plain code of their own."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Forms of max-min problems."""
+
+from .... import _guard as _guard

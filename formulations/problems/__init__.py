@@ -1,3 +1,0 @@
-"""Problem classes by name: each module registers the names it builds."""
-
-from ... import _guard as _guard

@@ -1,0 +1,52 @@
+"""Writers and hand-overs of programs: MPS, LP, HiGHS, PuLP, CVXPY, MathOpt."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+from .... import _guard as _guard
+from ....instances.errors import UsageError
+from ..program import Program
+
+SUFFIXES = (".mps", ".lp")
+
+
+def write_program(program: Program, path: str | PathLike[str], *, names: bool = True) -> None:
+    """Write a program as free MPS or as LP (the format of CPLEX), by the suffix; whole or not at all.
+
+    Parameters
+    ----------
+    program : Program
+        Linear or with a quadratic objective, without cones.
+    path : path-like
+        Ends in ``.mps`` or ``.lp``.
+    names : bool
+        Write the names of variables and rows, such as ``time(17,4,2)``; without, ``x0, x1, ...`` and ``r0, r1, ...``.
+
+    Raises
+    ------
+    UsageError
+        If the suffix is another one.
+    UnsupportedError
+        If the program has cones.
+    InputError
+        If the data hold a NaN or sides that cross, which neither format can express, or the file cannot be written.
+    """
+    from ....instances.atomic import atomic_write
+    from ._checks import refuse_cones, refuse_crossing, refuse_numbers
+
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise UsageError(f"programs are written as {' or '.join(SUFFIXES)}, not as {suffix or 'a file without suffix'}")
+    refuse_cones(program, f"a {suffix} file")
+    refuse_numbers(program)
+    refuse_crossing(program)
+    if suffix == ".mps":
+        from .mps import mps_text
+
+        atomic_write(path, mps_text(program, names=names))
+    else:
+        from .lp import lp_text
+
+        atomic_write(path, lp_text(program, names=names))

@@ -1,0 +1,261 @@
+"""A mathematical program as plain arrays: blocks of variables and of rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .cones import Cones
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+INFINITY = math.inf
+
+LINEAR: frozenset[str] = frozenset()
+INTEGERS = frozenset({"integers"})
+QUADRATIC = frozenset({"quadratic-objective"})
+CONES = frozenset({"second-order-cones", "exponential-cones"})
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Names of a block, made only when asked for.
+
+    Parameters
+    ----------
+    name : str
+        "x", "time", ...
+    keys : tuple of integer arrays
+        One array an index position, each with one entry a variable or row: (i, j, k) of ``x[i,j,k]``.
+    labels : tuple of sequences of str, or None
+        What an index is called (site ids); None leaves the number.
+    """
+
+    name: str
+    keys: tuple[NDArray[np.integer[Any]], ...] = ()
+    labels: tuple[Sequence[str] | None, ...] = ()
+
+    def label(self, k: int) -> str:
+        """Name of entry ``k``, such as ``time[17,4,2]``."""
+        parts = []
+        for position, key in enumerate(self.keys):
+            names = self.labels[position] if position < len(self.labels) else None
+            parts.append(str(int(key[k])) if names is None else str(names[int(key[k])]))
+        return f"{self.name}[{','.join(parts)}]" if parts else self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Variables(Block):
+    """A block of variables; arrays of length ``size``."""
+
+    lower: Floats = field(default_factory=lambda: np.zeros(0))
+    upper: Floats = field(default_factory=lambda: np.zeros(0))
+    cost: Floats = field(default_factory=lambda: np.zeros(0))
+    integer: bool = False
+
+    @property
+    def size(self) -> int:
+        return len(self.lower)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows(Block):
+    """A block of rows ``lower <= A x <= upper`` in CSR form; column indices count over the whole program."""
+
+    indptr: Indices = field(default_factory=lambda: np.zeros(1, dtype=np.int32))
+    indices: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    data: Floats = field(default_factory=lambda: np.zeros(0))
+    lower: Floats = field(default_factory=lambda: np.zeros(0))
+    upper: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def size(self) -> int:
+        return len(self.lower)
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """minimise or maximise ``cost x + x' quadratic x / 2 + offset`` over rows, bounds and integrality: arrays and nothing else.
+
+    Parameters
+    ----------
+    name : str
+        For models and error messages; that of the form, where a form made it.
+    sense : str
+        ``min`` or ``max``.
+    variables, rows : tuples of blocks
+    offset : float
+    quadratic : scipy.sparse matrix of shape (variables, variables), optional
+        Symmetric.
+    cones : tuple of Cones
+        Blocks of second-order and exponential cones, for backends that take them.
+    """
+
+    name: str
+    sense: str
+    variables: tuple[Variables, ...]
+    rows: tuple[Rows, ...]
+    offset: float = 0.0
+    quadratic: sp.csr_matrix | None = None
+    cones: tuple[Cones, ...] = ()
+
+    # -- the whole, as arrays ----------------------------------------------------------------------------------------
+
+    @property
+    def num_variables(self) -> int:
+        return sum(b.size for b in self.variables)
+
+    @property
+    def num_rows(self) -> int:
+        return sum(b.size for b in self.rows)
+
+    @cached_property
+    def cost(self) -> Floats:
+        return _joined([b.cost for b in self.variables], np.float64)
+
+    @cached_property
+    def lower(self) -> Floats:
+        return _joined([b.lower for b in self.variables], np.float64)
+
+    @cached_property
+    def upper(self) -> Floats:
+        return _joined([b.upper for b in self.variables], np.float64)
+
+    @cached_property
+    def integer(self) -> NDArray[np.bool_]:
+        return np.repeat([b.integer for b in self.variables], [b.size for b in self.variables]).astype(bool)
+
+    @cached_property
+    def row_lower(self) -> Floats:
+        return _joined([b.lower for b in self.rows], np.float64)
+
+    @cached_property
+    def row_upper(self) -> Floats:
+        return _joined([b.upper for b in self.rows], np.float64)
+
+    @cached_property
+    def indptr(self) -> Indices:
+        starts = np.cumsum([0] + [len(b.indices) for b in self.rows])
+        parts = [b.indptr[:-1] + start for b, start in zip(self.rows, starts[:-1], strict=True)]
+        return _joined([*parts, starts[-1:]], np.int32)
+
+    @cached_property
+    def indices(self) -> Indices:
+        return _joined([b.indices for b in self.rows], np.int32)
+
+    @cached_property
+    def data(self) -> Floats:
+        return _joined([b.data for b in self.rows], np.float64)
+
+    @property
+    def matrix(self) -> sp.csr_matrix:
+        """The rows as one scipy CSR matrix."""
+        import scipy.sparse as sp
+
+        return sp.csr_matrix((self.data, self.indices, self.indptr), shape=(self.num_rows, self.num_variables))
+
+    @property
+    def is_integer(self) -> bool:
+        return any(b.integer and b.size for b in self.variables)
+
+    def features(self) -> frozenset[str]:
+        """What a solver must be able to take, beyond linear programs: ``INTEGERS``, ``QUADRATIC`` and of ``CONES``."""
+        marks = (INTEGERS if self.is_integer else LINEAR) | (QUADRATIC if self.quadratic is not None else LINEAR)
+        return marks | {f"{block.kind}-cones" for block in self.cones}
+
+    @property
+    def kind(self) -> str:
+        """``described(features())``."""
+        return described(self.features())
+
+    # -- names -------------------------------------------------------------------------------------------------------
+
+    def variable_name(self, column: int) -> str:
+        """Name of a column, such as ``x[3,7]``."""
+        return _name(self.variables, column)
+
+    def row_name(self, row: int) -> str:
+        """Name of a row, such as ``time[17,4,2]``."""
+        return _name(self.rows, row)
+
+    # -- judging a vector --------------------------------------------------------------------------------------------
+
+    def value(self, x: Floats) -> float:
+        """Objective of the vector ``x`` of shape (variables,)."""
+        total = float(self.cost @ x) + self.offset
+        if self.quadratic is not None:
+            total += float(x @ (self.quadratic @ x)) / 2.0
+        return total
+
+    def residual(self, x: Floats) -> float:
+        """Largest violation of a row, a bound, a cone or integrality by ``x``."""
+        if x.shape != (self.num_variables,) or not np.isfinite(x).all():
+            return math.inf
+        ax = self.matrix @ x
+        gaps = [self.lower - x, x - self.upper, self.row_lower - ax, ax - self.row_upper, np.abs(x - np.round(x))[self.integer]]
+        gaps.extend(block.excess(x) for block in self.cones)
+        return max((float(g.max(initial=0.0)) for g in gaps), default=0.0)
+
+    # -- hand over ---------------------------------------------------------------------------------------------------
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write as MPS or LP, by the suffix; atomic."""
+        from .export import write_program
+
+        write_program(self, path)
+
+    def to_highs(self) -> Any:
+        """A ``highspy.Highs`` model, ready to run."""
+        from .export.highs import to_highs
+
+        return to_highs(self)
+
+    def to_pulp(self) -> Any:
+        """A ``pulp.LpProblem``; ``variables()`` lists them in column order, named ``x`` and the column, padded with zeros."""
+        from .export.pulp import to_pulp
+
+        return to_pulp(self)
+
+    def to_cvxpy(self) -> Any:
+        """A ``cvxpy.Problem`` with one vector variable a block."""
+        from .export.cvxpy import to_cvxpy
+
+        return to_cvxpy(self)
+
+    def to_mathopt(self) -> Any:
+        """An OR-Tools ``mathopt.Model``."""
+        from .export.mathopt import to_mathopt
+
+        return to_mathopt(self)
+
+    def __repr__(self) -> str:
+        return f"<Program {self.name}: {self.kind}, {self.num_variables} variables, {self.num_rows} rows, {len(self.data)} nonzeros>"
+
+
+def described(features: frozenset[str]) -> str:
+    """Features in the usual words: ``LP``, ``MILP``, ``QP``, ``MIQP``, and ``cone`` before them where there are cones."""
+    cones, integer = "cone " if features & CONES else "", "MI" if features >= INTEGERS else ""
+    return cones + integer + ("QP" if features >= QUADRATIC else "LP")
+
+
+def _joined(parts: Sequence[NDArray[Any]], dtype: Any) -> NDArray[Any]:
+    return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(0, dtype=dtype)
+
+
+def _name(blocks: Sequence[Variables] | Sequence[Rows], position: int) -> str:
+    for block in blocks:
+        if position < block.size:
+            return block.label(position) if block.keys or block.size == 1 else f"{block.name}[{position}]"
+        position -= block.size
+    raise IndexError(position)

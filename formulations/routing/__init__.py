@@ -1,0 +1,3 @@
+"""Routing: problem, routes, objective and judge."""
+
+from ... import _guard as _guard

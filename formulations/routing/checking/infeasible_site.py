@@ -1,0 +1,76 @@
+"""Evidence that there is no answer: ``infeasible-site``, no vehicle can serve a required site.
+
+The arithmetic is redone from the data for every vehicle type. The bound that proves infeasibility is infinity for ``min`` and minus
+infinity for ``max``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...evidence import CHECKERS
+from .route_limits import allowed, limits_of, named_customers, servable_sets, summable, within_reach
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
+
+MOST_DETOURS = 5_000
+"""Customers among whom ways over others are looked for."""
+
+
+@CHECKERS.register("infeasible-site")
+def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Infinity (``min``) or minus infinity (``max``) if no route of any vehicle can visit a required site; else nothing is proved.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    data : dict
+        ``site``: the id of the site, as the file names it.
+
+    Raises
+    ------
+    InputError
+        If there is no such site.
+    """
+    if problem.family != "routing":
+        raise InputError("an unreachable site is evidence for routing problems", found=problem.family)
+    name = data.get("site")
+    index = problem.sites.index()
+    if not isinstance(name, str) or name not in index:
+        raise InputError("evidence names an unknown site", expected="the id of a site", found=str(name)[:80])
+    if not problem.sites.required[index[name]] or not summable(problem):
+        return verdict(problem, proved=False)
+    return verdict(problem, proved=not _can_be_served(problem, named_customers(problem, [name])[0]))
+
+
+def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
+    """Sites that are shown here to be on no route of any vehicle, required or not; shape (sites,)."""
+    found, customers = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers
+    if len(customers) > MOST_DETOURS:  # no matrix of moves: the demand alone tells
+        found[customers] = problem.sites.demand[customers] > max(allowed(v.capacity) for v in problem.fleet)
+    elif summable(problem):
+        found[customers] = ~np.any([within_reach(limits_of(problem, v)) for v in problem.fleet], axis=0)
+    return found
+
+
+def verdict(problem: RoutingProblem, *, proved: bool) -> float:
+    """The bound of a proof that there is no answer, and of no proof."""
+    return math.inf if proved == (problem.sense == "min") else -math.inf
+
+
+def _can_be_served(problem: RoutingProblem, node: int) -> bool:
+    for vehicle in problem.fleet:
+        limits = limits_of(problem, vehicle)
+        near = within_reach(limits)
+        if near[node - 1]:
+            others = np.nonzero(near)[0] + 1
+            if servable_sets(limits, np.array([node]), others[others != node], 1):
+                return True
+    return False

@@ -1,0 +1,268 @@
+"""What every set of routes obeys, written down for the checkers: one depot, one kind of vehicle, arcs with costs and resources.
+
+Depots are merged into one node, vehicle types into the best of all of them, which only adds routes and lowers costs: a bound for
+the merged fleet is one for the fleet. All limits are widened by what ``evaluate`` lets pass (``tolerance``), so that a bound holds for
+every answer that it accepts. Plain numpy over full matrices; it shares nothing with the forms or their preparation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...checking.granularity import Grain, grain, is_decimal
+from ...tolerance import widening
+
+if TYPE_CHECKING:
+    from ....instances.routing.instance import VehicleType
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_EPS = float(np.finfo(np.float64).eps)
+_ROUNDS = 10
+_LEAST_STEP = 1e-4
+"""What is let pass must be less than this for multiples of 0.001 to be compared exactly."""
+
+
+@dataclass(frozen=True, eq=False)
+class Resource:
+    """Something that grows along a route; node 0 is the depot, the others are the customers in site order.
+
+    Parameters
+    ----------
+    weight : array of shape (nodes, nodes)
+        What the move i -> j adds at least; waiting may add more.
+    start : float
+        Level on leaving the depot.
+    lower, upper : arrays of shape (nodes,)
+        Levels at which a route of an accepted answer can stand at a node; ``upper[0]`` on return. After ``narrowed``: reachable levels.
+    slack : float
+        By how much a level may lie outside from rounding.
+    size : float
+        No level, limit or weight is larger than half of it.
+    """
+
+    weight: Floats
+    start: float
+    lower: Floats
+    upper: Floats
+    slack: float
+    size: float
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxation:
+    """Arcs that some route may use, their costs, and how many routes there are.
+
+    Parameters
+    ----------
+    customers : array of int
+        Site index of nodes 1, 2, ...
+    cost : array of shape (nodes, nodes)
+        Share of an arc in the first level of the objective; infinite for an arc that no feasible route can use.
+    fewest, most : int
+        Number of routes of any feasible answer; ``fewest > most`` if there is none.
+    resources : dict
+        By name: ``time, load, distance, duration, energy``; only those that are limited, and ``time`` always.
+    grain : Grain or None
+        Of which the objective of every answer is a multiple.
+    """
+
+    customers: NDArray[np.int64]
+    cost: Floats
+    fewest: int
+    most: int
+    resources: dict[str, Resource]
+    grain: Grain | None
+
+    def cheapest_routes(self, depot: Floats, per_route: float) -> float:
+        """Least sum of the ``k`` smallest of ``depot`` plus ``k per_route`` over all numbers k of routes; infinite if none fits."""
+        ascending = np.sort(depot)
+        return min(math.fsum(ascending[:k]) + per_route * k for k in range(self.fewest, self.most + 1))
+
+
+def relax(problem: RoutingProblem) -> Relaxation | None:
+    """The relaxation of ``problem``; None where its objective is no sum over arcs, or where sites may be left out."""
+    weights = _term_weights(problem)
+    customers = problem.sites.customers
+    if weights is None or len(customers) == 0 or not problem.sites.required[customers].all():
+        return None
+    per_cost, per_vehicle = weights
+    nodes = len(customers) + 1
+    between = problem.travel.distances
+    cost = per_cost * min(v.unit_cost for v in problem.fleet) * _merged(problem, between)
+    cost[0] = _first_move(problem, lambda v: per_cost * (v.fixed_cost + v.unit_cost * between[v.start, customers]) + per_vehicle)
+    cost[1:, 0] = per_cost * np.min([v.unit_cost * between[customers, v.end] for v in problem.fleet], axis=0)
+
+    resources = _resources(problem)
+    allowed = ~np.eye(nodes, dtype=bool)
+    resources = _narrowed(resources, allowed)
+    cost[~allowed] = math.inf
+    grains = [per_cost * v.unit_cost * between for v in problem.fleet]
+    fixed = [per_cost * v.fixed_cost + per_vehicle for v in problem.fleet]
+    size = grain(np.concatenate([*(g.ravel() for g in grains), fixed]))
+    fewest, most = _fleet(problem)
+    return Relaxation(customers, cost, fewest, most, resources, size)
+
+
+def _term_weights(problem: RoutingProblem) -> tuple[float, float] | None:
+    """Weights of total cost and of the number of vehicles in the first level; None if it holds anything else."""
+    found = {"total-cost": 0.0, "vehicles": 0.0}
+    if problem.sense != "min":
+        return None
+    for weight, term in problem.objective.levels()[0].terms:
+        if term.name not in found or not 0 <= weight < math.inf:
+            return None
+        found[term.name] += weight
+    return found["total-cost"], found["vehicles"]
+
+
+def _fleet(problem: RoutingProblem) -> tuple[int, int]:
+    """Least and greatest number of routes: each visits someone, and together they carry all loads."""
+    customers = problem.sites.customers
+    counts = [len(customers) if v.count is None else min(v.count, len(customers)) for v in problem.fleet]
+    most = min(len(customers), sum(counts))
+    total = math.fsum(problem.sites.demand[customers]) * (1.0 - 4 * _EPS)
+    capacities = np.array([v.capacity for v in problem.fleet])
+    room = np.sort(np.repeat(capacities + widening(capacities), counts))[::-1]
+    enough = np.nonzero(np.cumsum(room) * (1.0 + 4 * len(room) * _EPS) >= total)[0]
+    fewest = int(enough[0]) + 1 if len(enough) else most + 1
+    return max(fewest, problem.min_vehicles), most
+
+
+def _merged(problem: RoutingProblem, matrix: Floats) -> Floats:
+    """``matrix`` over the merged nodes: customers among themselves, row and column 0 left for the caller."""
+    customers = problem.sites.customers
+    made = np.zeros((len(customers) + 1, len(customers) + 1))
+    made[1:, 1:] = matrix[np.ix_(customers, customers)]
+    return made
+
+
+def _first_move(problem: RoutingProblem, of: Callable[[VehicleType], Floats]) -> Floats:
+    """Row 0 of a merged matrix: the smallest entry over all vehicle types; the depot itself gets 0."""
+    return np.concatenate([[0.0], np.min([of(v) for v in problem.fleet], axis=0)])
+
+
+def _resources(problem: RoutingProblem) -> dict[str, Resource]:
+    sites, fleet = problem.sites, problem.fleet
+    at = sites.customers
+    zeros, free = np.zeros(len(at) + 1), np.full(len(at) + 1, math.inf)
+    distances, durations = problem.travel.distances, problem.travel.durations
+    moving, driven = _with_depot(problem, durations, zeros), _with_depot(problem, distances, zeros)
+    service = np.concatenate([[0.0], sites.service[at]])
+    busy = _with_depot(problem, durations, service)
+
+    start = min(float(sites.ready[v.start]) for v in fleet)
+    ready, due = np.concatenate([[start], sites.ready[at]]), np.concatenate([[0.0], sites.due[at]])
+    ends = []
+    for v in fleet:
+        end = float(sites.due[v.end])
+        if v.energy is not None and v.energy.charge == "elapsed-fixed-start":
+            store = v.energy.capacity + float(widening(v.energy.capacity))
+            end = min(end, float(sites.ready[v.start]) + store / v.energy.rate)
+        ends.append(end)
+    due[0] = max(ends)
+    clock = max(abs(float(sites.ready[v.start])) for v in fleet)
+    found = {"time": _resource(busy, start, ready, due, clock, rounded=clock)}
+    clock = found["time"].size  # what the judge computes elapsed time from
+
+    demand = np.concatenate([[0.0], sites.demand[at]])
+    limits = {name: max(getattr(v, name) for v in fleet) for name in ("capacity", "max_distance", "max_duration")}
+    if math.isfinite(limits["capacity"]):
+        weight = np.tile(demand, (len(demand), 1))
+        found["load"] = _resource(weight, 0.0, zeros, np.minimum(free, limits["capacity"]))
+    if math.isfinite(limits["max_distance"]):
+        found["distance"] = _resource(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
+    if math.isfinite(limits["max_duration"]):
+        found["duration"] = _resource(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
+    stores = [v.energy for v in fleet if v.energy is not None]
+    if len(stores) == len(fleet):
+        charges = {e.charge for e in stores}
+        weight = moving
+        if "travel" not in charges:
+            weight = busy
+        if charges == {"windows"}:
+            weight = busy.copy()
+            # From a depot the judge counts from that depot's own opening, so only a common opening can be used.
+            first = 0 if len({float(sites.ready[v.start]) for v in fleet}) == 1 else 1
+            weight[first:, 1:] = np.maximum(busy[first:, 1:], ready[None, 1:] - ready[first:, None])
+        rate, capacity = min(e.rate for e in stores), max(e.capacity for e in stores)
+        found["energy"] = _resource(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
+    return found
+
+
+def _with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floats:
+    """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry a node."""
+    at = problem.sites.customers
+    made = _merged(problem, matrix)
+    made[0] = _first_move(problem, lambda v: matrix[v.start, at])
+    made[1:, 0] = np.min([matrix[at, v.end] for v in problem.fleet], axis=0)
+    made += before[:, None]
+    made[0, 0] = 0.0
+    return made
+
+
+def _resource(weight: Floats, start: float, lower: Floats, upper: Floats, clock: float = 0.0, rounded: float = 0.0) -> Resource:
+    """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds.
+
+    ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels.
+    Where all data are multiples of 0.001, levels are, and none can exceed a limit by as little as what is let pass.
+    """
+    top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
+    wider = widening(upper, clock)
+    if float(wider.max()) < _LEAST_STEP and all(is_decimal(values) for values in (weight, start, lower, upper[np.isfinite(upper)])):
+        wider = np.zeros(len(upper))
+    upper = np.minimum(upper + wider, max(top, start))
+    size = max(rounded, abs(start), float(np.abs(lower).max()), float(np.abs(upper).max()), float(weight.max()))
+    return Resource(weight, start, lower, upper, 16 * len(lower) * _EPS * size, 4.0 * size)
+
+
+def _narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
+    """Reachable levels of every resource; clears from ``allowed`` what no route can use, until nothing changes."""
+    for _ in range(_ROUNDS):
+        before = int(allowed.sum())
+        made = {}
+        for name, r in resources.items():
+            earliest, latest = _earliest(r, allowed), _latest(r, allowed)
+            made[name] = replace(r, lower=earliest, upper=latest)
+            allowed &= earliest[:, None] + r.weight <= latest[None, :] + r.slack
+        if int(allowed.sum()) == before:
+            break
+    return made
+
+
+def _earliest(r: Resource, allowed: Flags) -> Floats:
+    """Least level at each node over all walks from the depot, waiting included (Bellman-Ford); infinite if none arrives."""
+    steps = np.where(allowed, r.weight, math.inf)
+    level = np.full(len(steps), math.inf)
+    level[0] = r.start
+    for _ in range(len(steps) + 1):
+        reached = np.maximum(r.lower, (level[:, None] + steps).min(axis=0))
+        reached[reached > r.upper + r.slack] = math.inf
+        reached[0] = r.start
+        if (reached >= level).all():
+            return level
+        level = np.minimum(level, reached)
+    raise AssertionError("weights are not negative, so shortest walks have at most as many moves as nodes")
+
+
+def _latest(r: Resource, allowed: Flags) -> Floats:
+    """Greatest level at each node from which the depot is still reached in time; minus infinity if it never is."""
+    steps = np.where(allowed, r.weight, math.inf)
+    level = np.full(len(steps), -math.inf)
+    level[0] = r.upper[0]
+    for _ in range(len(steps) + 1):
+        kept = np.minimum(r.upper, (level[None, :] - steps).max(axis=1))
+        kept[kept < r.lower - r.slack] = -math.inf
+        kept[0] = r.upper[0]
+        if (kept <= level).all():
+            return level
+        level = np.maximum(level, kept)
+    raise AssertionError("weights are not negative, so shortest walks have at most as many moves as nodes")

@@ -1,0 +1,226 @@
+"""Which sites one vehicle can serve on one route at most: the arithmetic that every proof of infeasibility in routing rests on.
+
+Whatever is not shown to be impossible counts as possible. Visits that a proof does not name are free detours, so that the triangle
+inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...tolerance import widening
+
+if TYPE_CHECKING:
+    from ....instances.routing.instance import VehicleType
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+Nodes = NDArray[np.int64]
+
+LARGEST_RATE = 1e100
+"""With a larger rate of energy sums may overflow, and nothing is proved."""
+
+
+def allowed(limit: float, size: float = 0.0, rounding: float = 0.0) -> float:
+    """The largest computed value that may still be one within ``limit``, relative to ``size`` where that is larger."""
+    return limit + float(widening(limit, abs(size))) + rounding
+
+
+def summable(problem: RoutingProblem) -> bool:
+    """Whether no sum along a route can overflow: an instance bounds all numbers that are added up but rates of energy."""
+    return all(v.energy is None or v.energy.rate <= LARGEST_RATE for v in problem.fleet)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """One vehicle type over the nodes start (0), customers in site order (1 to n) and end (n + 1).
+
+    Attributes
+    ----------
+    ready, due, demand : arrays of shape (nodes,)
+    busy : array of shape (nodes, nodes)
+        Service at the tail and the move.
+    budgets : list of (weights of shape (nodes, nodes), limit)
+        Sums along a route that are limited; the limits are widened for good.
+    spans : list of (rate, limit, fixed)
+        ``rate`` times the time to the return is limited: from the opening of the depot (``fixed``), or from the latest departure.
+        Widened too.
+    capacity, horizon, rounding : float
+        ``horizon``: no earliest schedule runs longer; ``rounding``: what sums of times along any route may be wrong by.
+    """
+
+    ready: Floats
+    due: Floats
+    demand: Floats
+    busy: Floats
+    budgets: list[tuple[Floats, float]]
+    spans: list[tuple[float, float, bool]]
+    capacity: float
+    horizon: float
+    rounding: float
+
+    def latest(self, due: float) -> float:
+        """The latest arrival that may count as one by ``due``."""
+        return allowed(due, float(self.ready[0]), self.rounding)
+
+
+def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
+    """What ``vehicle`` must keep to."""
+    sites = problem.sites
+    at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
+    grid = np.ix_(at, at)
+    move, far = problem.travel.durations[grid], problem.travel.distances[grid]
+    ready, due = sites.ready[at].astype(np.float64), sites.due[at].astype(np.float64)
+    service, demand = sites.service[at].copy(), sites.demand[at].copy()
+    service[[0, -1]] = demand[[0, -1]] = 0.0
+    busy = service[:, None] + move
+    ready[-1] = -math.inf  # nobody waits for a depot to open
+    horizon = float(np.abs(ready[:-1]).max()) + float(busy.max(axis=0).sum())
+    ulps = 8.0 * (len(at) + 2) * float(np.finfo(np.float64).eps)
+    rounding = ulps * horizon
+    budgets = [(busy, vehicle.max_duration, rounding), (far, vehicle.max_distance, ulps * float(far.max(axis=0).sum()))]
+    spans = [(1.0, vehicle.max_duration, False, rounding)]
+    if vehicle.energy is not None:
+        store, rate, charge = vehicle.energy.capacity, vehicle.energy.rate, vehicle.energy.charge
+        if charge == "windows":
+            drawn = rate * np.maximum(busy, ready[None, :] - np.append(ready[:-1], 0.0)[:, None])
+        else:
+            drawn = rate * (move if charge == "travel" else busy)
+        budgets.append((drawn, store, rate * rounding + ulps * float(drawn.max(axis=0).sum())))
+        if charge in ("elapsed", "elapsed-fixed-start"):
+            spans.append((rate, store, charge == "elapsed-fixed-start", rate * rounding))
+    return Limits(
+        ready, due, demand, busy, [(w, allowed(x, 0.0, wide)) for w, x, wide in budgets if math.isfinite(x)],
+        [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed, wide in spans if math.isfinite(x)], vehicle.capacity, horizon, rounding,
+    )  # fmt: skip
+
+
+def within_reach(limits: Limits) -> NDArray[np.bool_]:
+    """Customers that the vehicle may be able to visit, by any detours over other customers; shape (n,)."""
+    inner = slice(1, -1)
+    good = limits.demand[inner] <= allowed(limits.capacity)
+    for weight, limit in limits.budgets:
+        mid = weight[inner, inner]
+        need = _shortest(weight[0, inner], mid) + _shortest(weight[inner, -1], mid.T)
+        good &= need <= limit
+    reached, home = clocks(limits)
+    finish = reached + home
+    good &= np.isfinite(reached) & (finish <= limits.latest(float(limits.due[-1])))
+    for rate, limit, fixed in limits.spans:
+        if fixed:
+            good &= rate * (finish - limits.ready[0]) <= limit
+    return good
+
+
+def clocks(limits: Limits) -> tuple[Floats, Floats]:
+    """Earliest begin of service at each customer, infinite where its window is missed, and the least time from there to the return."""
+    busy, inner = limits.busy, slice(1, -1)
+    due = np.array([limits.latest(d) for d in limits.due.tolist()])
+    reached = _earliest(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
+    return reached, _shortest(busy[inner, -1], busy[inner, inner].T)
+
+
+def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> set[int]:
+    """Subsets of the nodes ``named``, as bit masks, that may be all of them on one route.
+
+    Parameters
+    ----------
+    limits : Limits
+    named : array of int
+        Nodes of customers.
+    through : array of int
+        Nodes of customers that a route may visit besides.
+    most : int
+        Largest size of a set; the time taken grows as its factorial.
+    """
+    nodes = np.concatenate([[0], named, [len(limits.ready) - 1]]).astype(np.int64)
+    end = len(nodes) - 1
+    busy = _ways(limits.busy, nodes, through).tolist()
+    budgets = [(_ways(weight, nodes, through).tolist(), limit) for weight, limit in limits.budgets]
+    ready, demand = limits.ready[nodes].tolist(), limits.demand[nodes].tolist()
+    due = [limits.latest(d) for d in limits.due[nodes].tolist()]
+    opening, capacity = float(limits.ready[0]), allowed(limits.capacity)
+    found: set[int] = set()
+
+    def spends(clock: float, latest: float) -> bool:
+        return all(rate * (clock - (opening if fixed else latest)) <= limit for rate, limit, fixed in limits.spans)
+
+    def extend(last: int, mask: int, size: int, clock: float, spent: float, latest: float, load: float, sums: list[float]) -> None:
+        for node in range(1, end + 1):
+            if (mask >> node) & 1 or (node == end and not mask) or (node < end and size == most):
+                continue
+            arrival, total = clock + busy[last][node], spent + busy[last][node]
+            if arrival > due[node] or (load + demand[node]) * (1.0 - 1e-13) > capacity:
+                continue
+            begin = max(arrival, ready[node])
+            leave = min(latest, due[node] - total)
+            used = [s + way[last][node] for s, (way, _) in zip(sums, budgets, strict=True)]
+            if any(u > limit for u, (_, limit) in zip(used, budgets, strict=True)) or not spends(begin, leave):
+                continue
+            if node == end:
+                found.add(mask >> 1)
+            else:
+                extend(node, mask | 1 << node, size + 1, begin, total, leave, load + demand[node], used)
+
+    extend(0, 0, 0, opening, 0.0, due[0], 0.0, [0.0] * len(budgets))
+    return found
+
+
+def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
+    """Weights of the shortest ways between ``nodes`` over nodes of ``through``, shape (nodes, nodes)."""
+    made = weight[np.ix_(nodes, nodes)].copy()
+    if len(through):
+        inner, last = weight[np.ix_(through, through)], weight[np.ix_(through, nodes)]
+        for k, node in enumerate(nodes[:-1].tolist()):
+            made[k] = np.minimum(made[k], (_shortest(weight[node, through], inner)[:, None] + last).min(axis=0))
+    return made
+
+
+def _shortest(first: Floats, between: Floats) -> Floats:
+    """Length of the shortest way to each node that begins with a move of ``first`` (Bellman-Ford)."""
+    length = first.copy()
+    for _ in range(len(first)):
+        better = np.minimum(length, (length[:, None] + between).min(axis=0))
+        if (better >= length).all():
+            break
+        length = better
+    return length
+
+
+def _earliest(first: Floats, between: Floats, ready: Floats, due: Floats) -> Floats:
+    """Earliest begin of service at each customer over all ways that meet every window on them; infinite where there is none."""
+    begin = np.maximum(first, ready)
+    begin[first > due] = math.inf
+    for _ in range(len(first)):
+        arrival = (begin[:, None] + between).min(axis=0)
+        better = np.minimum(begin, np.where(arrival > due, math.inf, np.maximum(arrival, ready)))
+        if (better >= begin).all():
+            break
+        begin = better
+    return begin
+
+
+def named_customers(problem: RoutingProblem, names: object) -> list[int]:
+    """Nodes of the customers that evidence names.
+
+    Raises
+    ------
+    InputError
+        If ``names`` is no list of different ids of customers.
+    """
+    from ....instances.errors import InputError
+
+    index = problem.sites.index()
+    if not isinstance(names, Sequence) or isinstance(names, str) or not names or not all(isinstance(x, str) and x in index for x in names):
+        raise InputError("evidence names unknown sites", expected="a list of ids of sites", found=str(names)[:80])
+    node = {site: k for k, site in enumerate(problem.sites.customers.tolist(), start=1)}
+    at = [index[x] for x in names]
+    if len(set(at)) < len(at) or any(i not in node for i in at):
+        raise InputError("evidence names a depot, or a site twice", found=str(names)[:80])
+    return [node[i] for i in at]

@@ -1,0 +1,102 @@
+"""Evidence ``spanning-tree``: a bound from node prices, in the manner of Held and Karp, for any number of routes.
+
+Take k routes through all customers and drop the closing arc of each. What is left is a spanning tree of depot and customers in
+which k edges touch the depot (the routes' first arcs); the k dropped arcs end in k different customers. Each customer has two
+ends in all of them, so for any prices lambda, and any price theta of a tree edge at the depot, the cost is at least::
+
+    min over k of  [ MST(c_ij + lambda_i + lambda_j, c_0j + lambda_j + theta)  -  k theta
+                     + the k smallest of (c_i0 + lambda_i) ]  -  2 sum lambda
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import lift
+from ...evidence import CHECKERS
+from .multipliers import number, numbers
+from .relaxation import Relaxation, relax
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+
+@CHECKERS.register("spanning-tree")
+def check_spanning_tree(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Bound on the first level of the objective that any node prices prove.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        Objective: total cost, the number of vehicles, or a weighted sum of them; no optional sites.
+    data : dict
+        ``multipliers``: one number a site (entries of depots are ignored); ``depot``, optional: the price theta.
+
+    Returns
+    -------
+    float
+        The bound, rounded up to the granularity of the costs; minus infinity where nothing is proved, infinity where no tree of
+        usable arcs joins all customers.
+
+    Raises
+    ------
+    InputError
+        If the list is missing, too short or too long, or holds anything but finite numbers.
+
+    Notes
+    -----
+    Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees;
+    docs/formulations/routing.md#spanning-tree.
+    """
+    if problem.family != "routing":
+        raise InputError("a spanning tree is evidence for routing problems", found=problem.family)
+    prices, theta = numbers(data, "multipliers", len(problem.sites)), number(data, "depot", 0.0)
+    relaxed = relax(problem)
+    if relaxed is None:
+        return -math.inf if problem.sense == "min" else math.inf
+    if relaxed.fewest > relaxed.most:
+        return math.inf
+    with np.errstate(over="ignore"):
+        bound = _bound(relaxed, prices[relaxed.customers], theta)
+    return lift(bound, "min", relaxed.grain)
+
+
+def _bound(relaxed: Relaxation, prices: Floats, theta: float) -> float:
+    price = np.concatenate([[theta], prices])
+    usable = np.isfinite(relaxed.cost)
+    size = 2 * float(np.abs(price).max()) + float(np.abs(relaxed.cost[usable]).max(initial=0.0))
+    if not math.isfinite(64.0 * size * len(price)):
+        return -math.inf
+    edges = np.minimum(relaxed.cost, relaxed.cost.T)
+    edges[0] = relaxed.cost[0]
+    tails, heads = np.nonzero(np.triu(np.isfinite(edges), k=1))
+    weights = edges[tails, heads] + price[tails] + price[heads]
+    tree = _smallest_tree(tails, heads, weights, len(price))
+    rest = relaxed.cheapest_routes(relaxed.cost[1:, 0] + prices, -theta)
+    if tree == math.inf or rest == math.inf:
+        return math.inf
+    # Fewer than 4 nodes numbers are summed up, each from a few rounded ones no larger than ``size`` together.
+    error = 32.0 * float(np.finfo(np.float64).eps) * 4 * len(price) * size
+    return math.fsum([tree, rest, -2.0 * math.fsum(prices), -error])
+
+
+def _smallest_tree(tails: NDArray[np.int64], heads: NDArray[np.int64], weights: Floats, nodes: int) -> float:
+    """Weight of a minimum spanning tree; infinite if the edges do not join all nodes."""
+    import scipy.sparse as sp
+    from scipy.sparse.csgraph import minimum_spanning_tree
+
+    # scipy takes a weight of 0 for a missing edge. Only the order of the weights matters, so their ranks stand in for them.
+    rank = np.empty(len(weights))
+    rank[np.argsort(weights, kind="stable")] = np.arange(1, len(weights) + 1)
+    chosen = minimum_spanning_tree(sp.csr_matrix((rank, (tails, heads)), shape=(nodes, nodes)))
+    if chosen.nnz < nodes - 1:
+        return math.inf
+    return math.fsum(np.sort(weights)[chosen.data.astype(np.int64) - 1])

@@ -1,0 +1,3 @@
+"""Forms of routing problems."""
+
+from .... import _guard as _guard

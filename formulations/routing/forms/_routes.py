@@ -1,0 +1,97 @@
+"""From the arcs that a program uses to routes, and from routes to the levels of resources."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...programs.program import Floats
+from ..preparation import Preparation, Resource
+from ..routes import Route
+
+INTEGRALITY = 1e-5
+"""Largest distance to an integer that a solver's point may have and still be read as an answer."""
+
+
+def used(x: Floats) -> NDArray[np.bool_]:
+    """Which of the binary values ``x`` are 1; raises InputError where one is fractional or no number."""
+    if not (np.abs(x - np.round(x)) <= INTEGRALITY).all():
+        worst = float(np.max(np.abs(x - np.round(x)))) if np.isfinite(x).all() else float("nan")
+        raise InputError("the point is fractional, so it holds no routes", found=f"an arc {worst:g} away from 0 and 1")
+    return np.asarray(np.round(x) == 1)
+
+
+def routes_of(prep: Preparation, arcs: NDArray[np.integer], names: Sequence[str]) -> list[Route]:
+    """The routes that the given arcs make up.
+
+    Raises
+    ------
+    InputError
+        If a node is left twice, a route does not end, or arcs form a cycle without the depot.
+    """
+    following: dict[int, int] = {}
+    firsts: list[int] = []
+    for tail, head in zip(prep.tail[arcs].tolist(), prep.head[arcs].tolist(), strict=True):
+        if tail == 0:
+            firsts.append(head)
+        elif tail in following:
+            raise InputError(f"site {names[prep.sites[tail]]} is left twice")
+        else:
+            following[tail] = head
+    routes = []
+    for node in firsts:
+        visits = []
+        while node != prep.end:
+            visits.append(int(prep.sites[node]))
+            if node not in following:
+                raise InputError(f"a route ends at site {names[prep.sites[node]]}, away from the depot")
+            node = following.pop(node)
+        routes.append(Route(tuple(visits), prep.vehicle))
+    if following:
+        raise InputError("arcs form a cycle without the depot", found=", ".join(names[prep.sites[k]] for k in sorted(following)[:10]))
+    return routes
+
+
+class ArcIndex:
+    """Position of each arc of a preparation, and of each site among its nodes."""
+
+    def __init__(self, prep: Preparation) -> None:
+        self.prep = prep
+        self._keys = prep.tail.astype(np.int64) * prep.nodes + prep.head
+        self._node = {int(site): node for node, site in enumerate(prep.sites[1:-1].tolist(), start=1)}
+
+    def find(self, tail: NDArray[np.integer], head: NDArray[np.integer]) -> NDArray[np.int64]:
+        """Position of each arc (tail, head), -1 where there is none."""
+        if not len(self._keys):
+            return np.full(len(tail), -1)
+        keys = tail.astype(np.int64) * self.prep.nodes + head
+        at = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
+        return np.where(self._keys[at] == keys, at, -1)
+
+    def nodes_of(self, route: Route, names: Sequence[str]) -> NDArray[np.int64]:
+        """Nodes of a route, both ends included; raises InputError for a site that is no customer."""
+        for site in route.visits:
+            if site not in self._node:
+                raise InputError(f"a route visits site {names[site] if 0 <= site < len(names) else site}, which is no customer")
+        return np.array([0, *(self._node[s] for s in route.visits), self.prep.end], dtype=np.int64)
+
+    def arcs_of(self, nodes: NDArray[np.int64], names: Sequence[str]) -> NDArray[np.int64]:
+        """Arcs along ``nodes``; raises InputError for one that no feasible route can use."""
+        at = self.find(nodes[:-1], nodes[1:])
+        if (at < 0).any():
+            k = int(np.argmax(at < 0))
+            i, j = (names[self.prep.sites[nodes[p]]] for p in (k, k + 1))
+            raise InputError(f"no feasible route goes from {i} to {j}")
+        return at
+
+
+def levels(resource: Resource, nodes: NDArray[np.int64], arcs: NDArray[np.int64], start: float | None = None) -> Floats:
+    """Least level at each of ``nodes`` along ``arcs``, from ``start`` or the least level at departure."""
+    made = np.empty(len(nodes))
+    made[0] = resource.lower[0] if start is None else start
+    for k, arc in enumerate(arcs.tolist(), start=1):
+        made[k] = max(float(resource.lower[nodes[k]]), made[k - 1] + float(resource.weight[arc]))
+    return made

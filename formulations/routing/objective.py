@@ -1,0 +1,176 @@
+"""Objectives composed of terms, by weights or in order of priority."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from ...instances.errors import UsageError
+
+
+class Composable(ABC):
+    """Operators shared by terms, weighted sums and lists of priorities."""
+
+    @abstractmethod
+    def levels(self) -> tuple[Weighted, ...]:
+        """The levels in order of priority."""
+
+    def then(self, other: Composable) -> Objective:
+        """``self`` first, and among its optima ``other``."""
+        return Objective(self.levels() + other.levels())
+
+
+@dataclass(frozen=True)
+class Term(Composable):
+    """One quantity of an answer. ``sense`` says whether less or more of it is better."""
+
+    name: ClassVar[str]
+    sense: ClassVar[str] = "min"
+
+    def levels(self) -> tuple[Weighted, ...]:
+        return (Weighted(((1.0, self),)),)
+
+    def __mul__(self, weight: float) -> Weighted:
+        return Weighted(((float(weight), self),))
+
+    __rmul__ = __mul__
+
+    def __add__(self, other: Term | Weighted) -> Weighted:
+        return Weighted(((1.0, self),)) + other
+
+    def __sub__(self, other: Term | Weighted) -> Weighted:
+        return Weighted(((1.0, self),)) - other
+
+
+@dataclass(frozen=True)
+class TotalCost(Term):
+    """Sum over routes of fixed cost plus unit cost times distance."""
+
+    name: ClassVar[str] = "total-cost"
+
+
+@dataclass(frozen=True)
+class Makespan(Term):
+    """Longest duration of a route, from departure to return."""
+
+    name: ClassVar[str] = "makespan"
+
+
+@dataclass(frozen=True)
+class LongestRoute(Term):
+    """Longest distance of a route, the objective of the min-max multiple travelling salesman files."""
+
+    name: ClassVar[str] = "longest-route"
+
+
+@dataclass(frozen=True)
+class Vehicles(Term):
+    """Number of routes."""
+
+    name: ClassVar[str] = "vehicles"
+
+
+@dataclass(frozen=True)
+class Reward(Term):
+    """Sum of the rewards of the visited sites."""
+
+    name: ClassVar[str] = "reward"
+    sense: ClassVar[str] = "max"
+
+
+TERMS: dict[str, type[Term]] = {t.name: t for t in (TotalCost, Makespan, LongestRoute, Vehicles, Reward)}
+
+
+@dataclass(frozen=True)
+class Weighted(Composable):
+    """A weighted sum of terms: one level of an objective. Its sense is that of its first term.
+
+    Raises
+    ------
+    UsageError
+        If there is no term, or a weight is zero or not finite.
+    """
+
+    terms: tuple[tuple[float, Term], ...]
+
+    def __post_init__(self) -> None:
+        if not self.terms:
+            raise UsageError("a level of an objective needs at least one term")
+        for weight, term in self.terms:
+            if weight == 0 or not math.isfinite(weight):
+                raise UsageError(f"the weight of {term.name} must be finite and not zero, not {weight!r}")
+
+    def levels(self) -> tuple[Weighted, ...]:
+        return (self,)
+
+    @property
+    def sense(self) -> str:
+        weight, term = self.terms[0]
+        flipped = {"min": "max", "max": "min"}[term.sense]
+        return term.sense if weight > 0 else flipped
+
+    def __mul__(self, weight: float) -> Weighted:
+        return Weighted(tuple((float(weight) * w, t) for w, t in self.terms))
+
+    __rmul__ = __mul__
+
+    def __add__(self, other: Term | Weighted) -> Weighted:
+        return Weighted(self.terms + _only_level(other).terms)
+
+    def __sub__(self, other: Term | Weighted) -> Weighted:
+        return self + _only_level(other) * -1.0
+
+    def __str__(self) -> str:
+        parts = [t.name if w == 1 else f"{_plain(w)}*{t.name}" for w, t in self.terms]
+        return " + ".join(parts).replace("+ -", "- ")
+
+
+def _only_level(part: Composable) -> Weighted:
+    levels = part.levels()
+    if len(levels) != 1:
+        raise UsageError(f"an objective in order of priority cannot be added: {part}")
+    return levels[0]
+
+
+def _plain(weight: float) -> str:
+    """The shortest text that reads back as the same number."""
+    short = f"{weight:g}"
+    return short if float(short) == weight else repr(weight)
+
+
+@dataclass(frozen=True)
+class Objective(Composable):
+    """Levels in order of priority; most objectives have one."""
+
+    _levels: tuple[Weighted, ...] = field(default_factory=lambda: TotalCost().levels())
+
+    def levels(self) -> tuple[Weighted, ...]:
+        return self._levels
+
+    @classmethod
+    def of(cls, value: Composable) -> Objective:
+        """Any composable as an objective."""
+        return value if isinstance(value, Objective) else cls(value.levels())
+
+    @classmethod
+    def named(cls, names: tuple[str, ...]) -> Objective:
+        """An objective from the names of its terms, in order of priority."""
+        if not names:
+            raise UsageError(f"an objective needs at least one term; choose from {', '.join(TERMS)}")
+        for name in names:
+            if name not in TERMS:
+                raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}")
+        return cls(tuple(TERMS[name]().levels()[0] for name in names))
+
+    def is_only(self, *terms: type[Term]) -> bool:
+        """Whether the levels are exactly these terms with weight 1."""
+        return [level.terms for level in self._levels] == [((1.0, t()),) for t in terms]
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return tuple(level.sense for level in self._levels)
+
+    def __str__(self) -> str:
+        return ", then ".join(str(level) for level in self._levels)

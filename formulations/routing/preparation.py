@@ -1,0 +1,301 @@
+"""What every arc-based form needs first: nodes, windows tightened, arcs that some route can use, and their costs.
+
+Nodes are the depot where routes start (0), the customers in site order (1 to n), and the depot where they end (n + 1).
+Whatever grows along a route is a *resource*: time, load, distance, duration, energy. A resource has a weight w_ij for each
+move i -> j and a range [lower_i, upper_i] of its level at each node. Ranges are tightened by shortest ways through the moves that
+are left, never by direct moves, which would cut off optimal routes where the triangle inequality fails; a move is dropped if
+lower_i + w_ij > upper_j for some resource. Both are repeated until nothing changes.
+
+Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4; docs/formulations/routing.md#preparation has the case that direct moves get
+wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..tolerance import LIMIT
+
+if TYPE_CHECKING:
+    from ...instances.routing.instance import VehicleType
+    from .problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Nodes = NDArray[np.int32]
+
+SHORT = 1e-5
+"""Moves of at most this part of a resource's range may close a cycle within a solver's tolerances (1e-6 a row), so they count as zero."""
+
+_ROUNDS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Resource:
+    """Something that grows along a route.
+
+    Parameters
+    ----------
+    name : str
+        ``time, load, distance, duration`` or ``energy``.
+    weight : array of shape (nodes, nodes); of shape (arcs,) in a ``Preparation``
+        What a move adds: to time, the service at its tail and the move; to load, the demand at its head.
+    lower, upper : arrays of shape (nodes,)
+        Range of the level at each node: begin of service, load after it, ... All finite in a ``Preparation``.
+    waits : bool
+        Whether the level may be raised at will (waiting); where it may not, it is the sum of the weights.
+    """
+
+    name: str
+    weight: Floats
+    lower: Floats
+    upper: Floats
+    waits: bool = False
+
+    @property
+    def tolerance(self) -> float:
+        """By how much a level may exceed its range and still count as on it: a route of exactly its limit is feasible."""
+        return LIMIT * self.size
+
+    @property
+    def size(self) -> float:
+        """The largest level of the range."""
+        finite = np.concatenate([self.lower, self.upper])
+        return float(np.abs(finite[np.isfinite(finite)]).max(initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Preparation:
+    """Arrays of a routing problem for one vehicle type.
+
+    Parameters
+    ----------
+    vehicle : int
+        Index of the vehicle type.
+    sites : array of int, shape (nodes,)
+        Site index of each node; both ends of a route are nodes of their own.
+    required : array of bool, shape (nodes,)
+        Customers that must be visited.
+    usable : array of bool, shape (nodes,)
+        Nodes that some route can visit.
+    tail, head : int32 arrays of shape (arcs,)
+        Moves that some route can make, in order of tail and head; the idle move from start to end is none of them.
+    distance, duration, cost : arrays of shape (arcs,)
+        ``cost`` is the arc's share in the first level of the objective.
+    demand, service : arrays of shape (nodes,)
+    resources : dict of Resource
+        By name; ``time`` always, the others where they are limited.
+    fleet : int
+        Largest number of routes.
+    whole : bool
+        Whether all moves that some route can make are there; with fewer, programs are restrictions.
+    """
+
+    vehicle: int
+    sites: NDArray[np.int64]
+    required: Flags
+    usable: Flags
+    tail: Nodes
+    head: Nodes
+    distance: Floats
+    duration: Floats
+    cost: Floats
+    demand: Floats
+    service: Floats
+    resources: dict[str, Resource]
+    fleet: int
+    whole: bool = True
+
+    @property
+    def customers(self) -> int:
+        """Number n of customers."""
+        return len(self.sites) - 2
+
+    @property
+    def nodes(self) -> int:
+        return len(self.sites)
+
+    @property
+    def end(self) -> int:
+        """Node where routes end; they start at node 0."""
+        return len(self.sites) - 1
+
+    @property
+    def time(self) -> Resource:
+        return self.resources["time"]
+
+
+def prepare(problem: RoutingProblem, vehicle: int = 0) -> Preparation:
+    """Prepare a routing problem for the routes of one vehicle type.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        First level of the objective: a weighted sum of total cost, number of vehicles and reward.
+    vehicle : int
+        Index of the vehicle type.
+
+    Returns
+    -------
+    Preparation
+        Customers that no route of this type can visit have no arcs, and ranges that are finite but mean nothing.
+    """
+    kind = problem.fleet[vehicle]
+    customers = problem.customers
+    at = np.concatenate([[kind.start], customers, [kind.end]]).astype(np.int64)
+    n = len(customers)
+    grid = np.ix_(at, at)
+    distance, duration = problem.travel.distances[grid], problem.travel.durations[grid]
+    inner = np.zeros(n + 2)
+    inner[1:-1] = 1.0
+    demand, service = problem.sites.demand[at] * inner, problem.sites.service[at] * inner
+
+    allowed = ~np.eye(n + 2, dtype=bool)
+    allowed[:, 0] = allowed[-1, :] = allowed[0, -1] = False
+    resources = tightened(_resources(problem, kind, at, distance, duration, service, demand), allowed)
+    usable = np.ones(n + 2, dtype=bool)
+    for r in resources.values():
+        usable &= np.isfinite(r.lower) & np.isfinite(r.upper)
+    usable[[0, -1]] = True
+
+    tail, head = np.nonzero(allowed)
+    arcs = {name: _on_arcs(r, allowed, problem.sites.ready[at], usable) for name, r in resources.items()}
+    return Preparation(
+        vehicle, at, np.append(np.append(False, problem.sites.required[customers]), False), usable,
+        tail.astype(np.int32), head.astype(np.int32), distance[allowed], duration[allowed],
+        _costs(problem, kind, at, tail, head, distance[allowed]), demand, service, arcs,
+        n if kind.count is None else min(kind.count, n),
+    )  # fmt: skip
+
+
+def waiting_is_possible(problem: RoutingProblem) -> bool:
+    """Whether some customer opens only after a depot does, so that a vehicle may have to wait there."""
+    opens = problem.sites.ready[problem.customers]
+    return bool(any((opens > problem.sites.ready[v.start]).any() for v in problem.fleet))
+
+
+def leaves_cycles(prep: Preparation, resources: Iterable[Resource]) -> bool:
+    """Whether some cycle of customers adds (almost) nothing to any resource, so that none of them forbids it."""
+    short = (prep.tail != 0) & (prep.head != prep.end)
+    for r in resources:
+        short &= r.weight <= SHORT * r.size
+    if not short.any():
+        return False
+    import scipy.sparse as sp
+    from scipy.sparse.csgraph import connected_components
+
+    graph = sp.csr_matrix((np.ones(int(short.sum())), (prep.tail[short], prep.head[short])), shape=(prep.nodes, prep.nodes))
+    count, _ = connected_components(graph, directed=True, connection="strong")
+    return bool(count < prep.nodes)
+
+
+def tightened(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
+    """Smallest ranges of all resources; clears from ``allowed`` the moves that no route can make.
+
+    A range is left infinite where no route comes by. Every round is valid by itself.
+    """
+    for _ in range(_ROUNDS):
+        before = int(allowed.sum())
+        for name, r in resources.items():
+            steps = np.where(allowed, r.weight, math.inf)
+            narrowed = replace(r, lower=_least(r, steps), upper=_greatest(r, steps))
+            resources[name] = narrowed
+            allowed &= narrowed.lower[:, None] + r.weight <= narrowed.upper[None, :] + r.tolerance
+        if int(allowed.sum()) == before:
+            break
+    return resources
+
+
+def _least(r: Resource, steps: Floats) -> Floats:
+    """Least level at each node over all ways from the start (Bellman-Ford); infinite where none arrives within its range."""
+    level = np.full(len(steps), math.inf)
+    level[0] = r.lower[0]
+    for _ in range(len(steps)):
+        reached = np.maximum(r.lower, (level[:, None] + steps).min(axis=0))
+        reached[reached > r.upper + r.tolerance] = math.inf
+        reached[0] = r.lower[0]
+        if (reached >= level).all():
+            break
+        level = reached
+    return level
+
+
+def _greatest(r: Resource, steps: Floats) -> Floats:
+    """Greatest level at each node from which the end is still reached within all ranges; minus infinity where it is not."""
+    level = np.full(len(steps), -math.inf)
+    level[-1] = r.upper[-1]
+    for _ in range(len(steps)):
+        left = np.minimum(r.upper, (level[None, :] - steps).max(axis=1))
+        left[left < r.lower - r.tolerance] = -math.inf
+        left[-1] = r.upper[-1]
+        if (left <= level).all():
+            break
+        level = left
+    return level
+
+
+def _resources(
+    problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], distance: Floats, duration: Floats, service: Floats, demand: Floats
+) -> dict[str, Resource]:
+    """All limited resources with the ranges that the data give, infinite limits of time made finite."""
+    sites, n = problem.sites, len(at)
+    busy = service[:, None] + duration
+    ready, due = sites.ready[at].copy(), sites.due[at].copy()
+    ready[-1] = ready[0]  # the return ends a route: nobody waits for the depot to open
+    energy = kind.energy
+    if energy is not None and energy.charge == "elapsed-fixed-start":
+        due[-1] = min(due[-1], ready[0] + energy.capacity / energy.rate)
+    # No earliest schedule runs longer than to the last opening, and then through the longest move out of every node.
+    horizon = max(float(ready.max()), ready[0]) + float(busy[:-1, 1:].max(axis=1).sum())
+    found = {"time": Resource("time", busy, ready, np.minimum(due, max(horizon, float(ready.max()))), waits=True)}
+
+    def additive(name: str, weight: Floats, limit: float) -> None:
+        if math.isfinite(limit):
+            upper = np.full(n, float(limit))
+            found[name] = Resource(name, weight, np.zeros(n), upper)
+
+    if demand.any():
+        additive("load", np.broadcast_to(demand, (n, n)), kind.capacity)
+    additive("distance", distance, kind.max_distance)
+    additive("duration", busy, kind.max_duration)
+    if energy is not None and energy.charge != "elapsed-fixed-start":
+        weight = {"travel": duration, "elapsed": busy}.get(energy.charge)
+        if weight is None:
+            opening = sites.ready[at]
+            weight = busy.copy()
+            weight[:, :-1] = np.maximum(busy[:, :-1], opening[None, :-1] - opening[:, None])
+        additive("energy", energy.rate * weight, energy.capacity)
+    return found
+
+
+def _on_arcs(r: Resource, allowed: Flags, ready: Floats, usable: Flags) -> Resource:
+    """The resource with one weight an arc, and finite ranges everywhere."""
+    idle = ready if r.name == "time" else np.zeros(len(ready))
+    lower = np.where(usable & np.isfinite(r.lower), r.lower, idle)
+    upper = np.where(usable & np.isfinite(r.upper), r.upper, idle)
+    # Levels may differ by rounding where a range is a single point.
+    return replace(r, weight=r.weight[allowed], lower=lower, upper=np.maximum(upper, lower))
+
+
+def _costs(
+    problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], tail: NDArray[np.int64], head: NDArray[np.int64], distance: Floats
+) -> Floats:
+    """Share of each arc in the first level of the objective."""
+    leaves = tail == 0
+    worth = problem.sites.reward[at]
+    worth[[0, -1]] = 0.0
+    share = {
+        "total-cost": kind.unit_cost * distance + kind.fixed_cost * leaves,
+        "vehicles": leaves.astype(np.float64),
+        "reward": worth[head],
+    }
+    made = np.zeros(len(tail))
+    for weight, term in problem.objective.levels()[0].terms:
+        made += weight * share[term.name]
+    return made

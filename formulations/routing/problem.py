@@ -1,0 +1,388 @@
+"""Routing problems: sites, travel, fleet, and an objective made of terms."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...instances.errors import InputError, UsageError
+from ...instances.instance import digest
+from ...instances.printable import printable
+from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
+from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
+from ...instances.routing.travel import EXPLICIT, Travel, convention_named
+from ..evaluation import Evaluation
+from ..evidence import Evidence, Reason
+from ..problem import PROBLEMS, Problem
+from .fleet_need import fleet_conflicts, none
+from .judge import evaluate_routes, schedule
+from .objective import Composable, LongestRoute, Objective, TotalCost
+from .reachability import unreachable
+from .routes import Route, Routes
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False)
+class RoutingProblem(Problem):
+    """Visit sites with a fleet.
+
+    Parameters
+    ----------
+    sites : Sites
+    travel : Travel
+    fleet : sequence of VehicleType
+    objective : Objective, or one term
+        Default: total cost.
+    min_vehicles : int
+        Routes that must be used at least.
+    name : str
+    problem : str
+        Name of the member of the family ("vrptw", "cvrp", "tsp", ...).
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit each other.
+    """
+
+    family: ClassVar[str] = "routing"
+    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour")
+    sites: Sites
+    travel: Travel
+    fleet: tuple[VehicleType, ...]
+    objective: Objective = field(default_factory=Objective)
+    min_vehicles: int = 0
+    name: str = "problem"
+    problem: str = "cvrp"
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "fleet", tuple(self.fleet))
+        object.__setattr__(self, "objective", Objective.of(self.objective))
+        check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles)
+
+    # -- construction ------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def from_frame(
+        cls,
+        sites: pd.DataFrame,
+        *,
+        travel: Any = None,
+        durations: Any = None,
+        vehicles: int | None = None,
+        capacity: float = math.inf,
+        max_duration: float = math.inf,
+        convention: str = "",
+        objective: Composable | None = None,
+        name: str = "frame",
+    ) -> RoutingProblem:
+        """A problem from a pandas frame, one row a site.
+
+        Parameters
+        ----------
+        sites : DataFrame
+            Columns ``id`` (or the index), ``x, y, demand, ready, due, service, reward, required, depot``, all but the
+            coordinates (or ``travel``) optional. Without ``depot`` the first row is the depot.
+        travel, durations : array or DataFrame of shape (sites, sites), or scipy.sparse (CSR) of that shape, optional
+            Distances and durations; Euclidean from ``x, y`` without them. A sparse matrix stands for a road graph:
+            its shortest paths are the distances.
+        vehicles, capacity, max_duration
+            The fleet, all alike.
+        """
+        from ...instances.routing.frames import instance_from_frame
+
+        instance = instance_from_frame(
+            sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity,
+            max_duration=max_duration, convention=convention, name=name,
+        )  # fmt: skip
+        made = cls.from_instance(instance)
+        return made if objective is None else replace(made, objective=Objective.of(objective))
+
+    @classmethod
+    def from_instance(
+        cls, instance: RoutingInstance, problem: str | None = None, settings: Mapping[str, Any] | None = None
+    ) -> RoutingProblem:
+        """The problem that an instance stands for, or another that its data allow.
+
+        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``) and
+        ``convention``.
+        """
+        name = problem or instance.problem
+        if name not in instance.problems:
+            allowed = ", ".join(instance.problems)
+            raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {name}; it allows {allowed}")
+        given = dict(settings or {})
+        convention = given.pop("convention", None)
+        customers = given.pop("customers", None)
+        if customers is not None:
+            instance = instance.with_customers(_whole("customers", customers))
+        travel = instance.travel
+        if convention is not None:
+            travel = travel.with_convention(convention_named(convention))
+        fleet, least, notes = instance.fleet, instance.min_vehicles, instance.notes
+        if "capacity" in given:
+            fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
+            del given["capacity"]
+        if {"vehicles", "vehicles-exactly"} <= given.keys():
+            raise UsageError("set either vehicles or vehicles-exactly, not both")
+        for key in ("vehicles", "vehicles-exactly"):
+            if key in given:
+                value = given.pop(key)
+                if len(fleet) > 1:
+                    raise UsageError(f"{key} can only be set for a fleet of one type; {instance.name} has {len(fleet)}")
+                count = None if key == "vehicles" and value in ("unlimited", None) else _whole(key, value)
+                fleet = (replace(fleet[0], count=count),)
+                least = 0 if key == "vehicles" or count is None else count
+                notes = ()
+        if given:
+            raise UsageError(
+                f"unknown setting {', '.join(sorted(given))}; routing problems take vehicles, vehicles-exactly, capacity, customers"
+            )
+        objective = Objective.named(instance.objective) if instance.objective else DEFAULT_OBJECTIVE.get(name, Objective())
+        return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes)
+
+    # -- what it is --------------------------------------------------------------------------------------------------
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return self.objective.senses
+
+    @property
+    def convention(self) -> str:
+        return self.travel.convention
+
+    @property
+    def vehicle_limit(self) -> int | None:
+        """Largest number of routes, None if unlimited."""
+        return fleet_size(self.fleet)
+
+    @cached_property
+    def customers(self) -> NDArray[np.int64]:
+        """Indices of the sites that may be visited."""
+        return self.sites.customers
+
+    def __repr__(self) -> str:
+        limit = self.vehicle_limit
+        fleet = "any number of vehicles" if limit is None else f"at most {limit} vehicle{'s' if limit != 1 else ''}"
+        aim = f"{' then '.join(self.senses)} {self.objective}, convention {self.convention}"
+        return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}>"
+
+    def digest(self) -> str:
+        s, t = self.sites, self.travel
+        return digest(
+            "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, t.metric,
+            t.matrix if t.metric == EXPLICIT else t.coordinates, t.duration_matrix, t.convention, self.fleet,
+            self.min_vehicles, str(self.objective),
+        )  # fmt: skip
+
+    def features(self) -> frozenset[str]:
+        """Features a solver must support:
+
+        ``capacity, time-windows, depot-windows, service-times, max-duration, max-distance, energy:<charge>,
+        optional-sites, limited-fleet, min-vehicles, heterogeneous-fleet, multiple-depots, open-routes, fixed-cost,
+        separate-durations`` and ``objective:<term>`` for each term, ``objective:priorities``, ``objective:weights``.
+        Features every solver has (asymmetric matrices, unlimited fleets) are not listed.
+        """
+        s = self.sites
+        at = self.customers
+        found = {f"objective:{t.name}" for level in self.objective.levels() for _, t in level.terms}
+        levels = self.objective.levels()
+        marks = {
+            "objective:priorities": len(levels) > 1,
+            "objective:weights": any(len(lv.terms) > 1 or lv.terms[0][0] != 1 for lv in levels),
+            "capacity": any(math.isfinite(v.capacity) for v in self.fleet) and bool(s.demand[at].any()),
+            "time-windows": bool((s.ready[at] > 0).any() or np.isfinite(s.due[at]).any()),
+            "depot-windows": bool((s.ready[s.depots] != 0).any() or np.isfinite(s.due[s.depots]).any()),
+            "service-times": bool(s.service.any()),
+            "max-duration": any(math.isfinite(v.max_duration) for v in self.fleet),
+            "max-distance": any(math.isfinite(v.max_distance) for v in self.fleet),
+            "optional-sites": not bool(s.required[at].all()),
+            "limited-fleet": self.vehicle_limit is not None,
+            "min-vehicles": self.min_vehicles > 0,
+            "heterogeneous-fleet": len(self.fleet) > 1,
+            "multiple-depots": len(s.depots) > 1,
+            "open-routes": any(v.start != v.end for v in self.fleet),
+            "fixed-cost": any(v.fixed_cost > 0 for v in self.fleet),
+            "separate-durations": self.travel.duration_matrix is not None,
+        }
+        found.update(name for name, present in marks.items() if present)
+        found.update(f"energy:{v.energy.charge}" for v in self.fleet if v.energy is not None)
+        return frozenset(found)
+
+    def facts(self) -> dict[str, Any]:
+        """Objective, sites, demand, service, windows, travel and fleet."""
+        s, at = self.sites, self.customers
+        due = s.due[at][np.isfinite(s.due[at])]
+        return {
+            "objective": str(self.objective),
+            "sites": {
+                "depots": [s.ids[i] for i in s.depots],
+                "customers": len(at),
+                "optional": int((~s.required[at]).sum()),
+                "unreachable": len(unreachable(self)),
+            },
+            "demand": _spread(s.demand[at]),
+            "service": _spread(s.service[at]),
+            "windows": {
+                "sites": int(((s.ready[at] > 0) | np.isfinite(s.due[at])).sum()),
+                "earliest": float(s.ready[at].min(initial=math.inf)),
+                "latest": float(due.max()) if len(due) else None,
+                "depot": [[float(s.ready[i]), float(s.due[i])] for i in s.depots],
+            },
+            "travel": {
+                "metric": self.travel.metric,
+                "coordinates": s.coordinates is not None,
+                "own_durations": self.travel.duration_matrix is not None,
+            },
+            "fleet": [{"name": v.name, **dataclasses.asdict(v), "start": s.ids[v.start], "end": s.ids[v.end]} for v in self.fleet],
+            "min_vehicles": self.min_vehicles,
+        }
+
+    # -- judging answers ---------------------------------------------------------------------------------------------
+
+    def evaluate(self, answer: Routes) -> Evaluation:
+        """Recompute everything from the data: visits, loads, windows with waiting and service, durations, distances,
+        energy, fleet size, objective."""
+        if not isinstance(answer, Routes):
+            raise UsageError(f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one")
+        return evaluate_routes(self, answer)
+
+    def vehicle_names(self, answer: Routes) -> list[str]:
+        """Name of the vehicle of each route: that of its type, and a number from 1 within the type."""
+        numbers = [itertools.count(1) for _ in self.fleet]
+        kinds = (route.vehicle if 0 <= route.vehicle < len(self.fleet) else 0 for route in answer)
+        return [f"{self.fleet[kind].name} {next(numbers[kind])}" for kind in kinds]
+
+    def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
+        """Required sites that no vehicle can serve, or else proofs that the fleet is too small."""
+        ids, sites = self.sites.ids, [(k, why) for k, why in unreachable(self).items() if self.sites.required[k]]
+        for k, why in sites:
+            yield Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(self), {"site": ids[k]}))
+        if not sites and not stopped():
+            for found in fleet_conflicts(self, stopped):
+                site = found.data.get("site")
+                yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
+
+    # -- answers as files and tables ---------------------------------------------------------------------------------
+
+    def answer_to_json(self, answer: Routes) -> dict[str, Any]:
+        ids = self.sites.ids
+        routes = []
+        for route in answer:
+            entry: dict[str, Any] = {"visits": [ids[i] for i in route.visits]}
+            if len(self.fleet) > 1:
+                entry["vehicle"] = self.fleet[route.vehicle].name
+            routes.append(entry)
+        return {"kind": "routes", "routes": routes}
+
+    def answer_from_json(self, data: Any) -> Routes:
+        if not isinstance(data, Mapping) or data.get("kind") != "routes" or not isinstance(data.get("routes"), list):
+            raise InputError("not an answer to a routing problem", expected='an object {"kind": "routes", "routes": [...]}')
+        index, types = self.sites.index(), {v.name: k for k, v in enumerate(self.fleet)}
+        routes = []
+        for number, entry in enumerate(data["routes"], start=1):
+            if not isinstance(entry, Mapping) or not isinstance(entry.get("visits"), Sequence) or isinstance(entry["visits"], str):
+                raise InputError(f"route {number} has no list of visits")
+            vehicle = entry.get("vehicle", self.fleet[0].name)
+            if not isinstance(vehicle, str) or vehicle not in types:
+                raise InputError(f"route {number} names an unknown vehicle {printable(vehicle, 80)!r}", expected=", ".join(types))
+            for site in entry["visits"]:
+                if str(site) not in index:
+                    raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}")
+            routes.append(Route(tuple(index[str(s)] for s in entry["visits"]), types[vehicle]))
+        return Routes.of(routes)
+
+    def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
+        """One row a visit: vehicle, position, site, arrival, begin, departure, load, distance (cumulated)."""
+        import pandas as pd
+
+        rows = []
+        for name, route in zip(self.vehicle_names(answer), answer, strict=True):
+            plan = schedule(self, route)
+            for k, site in enumerate(route.visits):
+                rows.append(
+                    {
+                        "vehicle": name, "position": k + 1, "site": self.sites.ids[site],
+                        "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.begin[k] + self.sites.service[site],
+                        "load": float(plan.load[k]), "distance": float(plan.distance[k]),
+                    }
+                )  # fmt: skip
+        columns = ["vehicle", "position", "site", "arrival", "begin", "departure", "load", "distance"]
+        return pd.DataFrame(rows, columns=columns)
+
+    def check_answer_suffix(self, suffix: str) -> None:
+        super().check_answer_suffix(suffix)
+        if suffix != ".json":
+            self._need_one_type()
+        if suffix == ".tour" and self.vehicle_limit != 1:
+            raise UsageError("a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
+
+    def answer_to_text(self, answer: Routes, suffix: str, objective: float | None = None) -> str:
+        """CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        routes = [route.visits for route in answer]
+        return sol_text(self.sites, routes, objective) if suffix == ".sol" else tour_text(self.sites, routes, objective, self.name)
+
+    def answer_from_text(self, text: str) -> tuple[Routes, float | None]:
+        """From CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        found = routes_from_text(text, self.sites)
+        self._need_one_type()
+        return Routes.of(found.routes), found.cost
+
+    def _need_one_type(self) -> None:
+        if len(self.fleet) > 1:
+            raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
+
+
+def _spread(values: NDArray[np.float64]) -> dict[str, float]:
+    some = values if len(values) else np.zeros(1)
+    return {"total": math.fsum(some), "least": float(some.min()), "largest": float(some.max())}
+
+
+def _whole(name: str, value: Any) -> int:
+    try:
+        number = int(str(value))
+    except ValueError:
+        raise UsageError(f"{name} must be a whole number, not {value!r}") from None
+    if number < 1:
+        raise UsageError(f"{name} must be at least 1, not {number}")
+    return number
+
+
+def _positive(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name} must be a number, not {value!r}") from None
+    if not number > 0:
+        raise UsageError(f"{name} must be positive, not {value!r}")
+    return number
+
+
+DEFAULT_OBJECTIVE: dict[str, Objective] = {
+    "vrptw": Objective.of(TotalCost()),
+    "cvrp": Objective.of(TotalCost()),
+    "tsp": Objective.of(TotalCost()),
+    "min-cost-vrp": Objective.of(TotalCost()),
+    "min-makespan-vrp": Objective.of(LongestRoute()),
+}
+
+
+@PROBLEMS.register("vrptw")
+@PROBLEMS.register("cvrp")
+@PROBLEMS.register("tsp")
+@PROBLEMS.register("min-cost-vrp")
+def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RoutingProblem:
+    if not isinstance(instance, RoutingInstance):
+        raise UsageError(f"{instance.name} holds no routing data, so it cannot be read as {problem}")
+    return RoutingProblem.from_instance(instance, problem, settings)

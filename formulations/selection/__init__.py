@@ -1,0 +1,3 @@
+"""Choosing elements: submodular functions, winner takes all."""
+
+from ... import _guard as _guard

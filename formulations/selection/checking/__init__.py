@@ -1,0 +1,3 @@
+"""Checkers of selection evidence, in plain code of their own."""
+
+from .... import _guard as _guard

@@ -1,0 +1,124 @@
+"""Evidence ``item-prices``: one price an item, multiplied out against the elements.
+
+For prices p >= 0 of the items and any set S of elements, each item is worth its price and what the best element gives beyond it::
+
+    f(S) = sum_j max_{e in S} c_ej  <=  sum_j p_j + sum_{e in S} sum_j max(0, c_ej - p_j)
+
+and the last sum is at most that of the best set that the constraint allows, elements now counting each for itself: the k best, the
+best of each group, or for a knapsack the best by worth for cost with the last one in part.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import lift, value_grain
+from ...evidence import CHECKERS
+from ...routing.checking.multipliers import numbers
+from ...tolerance import room
+
+Floats = NDArray[np.float64]
+
+_EPS = float(np.finfo(np.float64).eps)
+_TINY = 5e-324
+_STRIP = 2**22
+"""Entries of a full matrix that are looked at in one go."""
+
+
+@CHECKERS.register("item-prices")
+def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
+    """Upper bound on a coverage or facility-location problem that any prices of its items prove.
+
+    Parameters
+    ----------
+    problem : SubmodularSelection
+    data : dict
+        ``prices``: one number an item. Negative ones count as 0.
+
+    Returns
+    -------
+    float
+        Infinite where the sums overflow.
+
+    Raises
+    ------
+    InputError
+        If the list is missing, of the wrong length, or holds anything but finite numbers, or the function has no items.
+
+    Notes
+    -----
+    Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);
+    docs/formulations/winner-takes-all.md#item-prices. All sums are of nonnegative terms, and are rounded upwards.
+    """
+    function = getattr(problem, "function", None)
+    if problem.family != "selection" or function is None or function.name not in ("coverage", "facility-location"):
+        raise InputError("prices of items are evidence for coverage and facility-location problems", found=problem.problem)
+    p = np.maximum(numbers(data, "prices", function.num_items), 0.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        worth, longest = _worths(function, p)
+        parts = _best(problem.constraint, worth)
+        if not (np.isfinite(worth).all() and np.isfinite(parts).all()):
+            return math.inf
+        try:
+            total = math.fsum(p) + math.fsum(parts)
+        except OverflowError:
+            return math.inf
+        return lift(total * (1.0 + (longest + 16) * _EPS) + (_TINY if total > 0 else 0.0), "max", value_grain(function))
+
+
+def _worths(function: Any, p: Floats) -> tuple[Floats, int]:
+    """What each element gives beyond the prices, and the number of terms in the longest of these sums."""
+    if hasattr(function, "matrix"):
+        parts = [np.maximum(strip - p, 0.0).sum(axis=1) for strip in _strips(function.matrix)]
+        return np.concatenate([np.zeros(0), *parts]), function.num_items
+    element = np.repeat(np.arange(function.num_elements), np.diff(function.indptr))
+    given = function.item_weights[function.indices] if function.name == "coverage" else function.weights
+    beyond = np.maximum(given - p[function.indices], 0.0)
+    longest = int(np.diff(function.indptr).max(initial=0))
+    return np.bincount(element, beyond, minlength=function.num_elements).astype(np.float64), longest
+
+
+def _strips(matrix: Any) -> Iterator[Floats]:
+    """Some rows after the other, in full precision."""
+    step = max(1, _STRIP // max(1, matrix.shape[1]))
+    for first in range(0, matrix.shape[0], step):
+        yield matrix[first : first + step].astype(np.float64)
+
+
+def _best(constraint: Any, worth: Floats) -> Floats:
+    """Terms whose sum no allowed set of elements exceeds, each counting for itself."""
+    if constraint.name == "cardinality":
+        return np.sort(worth)[::-1][: constraint.limit]
+    if constraint.name == "knapsack":
+        return _fractional_knapsack(constraint.costs, constraint.budget, worth)
+    order = np.lexsort((-worth, constraint.groups))
+    groups = constraint.groups[order]
+    rank = np.arange(len(order)) - np.searchsorted(groups, groups)
+    return np.asarray(worth[order[rank < constraint.limits[groups]]], dtype=np.float64)
+
+
+def _fractional_knapsack(costs: Floats, budget: float, worth: Floats) -> Floats:
+    """For any rate q >= 0 of worth for cost, q budget and what the elements are worth beyond q times their cost.
+
+    The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
+    """
+    most = room(costs, budget) * (1.0 + 4 * _EPS)  # evaluate lets that much pass
+    with np.errstate(over="ignore", under="ignore"):  # in a unit in which the budget is below 1
+        costs, most = (np.ldexp(v, -np.frexp(budget)[1]) for v in (costs, most))
+    fits = costs <= most
+    costs, worth = costs[fits], worth[fits]
+    paid = (costs > 0) & (worth > 0)
+    rate = worth[paid] / costs[paid]
+    order = np.argsort(-rate, kind="stable")
+    at = int(np.searchsorted(np.cumsum(costs[paid][order]), most, side="right"))
+    q = float(rate[order][at]) if at < len(rate) else 0.0
+    if not math.isfinite(q):
+        q = 0.0
+    # The rounding of the product, in the direction that leaves more.
+    return np.append(np.maximum(worth - q * costs * (1.0 - 2 * _EPS), 0.0), q * most)

@@ -1,0 +1,3 @@
+"""Forms of selection problems."""
+
+from .... import _guard as _guard

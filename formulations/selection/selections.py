@@ -1,0 +1,70 @@
+"""Answers of selection and assignment problems: chosen elements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...instances.errors import UsageError
+from ..evaluation import Check, Violation, judge
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Chosen elements (actions of robots, sets, waypoints), numbered from 0.
+
+    Parameters
+    ----------
+    elements : tuple of int
+        The value does not depend on their order.
+    winners : tuple of int, optional
+        Winner takes all: the robot that is credited with each target, -1 for nobody. Without it, the best credit is meant.
+    in_order : bool
+        Whether ``elements`` stand in the order in which a method chose them one after the other; equal answers may differ in it.
+    """
+
+    elements: tuple[int, ...] = ()
+    winners: tuple[int, ...] | None = None
+    in_order: bool = field(default=False, compare=False)
+
+    @classmethod
+    def of(cls, elements: Iterable[int], winners: Iterable[int] | None = None) -> Selection:
+        """From any whole numbers."""
+        try:
+            chosen = tuple(int(e) for e in elements)
+            credited = None if winners is None else tuple(int(w) for w in winners)
+        except (TypeError, ValueError):
+            raise UsageError(f"a selection is a list of element numbers, not {elements!r}") from None
+        return cls(chosen, credited)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self.elements)
+
+    def __len__(self) -> int:
+        return len(self.elements)
+
+
+def judge_elements(
+    selection: Selection, count: int, check: str, thing: str, name_of: Callable[[int], str]
+) -> tuple[NDArray[np.int64], tuple[Check, list[Violation]]]:
+    """The elements that exist, ascending and each once; and the check that all ``count`` of them exist and none is chosen twice."""
+    numbers = selection.elements
+    given = np.array([e if 0 <= e < count else -1 for e in numbers], dtype=np.int64)
+    once, first = np.unique(given, return_index=True)
+    twice = np.ones(len(given), dtype=bool)
+    twice[first] = False
+
+    def fault(k: int) -> str:
+        return f"{thing} number {numbers[k]} does not exist" if given[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
+
+    return once[once >= 0], judge(check, ((given < 0) | twice).astype(np.float64), fault)
+
+
+def entries_of(indptr: NDArray[np.integer], rows: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Places of the entries of some rows of a CSR matrix, row after row."""
+    starts, length = indptr[rows].astype(np.int64), (indptr[rows + 1] - indptr[rows]).astype(np.int64)
+    before = np.cumsum(length) - length
+    return np.repeat(starts - before, length) + np.arange(int(length.sum()))

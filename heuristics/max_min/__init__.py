@@ -1,0 +1,3 @@
+"""Approximations for max-min problems."""
+
+from ... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Approximations for routing problems."""
+
+from ... import _guard as _guard

@@ -1,0 +1,3 @@
+"""What the savings heuristic is made of."""
+
+from .... import _guard as _guard

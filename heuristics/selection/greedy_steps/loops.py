@@ -1,0 +1,232 @@
+"""Greedy loops over coverage and facility location, compiled.
+
+All of them pick the largest gain, the smallest index among equal ones, until each group has as many elements as it has room for
+(a cardinality limit is one group), ``most`` are picked, the gain is below ``eps``, or the ``flag`` of a ``Stop`` is set: then what was
+picked so far is a prefix of the whole. They return ``(picks, gains, evaluations)``.
+A function comes as the arrays of ``waybound.solvers.bounds.selection._gains``, and a set as ``best``, which is raised in place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....formulations.kernels import kernel
+from ....formulations.stop_kernel import asked
+from ....solvers.bounds.selection._gains import COVERAGE, gain, take
+
+
+@kernel()
+def plain(flag, free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Every gain afresh in every round."""
+    n, count, evaluations = len(groups), 0, 0
+    picks, gains = np.empty(most, np.int64), np.empty(most)
+    while count < most:
+        chosen, most_gain = -1, -1.0
+        for e in range(n):
+            if asked(flag):
+                return picks[:count], gains[:count], evaluations
+            if free[e] and room[groups[e]] > 0:
+                found = gain(e, best, kind, indptr, indices, weights, matrix)
+                evaluations += 1
+                if found > most_gain:
+                    chosen, most_gain = e, found
+        if chosen < 0 or most_gain < eps:
+            break
+        take(chosen, best, kind, indptr, indices, weights, matrix)
+        picks[count], gains[count] = chosen, most_gain
+        count += 1
+        free[chosen] = False
+        room[groups[chosen]] -= 1
+    return picks[:count], gains[:count], evaluations
+
+
+@kernel()
+def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Let the entry at ``at`` sink to its place in a heap with the largest key on top, the smallest index among equal ones."""
+    key, e = keys[at], heap[at]
+    while True:
+        child = 2 * at + 1
+        if child >= size:
+            break
+        if child + 1 < size:
+            other = child + 1
+            if keys[other] > keys[child] or (keys[other] == keys[child] and heap[other] < heap[child]):
+                child = other
+        if keys[child] > key or (keys[child] == key and heap[child] < e):
+            keys[at], heap[at] = keys[child], heap[child]
+            at = child
+        else:
+            break
+    keys[at], heap[at] = key, e
+
+
+@kernel()
+def lazy(flag, free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Gains of earlier rounds, which can only have fallen since, on a heap; only what comes up is evaluated again."""
+    n, count, size = len(groups), 0, 0
+    heap, keys = np.empty(n, np.int32), np.empty(n)
+    evaluated = np.zeros(n, np.int32)  # the round in which an element was evaluated last
+    picks, gains = np.empty(most, np.int64), np.empty(most)
+    for e in range(n):
+        if asked(flag):
+            return picks[:0], gains[:0], size
+        if free[e] and room[groups[e]] > 0:
+            keys[size] = gain(e, best, kind, indptr, indices, weights, matrix)
+            heap[size] = e
+            size += 1
+    evaluations = size
+    for at in range(size // 2 - 1, -1, -1):
+        sift(keys, heap, size, at)
+    while count < most and size > 0 and not asked(flag):
+        e = heap[0]
+        full = room[groups[e]] == 0
+        if not full and evaluated[e] != count:
+            keys[0] = gain(e, best, kind, indptr, indices, weights, matrix)
+            evaluations += 1
+            evaluated[e] = count
+            sift(keys, heap, size, 0)
+            continue
+        if not full:
+            if keys[0] < eps:
+                break
+            take(e, best, kind, indptr, indices, weights, matrix)
+            picks[count], gains[count] = e, keys[0]
+            count += 1
+            room[groups[e]] -= 1
+        size -= 1
+        keys[0], heap[0] = keys[size], heap[size]
+        sift(keys, heap, size, 0)
+    return picks[:count], gains[:count], evaluations
+
+
+@kernel()
+def transpose(flag, items, kind, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """The elements of each item, and (but for coverage) the weights that they give it."""
+    starts = np.zeros(items + 1, np.int64)
+    for p in range(len(indices)):
+        starts[indices[p] + 1] += 1
+    for j in range(items):
+        starts[j + 1] += starts[j]
+    at = starts[:-1].copy()
+    elements, given = np.empty(len(indices), np.int32), np.empty(0 if kind == COVERAGE else len(indices))
+    for e in range(len(indptr) - 1):
+        if asked(flag):
+            break
+        for p in range(indptr[e], indptr[e + 1]):
+            j = indices[p]
+            elements[at[j]] = e
+            if kind != COVERAGE:
+                given[at[j]] = weights[p]
+            at[j] += 1
+    return starts, elements, given
+
+
+BLOCK = 256
+
+
+@kernel()
+def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    flag, free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, kind, indptr, indices, weights, matrix
+):
+    """Gains kept up to date through the transposed CSR: when an item's weight rises, the gains of its elements fall.
+
+    Differences that are taken one after another drift by roundings, one for each of at most ``changes`` changes of a gain; elements that
+    close to the largest are evaluated afresh, so that the picks are those of ``plain`` to the bit. The largest gain of a block of elements
+    is kept as an upper bound.
+    """
+    n, count, evaluations = len(groups), 0, 0
+    near = np.full(n, -np.inf)
+    blocks = (n + BLOCK - 1) // BLOCK
+    highest = np.full(blocks, -np.inf)
+    picks, gains = np.empty(most, np.int64), np.empty(most)
+    for e in range(n):
+        if asked(flag):
+            return picks[:0], gains[:0], evaluations
+        if free[e]:
+            near[e] = gain(e, best, kind, indptr, indices, weights, matrix)
+            evaluations += 1
+            highest[e // BLOCK] = max(highest[e // BLOCK], near[e])
+    slack = 4.0 * np.finfo(np.float64).eps * (changes + 2.0) * max(0.0, highest.max()) if blocks > 0 else 0.0
+    while count < most and not asked(flag):
+        top = -np.inf
+        for b in range(blocks):
+            if highest[b] > top:
+                most_near = -np.inf
+                for e in range(b * BLOCK, min(n, (b + 1) * BLOCK)):
+                    if near[e] > most_near:
+                        if room[groups[e]] > 0:
+                            most_near = near[e]
+                        else:
+                            near[e] = -np.inf
+                highest[b] = most_near
+                top = max(top, most_near)
+        chosen, most_gain = -1, -1.0
+        for b in range(blocks):
+            if asked(flag):
+                return picks[:count], gains[:count], evaluations
+            if highest[b] >= top - slack and highest[b] > -np.inf:
+                for e in range(b * BLOCK, min(n, (b + 1) * BLOCK)):
+                    if near[e] >= top - slack and room[groups[e]] > 0:
+                        found = gain(e, best, kind, indptr, indices, weights, matrix)
+                        evaluations += 1
+                        if found > most_gain:
+                            chosen, most_gain = e, found
+        if chosen < 0 or most_gain < eps:
+            break
+        for p in range(indptr[chosen], indptr[chosen + 1]):
+            if asked(flag):
+                break
+            j = indices[p]
+            old, w = best[j], weights[j] if kind == COVERAGE else weights[p]
+            if w > old:
+                best[j] = w
+                for q in range(item_starts[j], item_starts[j + 1]):
+                    if kind == COVERAGE:
+                        near[item_elements[q]] -= w
+                    elif item_weights[q] > old:
+                        near[item_elements[q]] -= min(item_weights[q], w) - old
+        picks[count], gains[count] = chosen, most_gain
+        count += 1
+        near[chosen] = -np.inf
+        room[groups[chosen]] -= 1
+    return picks[:count], gains[:count], evaluations
+
+
+@kernel()
+def in_order(flag, order, starts, members, room, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """One group after the other picks its best elements, as many as it has room for."""
+    most = 0
+    for g in order:
+        most += min(room[g], starts[g + 1] - starts[g])
+    picks, gains = np.empty(most, np.int64), np.empty(most)
+    count, evaluations = 0, 0
+    for g in order:
+        left = members[starts[g] : starts[g + 1]].copy()
+        for _ in range(min(room[g], len(left))):
+            at, most_gain = -1, -1.0
+            for k in range(len(left)):
+                if asked(flag):
+                    return picks[:count], gains[:count], evaluations
+                if left[k] >= 0:
+                    found = gain(left[k], best, kind, indptr, indices, weights, matrix)
+                    evaluations += 1
+                    if found > most_gain:
+                        at, most_gain = k, found
+            take(left[at], best, kind, indptr, indices, weights, matrix)
+            picks[count], gains[count] = left[at], most_gain
+            count += 1
+            left[at] = -1
+    return picks, gains, evaluations
+
+
+@kernel()
+def values(masks, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """f of the set in each row of ``masks``; ``best`` is scratch space."""
+    found = np.empty(len(masks))
+    for k in range(len(masks)):
+        best[:] = 0.0
+        for e in range(masks.shape[1]):
+            if masks[k, e]:
+                take(e, best, kind, indptr, indices, weights, matrix)
+        found[k] = best.sum()
+    return found

@@ -1,0 +1,3 @@
+"""Max-min linear programs as data."""
+
+from ... import _guard as _guard

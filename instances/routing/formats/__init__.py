@@ -1,0 +1,3 @@
+"""File formats of routing instances."""
+
+from .... import _guard as _guard

@@ -1,0 +1,90 @@
+"""Writing of TSPLIB-like files."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UsageError
+from ...text import plain
+from ..instance import RoutingInstance
+from ..travel import EXPLICIT, METRICS
+from ._limits import refuse_inexpressible
+from ._tsplib import FLEET_IN_NAME, SET_X
+
+Floats = NDArray[np.float64]
+
+
+def write(instance: RoutingInstance) -> str:
+    """The text; see ``Format.write``."""
+    expressible = {"capacity", "time-windows", "service-times", "fleet-limit", "max-duration"}
+    refuse_inexpressible(instance, "vrplib", expressible)
+    sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
+    n = len(sites)
+
+    def refused(why: str) -> UsageError:
+        return UsageError(f"{instance.name} cannot be written as vrplib: {why}; use json")
+
+    if travel.metric != EXPLICIT and METRICS[travel.metric].file_rounding is None:
+        raise refused(f"the format has no {travel.metric} distances without rounding")
+    if travel.convention not in ("file", "exact" if travel.metric == EXPLICIT else "file"):
+        raise refused(f"its convention is {travel.convention}, and the format has its own")
+    if sites.ids != tuple(str(k) for k in range(1, n + 1)):
+        raise refused("nodes must be numbered 1, 2, 3, ...")
+    if len(instance.name.splitlines()) != 1 or not instance.name.strip():
+        raise refused("its name is no single line")
+    windows = bool(sites.ready.any() or np.isfinite(sites.due).any())
+    tsp = instance.problem == "tsp"
+    if windows and not np.isfinite(sites.due).all():
+        raise refused("every site needs a due date if one has it")
+    if tsp and (windows or sites.service.any() or sites.demand.any() or math.isfinite(vehicle.capacity) or sites.depots[0] != 0):
+        raise refused("a TSP has no windows, service, loads, and its first node is the depot")
+    if tsp and (vehicle.count != 1 or math.isfinite(vehicle.max_duration)):
+        raise refused("a TSP has one vehicle without a limit")
+    if not tsp and not math.isfinite(vehicle.capacity) and (sites.demand.any() or not windows):
+        raise refused("the format needs a capacity")
+    if not tsp and vehicle.count is None and FLEET_IN_NAME.search(instance.name) and not SET_X.match(instance.name):
+        raise refused("the fleet is unlimited, but the end of its name would be read as a limit")
+    symmetric = travel.matrix is None or np.array_equal(travel.matrix, travel.matrix.T)
+    kind = ("TSP" if symmetric else "ATSP") if tsp else "VRPTW" if windows else "CVRP"
+    out = [f"NAME : {instance.name.strip()}", f"TYPE : {kind}", f"DIMENSION : {n}", f"EDGE_WEIGHT_TYPE : {travel.metric}"]
+    if travel.metric == EXPLICIT:
+        out.append("EDGE_WEIGHT_FORMAT : FULL_MATRIX")
+    if not tsp:
+        if vehicle.count is not None:
+            out.append(f"VEHICLES : {vehicle.count}")
+        if math.isfinite(vehicle.capacity):
+            out.append(f"CAPACITY : {plain(vehicle.capacity)}")
+        if math.isfinite(vehicle.max_duration):
+            out.append(f"DISTANCE : {plain(vehicle.max_duration)}")
+    out += _sections(instance, windows, tsp)
+    return "\n".join([*out, "EOF"]) + "\n"
+
+
+def _sections(instance: RoutingInstance, windows: bool, tsp: bool) -> list[str]:
+    sites, travel = instance.sites, instance.travel
+    out: list[str] = []
+
+    def table(title: str, *columns: Floats) -> None:
+        out.append(title)
+        out.extend(f"{k} {' '.join(plain(v) for v in row)}" for k, row in enumerate(zip(*columns, strict=True), start=1))
+
+    if travel.matrix is not None:
+        if sites.coordinates is not None:
+            table("NODE_COORD_SECTION", *sites.coordinates.T)
+        out.append("EDGE_WEIGHT_SECTION")
+        out.extend(" ".join(plain(v) for v in row) for row in travel.matrix)
+    else:
+        assert travel.coordinates is not None
+        table("NODE_COORD_SECTION", *travel.coordinates.T)
+    if tsp:
+        return out
+    if sites.demand.any() or math.isfinite(instance.fleet[0].capacity):
+        table("DEMAND_SECTION", sites.demand)
+    if sites.service.any():
+        table("SERVICE_TIME_SECTION", sites.service)
+    if windows:
+        table("TIME_WINDOW_SECTION", sites.ready, sites.due)
+    return [*out, "DEPOT_SECTION", str(sites.depots[0] + 1), "-1"]

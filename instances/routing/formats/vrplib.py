@@ -1,0 +1,211 @@
+"""TSPLIB and VRPLIB files: TSP, ATSP, CVRP, and the VRPLIB extensions for time windows, service and route duration.
+
+Sites are the file's own node numbers "1" to "n". Solution files (``.sol``) count customers from 1 in the file's order and
+call the depot 0; ``.tour`` files use node numbers.
+
+The file is scanned here, line by line, and not with the package ``vrplib``: that one keeps no line numbers for messages, does
+not know ATT, GEO, MAN_2D, UPPER_ROW or the diagonal layouts, ignores node numbers, and computes Euclidean distances by a
+formula that rounds differently. The tests compare both readers where both can read.
+
+How the fleet is found: a ``VEHICLES`` header is an upper limit. Else a name that ends in ``-k5`` is one, and a note says so,
+except in Uchoa's set X, where k is the least possible number of routes and the fleet is unlimited.
+``DISTANCE`` limits a route's duration, service included, as in the files of Christofides, Mingozzi and Toth.
+
+Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...text import label, number, refuse, shown, whole
+from ..instance import RoutingInstance, Sites, VehicleType
+from ..reach import refuse_unreachable
+from ..travel import EXPLICIT, METRICS, Travel
+from ._tsplib import FLEET_IN_NAME, SET_X, Specification, edge_weights, node_list, node_table, scan
+from ._tsplib_writer import write
+
+Floats = NDArray[np.float64]
+
+PROBLEMS = {
+    "TSP": ("tsp", "min-cost-vrp"),
+    "ATSP": ("tsp", "min-cost-vrp"),
+    "CVRP": ("cvrp", "min-cost-vrp"),
+    "VRPTW": ("vrptw", "min-cost-vrp"),
+    "CVRPTW": ("vrptw", "min-cost-vrp"),
+}
+EDGE_WEIGHT_TYPES = (*(m for m in METRICS if m.isupper()), EXPLICIT)
+HEADERS = frozenset(
+    {
+        "NAME", "COMMENT", "TYPE", "DIMENSION", "CAPACITY", "EDGE_WEIGHT_TYPE", "EDGE_WEIGHT_FORMAT", "NODE_COORD_TYPE",
+        "DISPLAY_DATA_TYPE", "VEHICLES", "DISTANCE", "SERVICE_TIME", "AUTHOR", "SOURCE", "DATE", "VERSION", "BEST_KNOWN",
+        "OPTIMAL_VALUE",
+    }
+)  # fmt: skip
+SECTIONS = frozenset(
+    {
+        "NODE_COORD_SECTION", "DISPLAY_DATA_SECTION", "EDGE_WEIGHT_SECTION", "DEMAND_SECTION", "DEPOT_SECTION",
+        "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION",
+    }
+)  # fmt: skip
+_MARK = re.compile(r"^[ \t]*(?:(?:DIMENSION|EDGE_WEIGHT_TYPE|TYPE|NAME)[ \t]*:|(?:NODE_COORD|EDGE_WEIGHT|DEMAND)_SECTION\b)", re.M)
+
+
+def recognises(text: str) -> bool:
+    """Whether one of TSPLIB's keywords stands at the start of a line."""
+    return not text.lstrip().startswith("{") and _MARK.search(text) is not None
+
+
+def read(text: str, path: Path) -> RoutingInstance:
+    """The instance; see ``Format.read``."""
+    spec = scan(text)
+    kind = spec.value("TYPE").upper().split()[0]
+    if kind == "TOUR":
+        raise InputError("is a solution file, not an instance", line=spec.line("TYPE"))
+    if kind not in PROBLEMS:
+        raise InputError(f"TYPE {shown(kind)} is not supported", line=spec.line("TYPE"), expected=", ".join(PROBLEMS))
+    spec.refuse_unknown(HEADERS, SECTIONS)
+    n = spec.dimension()
+    name = label(spec.headers["NAME"][1] if "NAME" in spec.headers and spec.headers["NAME"][1] else path.stem)
+    xy, travel = _travel(spec, n, kind)
+    is_tsp = kind in ("TSP", "ATSP")
+    if is_tsp:
+        spec.refuse_unknown(
+            HEADERS - {"CAPACITY", "VEHICLES", "DISTANCE", "SERVICE_TIME"},
+            SECTIONS - {"DEMAND_SECTION", "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION", "DEPOT_SECTION"},
+            f" in a file of TYPE {kind}",
+        )
+    depot = 0 if is_tsp else _depot(spec, n)
+    demand, service, ready, due, lines = _sites(spec, n, depot, kind)
+    flags = np.arange(n) == depot
+    ids = [str(k) for k in range(1, n + 1)]
+    sites = Sites.of(ids, depot=flags, demand=demand, ready=ready, due=due, service=service, coordinates=xy)
+    notes: list[str] = []
+    count = 1 if is_tsp else _fleet(spec, name, label(path.stem), notes)
+    capacity, longest = _limit(spec, "CAPACITY"), _limit(spec, "DISTANCE")
+    if math.isfinite(longest):
+        notes.append(f"DISTANCE {longest:g} limits the duration of a route, service included")
+    fleet = (VehicleType(count, capacity, start=depot, end=depot, max_duration=longest),)
+    problems = PROBLEMS[kind]
+    made = RoutingInstance(name, "vrplib", sites, travel, fleet, problem=problems[0], problems=problems, notes=tuple(notes))
+    refuse_unreachable(made, lines)
+    return made
+
+
+def _travel(spec: Specification, n: int, kind: str) -> tuple[Floats | None, Travel]:
+    """Coordinates for maps, and distances."""
+    metric = spec.value("EDGE_WEIGHT_TYPE").upper()
+    line = spec.line("EDGE_WEIGHT_TYPE")
+    if metric not in EDGE_WEIGHT_TYPES:
+        raise InputError(f"EDGE_WEIGHT_TYPE {shown(metric)} is not supported", line=line, expected=", ".join(EDGE_WEIGHT_TYPES))
+    coordinates, where = None, None
+    for section in ("DISPLAY_DATA_SECTION", "NODE_COORD_SECTION"):
+        if section in spec.sections:
+            coordinates, where = node_table(spec, section, n, ("x", "y"))
+    if metric == EXPLICIT:
+        matrix, at = edge_weights(spec, n)
+        if kind == "TSP" and not np.array_equal(matrix, matrix.T):
+            i, j = (int(k[0]) for k in np.nonzero(matrix != matrix.T))
+            raise InputError(
+                f"a TSP is symmetric, but the distance from {i + 1} to {j + 1} differs from the one back; TYPE ATSP allows that",
+                line=int(at[i, j]), expected=str(matrix[j, i]), found=str(matrix[i, j]),
+            )  # fmt: skip
+        return coordinates, Travel(EXPLICIT, matrix=matrix)
+    if "EDGE_WEIGHT_SECTION" in spec.sections:
+        raise InputError(f"EDGE_WEIGHT_TYPE {metric} has no EDGE_WEIGHT_SECTION", line=spec.sections["EDGE_WEIGHT_SECTION"].line)
+    if spec.value("EDGE_WEIGHT_FORMAT", "FUNCTION").upper() != "FUNCTION":
+        raise InputError(
+            f"EDGE_WEIGHT_TYPE {metric} has another EDGE_WEIGHT_FORMAT", line=spec.line("EDGE_WEIGHT_FORMAT"), expected="FUNCTION",
+            found=spec.value("EDGE_WEIGHT_FORMAT"),
+        )  # fmt: skip
+    own, where = node_table(spec, "NODE_COORD_SECTION", n, ("x", "y"))
+    if metric == "GEO":
+        refuse((np.abs(own) > (90, 180)).any(axis=1), where, "latitude or longitude out of range", own, "within 90 and 180 degrees")
+        coordinates = own[:, ::-1]  # a map has the longitude on its x axis
+    return coordinates, Travel(metric, coordinates=own)
+
+
+def _depot(spec: Specification, n: int) -> int:
+    nodes, lines = node_list(spec, "DEPOT_SECTION", n)
+    if len(nodes) != 1:
+        raise InputError(
+            "the number of depots is not supported", line=lines[-1] if lines else spec.sections["DEPOT_SECTION"].line,
+            expected="one depot", found=str(len(nodes)),
+        )  # fmt: skip
+    if n < 2:
+        raise InputError("there is no customer", line=spec.line("DIMENSION"), expected="DIMENSION of at least 2", found=str(n))
+    return nodes[0] - 1
+
+
+def _sites(spec: Specification, n: int, depot: int, kind: str) -> tuple[Floats, Floats, Floats, Floats, list[int] | None]:
+    """Demand, service, ready and due times, and the lines that say most about each site."""
+    demand, service, ready, due = np.zeros(n), np.zeros(n), np.zeros(n), np.full(n, math.inf)
+    lines: NDArray[np.int64] | None = None
+    at_depot = np.arange(n) == depot
+    if kind in ("CVRP", "CVRPTW") or "DEMAND_SECTION" in spec.sections or "CAPACITY" in spec.headers:
+        table, lines = node_table(spec, "DEMAND_SECTION", n, ("demand",))
+        demand = table[:, 0]
+        refuse(demand < 0, lines, "demand is negative", demand, "0 or more")
+        refuse(at_depot & (demand != 0), lines, "the depot has a demand", demand, "0")
+        spec.value("CAPACITY")
+    if "SERVICE_TIME" in spec.headers:
+        if "SERVICE_TIME_SECTION" in spec.sections:
+            raise InputError("SERVICE_TIME stands beside a SERVICE_TIME_SECTION", line=spec.line("SERVICE_TIME"), expected="one of them")
+        every = number(spec.value("SERVICE_TIME"), spec.line("SERVICE_TIME"), "SERVICE_TIME")
+        if every < 0:
+            raise InputError("SERVICE_TIME is negative", line=spec.line("SERVICE_TIME"), expected="0 or more", found=str(every))
+        service = np.where(at_depot, 0.0, every)
+    elif "SERVICE_TIME_SECTION" in spec.sections:
+        table, lines = node_table(spec, "SERVICE_TIME_SECTION", n, ("service time",))
+        service = table[:, 0]
+        refuse(service < 0, lines, "service time is negative", service, "0 or more")
+        refuse(at_depot & (service != 0), lines, "the depot has a service time", service, "0")
+    if kind in ("VRPTW", "CVRPTW") or "TIME_WINDOW_SECTION" in spec.sections:
+        if kind == "CVRP":
+            raise InputError("TYPE CVRP has no TIME_WINDOW_SECTION; TYPE VRPTW has", line=spec.sections["TIME_WINDOW_SECTION"].line)
+        table, lines = node_table(spec, "TIME_WINDOW_SECTION", n, ("ready time", "due date"))
+        ready, due = table.T
+        refuse(ready > due, lines, "time window closes before it opens", table, "ready time <= due date")
+    return demand, service, ready, due, None if lines is None else lines.tolist()
+
+
+def _limit(spec: Specification, key: str) -> float:
+    """A positive header, infinite where the file has none."""
+    if key not in spec.headers:
+        return math.inf
+    value = number(spec.value(key), spec.line(key), key)
+    if value <= 0:
+        raise InputError(f"{key} must be positive", line=spec.line(key), expected="more than 0", found=spec.value(key))
+    return value
+
+
+def _fleet(spec: Specification, name: str, stem: str, notes: list[str]) -> int | None:
+    if "VEHICLES" in spec.headers:
+        return whole(spec.value("VEHICLES"), spec.line("VEHICLES"), "VEHICLES", least=1)
+    for text in (name, stem):
+        if SET_X.match(text):
+            notes.append(f"the fleet is unlimited: in Uchoa's set X the k of {text} is the least possible number of routes")
+            return None
+        if match := FLEET_IN_NAME.search(text):
+            count = int(match[1])
+            if count < 1:
+                raise InputError(f"the name {text} stands for a fleet of no vehicles", line=spec.headers.get("NAME", (None, ""))[0])
+            notes.append(f"at most {count} vehicles: the fleet is named only in the file's name {text}, and read as an upper limit")
+            return count
+    return None
+
+
+FORMATS.add(
+    "vrplib",
+    Format(
+        "vrplib", "TSPLIB / CVRPLIB / VRPLIB text (TSP, ATSP, CVRP, VRPTW)", recognises, read, write, (".vrp", ".tsp"), "",
+        ("tsp", "cvrp", "vrptw", "min-cost-vrp"), "file",
+    ),
+)  # fmt: skip

@@ -1,0 +1,3 @@
+"""Seeded recipes for routing instances."""
+
+from .... import _guard as _guard

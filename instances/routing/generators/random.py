@@ -1,0 +1,59 @@
+"""Small random instances for tests: uniform sites, everything optional. No recipe of the literature."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...generators import GENERATORS, Draw, Generator
+from ...generators.settings import Setting
+from ..fleet import problems_of
+from ..instance import RoutingInstance, Sites, VehicleType
+from ..travel import EXPLICIT, Travel
+
+SETTINGS = {
+    "customers": Setting(6, "number of customers", least=1, most=5000),
+    "vehicles": Setting(None, "number of vehicles; unlimited by default", type=int, least=1, most=5000),
+    "capacity": Setting(20, "load of a vehicle; 0 for no loads at all", least=0, most=10**6),
+    "demand": Setting(10, "largest demand", least=1, most=10**6),
+    "windows": Setting(False, "whether customers have time windows"),
+    "service": Setting(0, "largest service time", least=0, most=10**6),
+    "metric": Setting("euclidean", "how distances come about", choices=("euclidean", "EUC_2D", "explicit")),
+    "extent": Setting(100, "side of the square that the sites lie in", least=1, most=10**6),
+    "name": Setting(None, "name of the instance", type=str),
+}
+
+
+def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
+    """One instance. Every customer can be served by a vehicle of its own; with a fleet limit all of them together need not be."""
+    n, extent = settings["customers"] + 1, settings["extent"]
+    xy = draw.integers(0, extent, (n, 2)).astype(np.float64)
+    if settings["metric"] == "explicit":
+        travel = Travel(EXPLICIT, matrix=draw.integers(1, extent, (n, n)).astype(np.float64))
+    else:
+        travel = Travel(settings["metric"], coordinates=xy)
+    customer = np.arange(n) > 0
+    loads = settings["capacity"] > 0
+    demand = np.where(customer & loads, draw.integers(1, min(settings["demand"], max(settings["capacity"], 1)), n), 0)
+    service = np.where(customer, draw.integers(0, settings["service"], n), 0)
+    ready, due = np.zeros(n), np.full(n, math.inf)
+    if settings["windows"]:
+        every = np.arange(n)
+        out, back = travel.duration(0, every), travel.duration(every, 0)
+        horizon = math.ceil(float((out + service + back).max()) * 2.0) + 1
+        latest = np.floor(horizon - back - service)
+        center = out + draw.uniform(0.0, 1.0, n) * (latest - out)
+        half = draw.uniform(0.02, 0.25, n) * horizon
+        ready = np.where(customer, np.maximum(0.0, np.floor(center - half)), 0.0)
+        due = np.where(customer, np.minimum(latest, np.ceil(center + half)), horizon)
+    sites = Sites.of(range(n), demand=demand, ready=ready, due=due, service=service, coordinates=xy)
+    fleet = (VehicleType(settings["vehicles"], settings["capacity"] if loads else math.inf),)
+    problems = problems_of(sites, fleet)
+    name = settings["name"] or f"random-n{n - 1}-s{settings['seed']}"
+    return RoutingInstance(name, "generated", sites, travel, fleet, problem=problems[0], problems=problems)
+
+
+GENERATORS.add("random", Generator("random", "small uniform instances, optionally with loads and windows", SETTINGS, make))

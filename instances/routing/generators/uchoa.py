@@ -1,0 +1,99 @@
+"""Capacitated instances after the recipe of set X.
+
+Source: Uchoa, Pecin, Pessoa, Poggi, Vidal and Subramanian (2017), New benchmark instances for the capacitated vehicle routing
+problem, EJOR 257(3), section 3. All sites lie at different points of the grid [0, 1000] x [0, 1000]; a point attracts a customer
+with probability sum over the seeds s of exp(-d(p, s) / 40); the capacity is ceil(r * total demand / customers), where r is the
+average number of customers on a route; distances are rounded to the nearest integer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...generators import GENERATORS, Draw, Generator
+from ...generators.settings import Setting
+from ..instance import RoutingInstance, Sites, VehicleType
+from ..travel import Travel
+
+GRID = 1000
+DECAY = 40.0
+BATCH = 4096
+RANGES = {"1-1": (1, 1), "1-10": (1, 10), "5-10": (5, 10), "1-100": (1, 100), "50-100": (50, 100)}
+
+SETTINGS = {
+    "customers": Setting(100, "number of customers", least=1, most=5000),
+    "depot": Setting("R", "depot: C in the centre, E in the corner, R anywhere", choices=("C", "E", "R")),
+    "positions": Setting("RC", "customers: R anywhere, C in clusters, RC half of each", choices=("R", "C", "RC")),
+    "demand": Setting(
+        "1-100", "range of demands; Q: by quadrant; SL: many small, few large", choices=(*RANGES, "Q", "SL")
+    ),
+    "route-length": Setting(None, "customers on a route, on average; drawn from the triangle (3, 6, 25) by default", type=float,
+                            least=1.0, most=5000.0),
+    "seeds": Setting(None, "number of clusters; drawn from 3 to 8 by default", type=int, least=1, most=100),
+    "name": Setting(None, "name of the instance", type=str),
+}  # fmt: skip
+
+
+def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
+    """One instance of set X's kind, with an unlimited fleet."""
+    n = settings["customers"]
+    centre = {"C": (GRID // 2, GRID // 2), "E": (0, 0)}.get(settings["depot"])
+    depot = draw.integers(0, GRID, 2) if centre is None else np.array(centre, dtype=np.int64)
+    clusters = min(settings["seeds"] or draw.integer(3, 8), n)
+    xy = _positions(draw, depot, n, settings["positions"], clusters)
+    demand = _demands(draw, xy, settings["demand"])
+    length = settings["route-length"] or draw.triangular(3.0, 6.0, 25.0)
+    capacity = max(math.ceil(length * int(demand.sum()) / n), int(demand.max()))
+    points = np.vstack([depot, xy]).astype(np.float64)
+    sites = Sites.of(range(1, n + 2), demand=np.concatenate([[0], demand]), coordinates=points)
+    name = settings["name"] or f"uchoa-{settings['depot']}-{settings['positions']}-{settings['demand']}-n{n + 1}-s{settings['seed']}"
+    travel = Travel("EUC_2D", coordinates=points)
+    return RoutingInstance(name, "generated", sites, travel, (VehicleType(None, capacity),), "cvrp", ("cvrp", "min-cost-vrp"))
+
+
+def _positions(draw: Draw, depot: NDArray[np.int64], n: int, positions: str, clusters: int) -> NDArray[np.int64]:
+    """Points of the customers: the random ones, then the seeds of the clusters, then the customers they attract."""
+    taken = {(int(depot[0]), int(depot[1]))}
+    points: list[tuple[int, int]] = []
+
+    def add(candidates: NDArray[np.int64], upto: int) -> None:
+        for x, y in candidates.tolist():
+            if len(points) < upto and (x, y) not in taken:
+                taken.add((x, y))
+                points.append((x, y))
+
+    scattered = {"R": n, "C": 0, "RC": n // 2}[positions]
+    while len(points) < scattered:
+        add(draw.integers(0, GRID, (scattered - len(points), 2)), scattered)
+    seeds_end = min(scattered + clusters, n)
+    while len(points) < seeds_end:
+        add(draw.integers(0, GRID, (seeds_end - len(points), 2)), seeds_end)
+    seeds = np.array(points[scattered:seeds_end], dtype=np.float64)
+    while len(points) < n:
+        candidates = draw.integers(0, GRID, (BATCH, 2))
+        apart = np.sqrt(((candidates[:, None, :] - seeds[None, :, :]) ** 2).sum(axis=2))
+        accepted = draw.uniform(0.0, 1.0, BATCH) <= np.exp(-apart / DECAY).sum(axis=1)
+        add(candidates[accepted], n)
+    return np.array(points, dtype=np.int64)
+
+
+def _demands(draw: Draw, xy: NDArray[np.int64], rule: str) -> NDArray[np.int64]:
+    n = len(xy)
+    if rule in RANGES:
+        return draw.integers(*RANGES[rule], n)
+    small, large = draw.integers(1, 50, n), draw.integers(51, 100, n)
+    if rule == "Q":
+        half = GRID / 2
+        odd_quadrant = (xy[:, 0] >= half) == (xy[:, 1] >= half)
+        return np.where(odd_quadrant, large, small)
+    share = float(draw.uniform(0.70, 0.95, 1)[0])
+    small, large = draw.integers(1, 10, n), draw.integers(50, 100, n)
+    return np.where(draw.chosen(round(share * n), n), small, large)
+
+
+GENERATORS.add("uchoa", Generator("uchoa", "capacitated instances after the recipe of Uchoa et al.'s set X", SETTINGS, make))

@@ -1,0 +1,156 @@
+"""Solution files of routes: CVRPLIB ``.sol`` and TSPLIB ``.tour``.
+
+Numbering: a ``.sol`` counts customers from 1 in the order of the instance's file, depots left out, and 0 is the depot. Where
+the depot comes first, as in all common benchmark files, that is the row number counted from 0; it is not the node number of a
+``.vrp`` file, which is one more. A ``.tour`` uses node numbers: sites counted from 1 in the file's order, depots included.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ..errors import InputError, UsageError
+from ..text import lines_of, number, plain, shown, whole
+from .instance import Sites
+
+_ROUTE = re.compile(r"route\s*#?\s*(\d*)\s*:(.*)\Z", re.I)
+_COST = re.compile(r"cost\s*:?\s*(.*)\Z", re.I)
+# What stands beside the routes in the files of CVRPLIB and SINTEF, and what common solvers add.
+_REMARK = re.compile(r"(?:comment|time|date|authors?|reference|source|instance(?:\s+name)?|name|solution|vehicles|gap|status)\b|#", re.I)
+_TOUR_HEADER = re.compile(r"(?:NAME|COMMENT|TYPE|DIMENSION)\b", re.I)
+
+
+@dataclass(frozen=True)
+class SolutionFile:
+    """Routes of a solution file.
+
+    Attributes
+    ----------
+    routes : tuple of tuple of int
+        Site indices of the instance, without depots.
+    cost : float or None
+        What the file claims.
+    """
+
+    routes: tuple[tuple[int, ...], ...]
+    cost: float | None = None
+
+
+def routes_from_text(text: str, sites: Sites) -> SolutionFile:
+    """The routes in the text of a ``.sol`` or ``.tour`` file, recognised by its content.
+
+    Parameters
+    ----------
+    text : str
+    sites : Sites
+        What the numbers refer to.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or names a customer that does not exist; with the line.
+    """
+    if re.search(r"^[ \t]*TOUR_SECTION", text, re.I | re.M):
+        return _read_tour(text, sites)
+    if not re.search(r"^[ \t]*route\s*#?\s*\d*\s*:", text, re.I | re.M):
+        found = text.split("\n")[0].strip()
+        raise InputError("is no solution file", line=1, expected="Route #1: ..., TOUR_SECTION, or JSON", found=shown(found))
+    return _read_sol(text, sites)
+
+
+def _read_sol(text: str, sites: Sites) -> SolutionFile:
+    customers = sites.customers.tolist()
+    routes: list[tuple[int, ...]] = []
+    cost: float | None = None
+    for line, row in lines_of(text):
+        if match := _ROUTE.match(row):
+            visits = [whole(token, line, "customer", least=0) for token in match[2].replace(",", " ").split()]
+            while visits and visits[0] == 0:  # some files write the depot at both ends
+                del visits[0]
+            while visits and visits[-1] == 0:
+                del visits[-1]
+            for visit in visits:
+                if not 1 <= visit <= len(customers):
+                    raise InputError(
+                        "route names a customer that does not exist", line=line, expected=f"1 to {len(customers)}", found=str(visit)
+                    )
+            routes.append(tuple(customers[visit - 1] for visit in visits))
+        elif match := _COST.match(row):
+            if cost is not None:
+                raise InputError("Cost stands twice", line=line)
+            cost = number(match[1], line, "Cost")
+        elif not _REMARK.match(row):
+            raise InputError("line is not understood", line=line, expected="Route #k: ..., Cost, or Comment", found=shown(row))
+    return SolutionFile(tuple(route for route in routes if route), cost)
+
+
+def _read_tour(text: str, sites: Sites) -> SolutionFile:
+    nodes: list[int] = []
+    inside = ended = False
+    last = 1
+    for line, row in lines_of(text):
+        last = line
+        if not inside:
+            inside = row.upper().rstrip(" :") == "TOUR_SECTION"
+            if not inside and not _TOUR_HEADER.match(row):
+                raise InputError("line is not understood", line=line, expected="a header or TOUR_SECTION", found=shown(row))
+            continue
+        if row.upper() == "EOF":
+            break
+        for token in row.split():
+            if ended:
+                raise InputError("a second tour is not supported", line=line, expected="EOF", found=shown(token))
+            if token == "-1":
+                ended = True
+                continue
+            node = whole(token, line, "node", least=1)
+            if node > len(sites):
+                raise InputError("tour names a node that does not exist", line=line, expected=f"1 to {len(sites)}", found=token)
+            nodes.append(node - 1)
+    if not ended:
+        raise InputError("TOUR_SECTION ends early", line=last, expected="-1", found="the end of the file")
+    at = [k for k, node in enumerate(nodes) if sites.depot[node]]
+    if len(at) != 1:
+        raise InputError("a tour must visit the depot once", line=last, expected="1", found=f"{len(at)} visits")
+    rotated = nodes[at[0] + 1 :] + nodes[: at[0]]
+    return SolutionFile((tuple(rotated),) if rotated else (), None)
+
+
+def sol_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None = None) -> str:
+    """Text of a CVRPLIB solution file.
+
+    Parameters
+    ----------
+    sites : Sites
+    routes : iterable of sequences of int
+        Site indices without depots; empty routes are left out.
+    cost : float, optional
+    """
+    rank = {site: k for k, site in enumerate(sites.customers.tolist(), start=1)}
+    kept = [route for route in routes if len(route)]
+    out = [f"Route #{k}: {' '.join(str(rank[i]) for i in route)}" for k, route in enumerate(kept, start=1)]
+    if cost is not None and math.isfinite(cost):
+        out.append(f"Cost {plain(cost)}")
+    return "\n".join(out) + "\n"
+
+
+def tour_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None = None, name: str = "") -> str:
+    """Text of a TSPLIB tour file, from the depot on; see ``sol_text``.
+
+    Raises
+    ------
+    UsageError
+        If the routes are not one tour through one depot.
+    """
+    kept = [route for route in routes if len(route)]
+    depots = sites.depots.tolist()
+    if len(kept) > 1 or len(depots) != 1:
+        raise UsageError(f"{name}: {len(kept)} routes from {len(depots)} depots are no tour; write a .sol file")
+    nodes = [depots[0] + 1, *(i + 1 for i in (kept[0] if kept else ()))]
+    head = [f"NAME : {name}", "TYPE : TOUR", f"DIMENSION : {len(nodes)}"]
+    if cost is not None and math.isfinite(cost):
+        head.append(f"COMMENT : length {plain(cost)}")
+    return "\n".join([*head, "TOUR_SECTION", *map(str, nodes), "-1", "EOF"]) + "\n"

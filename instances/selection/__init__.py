@@ -1,0 +1,3 @@
+"""Set functions and constraints as data."""
+
+from ... import _guard as _guard

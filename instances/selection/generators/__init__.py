@@ -1,0 +1,3 @@
+"""Seeded recipes for selection instances."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Sensing graphs: robots, actions, targets and weights, which several families read."""
+
+from ... import _guard as _guard

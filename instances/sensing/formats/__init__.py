@@ -1,0 +1,3 @@
+"""File formats of sensing graphs."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Seeded recipes for sensing graphs."""
+
+from .... import _guard as _guard

@@ -1,0 +1,173 @@
+"""Maps of routes."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.routing.routes import Routes
+from ...instances.errors import UsageError
+from . import PLOTS
+from .drawing import COLOURS, bare, entitle, figures_of, literal, new_axes
+
+if TYPE_CHECKING:
+    from ...formulations.solution import Solution
+
+Floats = NDArray[np.float64]
+
+LINE_STYLES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
+
+LEGEND_ROUTES = 12
+"""More routes than this get no legend: it would hide the map."""
+
+LABELLED_SITES = 30
+"""Up to this many sites are labelled by their ids."""
+
+SCALED_SITES = 3000
+"""Largest number of sites that are placed by scaling their distances (cubic time, square memory)."""
+
+
+def plot_routes(
+    problem: RoutingProblem, answer: Routes, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+) -> Any:
+    """Map of an answer: depots as squares, customers as dots, one colour and line style a route.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    answer : Routes
+    ax : matplotlib axes, optional
+        New ones by default: of pyplot in a notebook or where pyplot is in use, else without any display.
+    solution : Solution, optional
+        For objective, bound and gap in the title.
+    title : str, optional
+        Instead of the one made.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Notes
+    -----
+    Sites without coordinates are placed by classical scaling of their distances (Torgerson 1952, "Multidimensional
+    scaling: I. Theory and method", Psychometrika 17); the title says so.
+    """
+    where, placed = site_positions(problem)
+    ax, names = new_axes() if ax is None else ax, problem.vehicle_names(answer)
+    for rank, k in enumerate(_around_the_depot(problem, answer, where)):
+        _draw_route(ax, problem, answer, where, rank, k, names[k])
+    _draw_sites(ax, problem, answer, where)
+    bare(ax)
+    entitle(ax, *(_title(problem, answer, solution, placed) if title is None else (title, "")))
+    if 1 < len(answer) <= LEGEND_ROUTES:
+        handles, labels = ax.get_legend_handles_labels()
+        order = np.argsort([int(h.get_gid() or 0) for h in handles], kind="stable")
+        ax.legend(
+            [handles[k] for k in order], [labels[k] for k in order], loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False,
+            fontsize=9, handlelength=2.6, labelspacing=0.7,
+        )  # fmt: skip
+        literal(ax)
+    return ax
+
+
+def site_positions(problem: RoutingProblem) -> tuple[Floats, bool]:
+    """Positions to draw at, shape (sites, 2), and whether they were made by scaling the distances."""
+    xy = problem.sites.coordinates if problem.sites.coordinates is not None else problem.travel.coordinates
+    if xy is None:
+        return scaled_positions(problem.travel.distances), True
+    return (np.asarray(xy)[:, ::-1] if problem.travel.metric == "GEO" else np.asarray(xy)), False  # GEO: latitude, longitude
+
+
+def scaled_positions(distances: Floats) -> Floats:
+    """Positions in the plane whose distances come close to ``distances``, shape (sites, 2): classical scaling."""
+    n = len(distances)
+    if n > SCALED_SITES:
+        raise UsageError(f"{n} sites without coordinates are too many to be placed on a map; at most {SCALED_SITES} are")
+    if n == 1:
+        return np.zeros((1, 2))
+    from scipy.linalg import eigh
+
+    squares = ((distances + distances.T) / 2.0) ** 2
+    centred = -0.5 * (squares - squares.mean(axis=0) - squares.mean(axis=1)[:, None] + squares.mean())
+    values, vectors = eigh(centred, subset_by_index=[n - 2, n - 1])
+    placed = vectors[:, ::-1] * np.sqrt(np.maximum(values[::-1], 0.0))
+    signs = np.sign(placed[np.abs(placed).argmax(axis=0), [0, 1]])  # eigenvectors have no sign of their own
+    return np.asarray(placed * np.where(signs == 0, 1.0, signs))
+
+
+def _around_the_depot(problem: RoutingProblem, answer: Routes, where: Floats) -> list[int]:
+    """Routes by the angle of their centre seen from their depot, so that neighbours on the map differ in colour."""
+    angles = []
+    for route in answer:
+        centre = where[list(route.visits)].mean(axis=0) - where[problem.fleet[route.vehicle].start]
+        angles.append(math.atan2(centre[1], centre[0]))
+    return [int(k) for k in np.argsort(angles, kind="stable")]
+
+
+def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats, rank: int, number_of: int, name: str) -> None:
+    """One route; ``rank`` chooses its colour. On crowded maps lines are thin, and solid, because dashes would not be told apart."""
+    route, count = answer.routes[number_of], len(answer)
+    vehicle = problem.fleet[route.vehicle]
+    colour = COLOURS[rank % len(COLOURS)]
+    style = LINE_STYLES[rank // len(COLOURS)] if count <= len(COLOURS) * len(LINE_STYLES) else "-"
+    width = float(np.clip(2.1 - count / 40.0, 0.9, 1.9))
+    visits = list(route.visits)
+    inner, out, back = where[visits], where[[vehicle.start, visits[0]]], where[[visits[-1], vehicle.end]]
+    # The legs from and to the depot are faint: near a depot they all meet.
+    faint = 1.0 if count == 1 else 0.45 if count <= LEGEND_ROUTES else 0.2
+    for leg in (out, back):
+        ax.plot(
+            leg[:, 0], leg[:, 1], color=colour, linestyle=style, linewidth=width if count == 1 else 0.55 * width, alpha=faint, zorder=1,
+            solid_capstyle="round",
+        )  # fmt: skip
+    ax.plot(
+        inner[:, 0], inner[:, 1], color=colour, linestyle=style, linewidth=width, zorder=2, gid=str(number_of),
+        label=f"{name}: {len(route)} visits", solid_capstyle="round", solid_joinstyle="round",
+    )  # fmt: skip
+    ax.scatter(inner[:, 0], inner[:, 1], s=_dot_sizes(problem, visits), color=colour, edgecolors="white", linewidths=0.35 * width, zorder=3)
+
+
+def _dot_sizes(problem: RoutingProblem, visits: list[int]) -> Any:
+    """Areas of the dots: larger for larger demands, smaller on crowded maps."""
+    base = float(np.clip(3600.0 / max(len(problem.sites), 1), 9.0, 46.0))
+    largest = float(problem.sites.demand.max(initial=0.0))
+    return base if largest <= 0 else base * (0.55 + 0.9 * problem.sites.demand[visits] / largest)
+
+
+def _draw_sites(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats) -> None:
+    depots = where[problem.sites.depots]
+    ax.scatter(depots[:, 0], depots[:, 1], marker="s", s=85, color="#111111", edgecolors="white", linewidths=1.2, zorder=5)
+    visited = {i for route in answer for i in route.visits}
+    left = [int(i) for i in problem.customers if int(i) not in visited]
+    if left:
+        ax.scatter(where[left, 0], where[left, 1], s=26, facecolors="white", edgecolors="#888888", linewidths=1.0, zorder=3)
+    if len(problem.sites) <= LABELLED_SITES:
+        _label_sites(ax, problem, where)
+
+
+def _label_sites(ax: Any, problem: RoutingProblem, where: Floats) -> None:
+    """Ids beside the sites, without those that would be written over others."""
+    extent = float(np.ptp(where, axis=0).max()) or 1.0
+    written: list[Floats] = []
+    for k, site in enumerate(problem.sites.ids):
+        # A label is wider than high.
+        if all(abs(where[k] - other) @ np.array([1.0, 1.6]) > 0.045 * extent for other in written):
+            ax.annotate(site, where[k], xytext=(5, 4), textcoords="offset points", fontsize=7.5, color="#444444", zorder=6)
+            written.append(where[k])
+
+
+def _title(problem: RoutingProblem, answer: Routes, solution: Solution | None, placed: bool) -> tuple[str, str]:
+    head = f"{problem.name}: {len(answer)} {'route' if len(answer) == 1 else 'routes'}"
+    if solution is not None:
+        head += f" by {solution.solver}"
+    detail = f"{problem.objective} {figures_of(problem, answer, solution)}, distances {problem.convention}"
+    if placed:
+        detail += "\nno coordinates in the file: sites placed by scaling of their distances"
+    return head, detail
+
+
+PLOTS.add("routing", plot_routes)

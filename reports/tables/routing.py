@@ -1,0 +1,122 @@
+"""Tables of routes, of sites that stay unserved, and of what a routing problem holds."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+from ...formulations.routing.judge import schedule
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.routing.reachability import unreachable
+from ...formulations.routing.routes import Routes
+from ...instances.printable import printable
+from . import TABLES, Tables
+from .table import Column, Row, Table, short
+
+SHOWN_ID = 60
+"""Characters of a site's id that are shown among others."""
+
+
+def answer_tables(problem: RoutingProblem, answer: Routes | None) -> list[Table]:
+    """The routes, and the sites that they leave out, if any."""
+    left = unserved_sites(problem, answer)
+    return [*([] if answer is None else [routes_table(problem, answer)]), *([unserved_table(left)] if left else [])]
+
+
+def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
+    """One row a route: vehicle, number of visits, load, distance, duration, and the sites in order."""
+    ids = problem.sites.ids
+    rows, visits, load, distance, duration = [], 0, 0.0, 0.0, 0.0
+    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
+        plan = schedule(problem, route)
+        rows.append(
+            (
+                name,
+                str(len(route)),
+                short(plan.total_load),
+                short(plan.total_distance),
+                short(plan.duration),
+                " ".join(printable(ids[i], SHOWN_ID) for i in route.visits),
+            )
+        )
+        visits, load, distance = visits + len(route), load + plan.total_load, distance + plan.total_distance
+        duration = max(duration, plan.duration)
+    columns = (
+        Column("vehicle"), Column("visits", right=True), Column("load", right=True), Column("distance", right=True),
+        Column("duration", right=True), Column("sites in order", wide=True),
+    )  # fmt: skip
+    total = ("all", str(visits), short(load), short(distance), f"max {short(duration)}", "")
+    return Table("Routes", columns, tuple(rows), total)
+
+
+def unserved_sites(problem: RoutingProblem, answer: Routes | None) -> dict[str, str]:
+    """Sites that the answer does not visit (all that are unreachable without one), each with the reason."""
+    ids = problem.sites.ids
+    if answer is None:
+        return {ids[i]: why for i, why in unreachable(problem).items()}
+    visited = {i for route in answer for i in route.visits}
+    left = [int(i) for i in problem.customers if int(i) not in visited]
+    reasons = unreachable(problem) if left else {}  # which takes long where there are thousands
+    return {ids[i]: reasons.get(i, "optional, and left out of this answer") for i in left}
+
+
+def unserved_table(reasons: dict[str, str]) -> Table:
+    """One row a site that stays unserved."""
+    return Table("Unserved sites", (Column("site"), Column("reason", wide=True)), tuple(reasons.items()))
+
+
+# -- what a problem holds --------------------------------------------------------------------------------------------------
+
+
+def _sites(sites: dict[str, Any]) -> list[Row]:
+    text = f"{sites['customers']} customers, depot {', '.join(sites['depots'])}"
+    if sites["optional"]:
+        text += f"; {sites['optional']} customers are optional"
+    if sites["unreachable"]:
+        text += f"; {sites['unreachable']} customers cannot be reached by any vehicle (see waybound explain)"
+    return [("sites", text)]
+
+
+def _spread(name: str, values: dict[str, float]) -> list[Row]:
+    return [(name, "total {total:g}, {least:g} to {largest:g} a customer".format(**values))] if values["largest"] > 0 else []
+
+
+def _windows(windows: dict[str, Any]) -> list[Row]:
+    latest = "" if windows["latest"] is None else f", the last closes at {windows['latest']:g}"
+    opening = [f"{a:g} to {b:g}" for a, b in windows["depot"] if a != 0 or math.isfinite(b)]
+    rows = [("windows", f"{windows['sites']} customers{latest}")] if windows["sites"] else []
+    return [*rows, *([("depot open", ", ".join(opening))] if opening else [])]
+
+
+def _travel(travel: dict[str, Any]) -> list[Row]:
+    own = ", durations of their own" if travel["own_durations"] else ""
+    return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates"))]
+
+
+def _fleet(fleet: list[dict[str, Any]]) -> list[Row]:
+    rows = []
+    for v in fleet:
+        count = "any number of vehicles" if v["count"] is None else f"at most {v['count']}"
+        words = {"capacity": "capacity", "max_duration": "duration up to", "max_distance": "distance up to"}
+        limits = [f"{words[key]} {v[key]:g}" for key in words if math.isfinite(v[key])]
+        if v["energy"] is not None:
+            limits.append("energy {capacity:g} at rate {rate:g} ({charge})".format(**v["energy"]))
+        rows.append(("fleet", f"{v['name']}: " + ", ".join([count, *limits])))
+    return rows
+
+
+def _least(routes: int) -> list[Row]:
+    return [("", f"at least {routes} routes")] if routes else []
+
+
+TABLES.add(
+    "routing",
+    Tables(
+        {
+            "sites": _sites, "demand": partial(_spread, "demand"), "service": partial(_spread, "service"), "windows": _windows,
+            "travel": _travel, "fleet": _fleet, "min_vehicles": _least,
+        },
+        answer_tables,
+    ),
+)  # fmt: skip

@@ -1,0 +1,41 @@
+"""Evidence for bounds: one module a method, in the room of its family; those for every family stand here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ... import _guard as _guard
+from ...formulations.evidence import Evidence
+from ...formulations.stop import Stop
+from ...instances.registry import Registry
+from ..linear_programs import LinearPrograms
+
+
+@dataclass(frozen=True)
+class BoundMethod:
+    """A way to bound a problem, registered in ``BOUNDS``.
+
+    Parameters
+    ----------
+    name : str
+    missing : callable
+        Features of the problem for which the method proves nothing (empty: it applies).
+    compute : callable
+        ``compute(problem, stop, linear)`` returns Evidence, or None where it found nothing before ``stop``, which it keeps in compiled
+        loops too. Linear programs are solved by ``linear``, which knows the user's solver, seed and threads.
+    order : int
+        Cheap methods first.
+    prepare : callable
+        What it does once a process, such as compiling a kernel; not counted against the budget.
+    """
+
+    name: str
+    missing: Callable[[Any], frozenset[str]]
+    compute: Callable[[Any, Stop, LinearPrograms], Evidence | None]
+    order: int = 0
+    prepare: Callable[[], None] = lambda: None
+
+
+BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")

@@ -1,0 +1,3 @@
+"""Evidence for bounds of max-min problems."""
+
+from .... import _guard as _guard

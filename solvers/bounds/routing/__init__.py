@@ -1,0 +1,3 @@
+"""Evidence for bounds of routing problems."""
+
+from .... import _guard as _guard

@@ -1,0 +1,112 @@
+"""Arc costs for the bound methods: depots merged into node 0, vehicle types into the cheapest, hopeless arcs left out.
+
+Which bound holds is for the checker to say, which draws up its own arcs; here they only steer the search for good multipliers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.stop import NEVER, Stop
+from ....formulations.tolerance import LIMIT
+from ....instances.memory import fits
+
+if TYPE_CHECKING:
+    from ....formulations.problem import Problem
+    from ....formulations.routing.problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+MATRICES = 8
+"""Of one number an arc, that stand in memory at once in the search for a bound, and again in its check."""
+
+ARCS_PER_SECOND = 2e6
+"""Arcs that are looked at in a second of the budget; the check takes about as long again."""
+
+ARC_TERMS = ("total-cost", "vehicles")
+
+
+@dataclass(frozen=True, eq=False)
+class Arcs:
+    """Node 0 is the depot, the others are ``customers`` in this order.
+
+    Parameters
+    ----------
+    customers : array of int
+        Site indices.
+    cost : array of shape (nodes, nodes)
+        Cost in the first level of the objective; infinite for arcs that no route can use.
+    fewest, most : int
+        Limits on the number of routes.
+    """
+
+    customers: NDArray[np.int64]
+    cost: Floats
+    fewest: int
+    most: int
+
+
+def lacks_arc_costs(problem: Problem) -> frozenset[str]:
+    """Features for which the arc bounds prove nothing: other families, optional sites, objectives that are no sum over arcs."""
+    if problem.family != "routing":
+        return frozenset({f"{problem.family} problems"})
+    missing = {"optional-sites"} & problem.features()
+    for weight, term in problem.objective.levels()[0].terms:  # type: ignore[attr-defined]
+        if term.name not in ARC_TERMS or weight < 0:
+            missing = missing | {f"objective:{term.name}"}
+    return frozenset(missing)
+
+
+def too_many_arcs(problem: RoutingProblem, seconds: float) -> bool:
+    """Whether all arcs are more than the memory holds, or than can be looked at in the time."""
+    arcs = (len(problem.customers) + 2) ** 2
+    return arcs > ARCS_PER_SECOND * seconds or not fits(8 * MATRICES * arcs)
+
+
+def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
+    """Arcs, costs and limits on the number of routes of a problem that ``lacks_arc_costs`` finds nothing against; None if too many."""
+    if too_many_arcs(problem, stop.seconds_left):
+        return None
+    sites, travel, fleet = problem.sites, problem.travel, problem.fleet
+    at = problem.customers
+    weights = dict.fromkeys(ARC_TERMS, 0.0)
+    for weight, term in problem.objective.levels()[0].terms:
+        weights[term.name] += weight
+
+    def between(matrix: Floats) -> Floats:
+        starts, ends = np.array([v.start for v in fleet]), np.array([v.end for v in fleet])
+        made = np.zeros((len(at) + 1, len(at) + 1))
+        made[1:, 1:] = matrix[np.ix_(at, at)]
+        made[0, 1:] = matrix[np.ix_(starts, at)].min(axis=0)
+        made[1:, 0] = matrix[np.ix_(at, ends)].min(axis=1)
+        return made
+
+    share = weights["total-cost"]
+    cost = share * min(v.unit_cost for v in fleet) * between(travel.distances)
+    first = [share * (v.fixed_cost + v.unit_cost * travel.distances[v.start, at]) for v in fleet]
+    cost[0, 1:] = np.min(first, axis=0) + weights["vehicles"]
+    cost[1:, 0] = share * np.min([v.unit_cost * travel.distances[at, v.end] for v in fleet], axis=0)
+    time = between(travel.durations)
+    time[1:] += sites.service[at, None]
+    start, end = min(float(sites.ready[v.start]) for v in fleet), max(float(sites.due[v.end]) for v in fleet)
+    ready = np.concatenate([[start], np.maximum(sites.ready[at], start + time[0, 1:])])
+    due = np.concatenate([[end], sites.due[at]])
+    load = np.concatenate([[0.0], sites.demand[at]])
+    capacity = max(v.capacity for v in fleet)
+    hopeless = ready[:, None] + time > due[None, :] + LIMIT * np.abs(due)[None, :]
+    hopeless |= load[:, None] + load[None, :] > capacity * (1.0 + LIMIT)
+    late = ready > due + LIMIT * np.abs(due)
+    hopeless |= np.eye(len(cost), dtype=bool) | late[:, None] | late[None, :]
+    cost[hopeless] = math.inf
+
+    most = len(at) if problem.vehicle_limit is None else min(len(at), problem.vehicle_limit)
+    total = float(math.fsum(load))
+    fewest = max(1, problem.min_vehicles)
+    if 0 < capacity < math.inf:
+        fewest = max(fewest, math.ceil(total / capacity * (1.0 - LIMIT)))
+    return Arcs(at, cost, fewest, most)

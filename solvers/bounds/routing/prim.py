@@ -1,0 +1,57 @@
+"""Prim's minimum spanning tree on a dense matrix, compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....formulations.kernels import kernel
+from ....formulations.stop_kernel import asked
+
+
+@kernel("Tuple((f8, i8[::1]))(i8[::1], f8[:, ::1], f8[::1])")
+def spanning_tree_degrees(flag, edges, price):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Weight and node degrees of the minimum spanning tree for ``edges[i, j] + price[i] + price[j]``.
+
+    Parameters
+    ----------
+    flag : array
+        Of a ``Stop``.
+    edges : array of shape (nodes, nodes)
+        Symmetric; infinite where there is no edge.
+    price : array of shape (nodes,)
+
+    Returns
+    -------
+    (float, array of int)
+        The weight is infinite if the edges do not join all nodes, NaN where it was asked to stop.
+    """
+    n = len(price)
+    degree = np.zeros(n, np.int64)
+    nearest = np.full(n, math.inf)
+    parent = np.zeros(n, np.int64)
+    left = np.arange(1, n)
+    count, node, total = n - 1, 0, 0.0
+    while count > 0:
+        if asked(flag):
+            return math.nan, degree
+        best, chosen = math.inf, -1
+        for k in range(count):
+            j = left[k]
+            w = edges[node, j] + price[node] + price[j]
+            if w < nearest[j]:
+                nearest[j] = w
+                parent[j] = node
+            if nearest[j] < best:
+                best = nearest[j]
+                chosen = k
+        if chosen < 0:
+            return math.inf, degree
+        node = left[chosen]
+        count -= 1
+        left[chosen] = left[count]
+        total += best
+        degree[node] += 1
+        degree[parent[node]] += 1
+    return total, degree

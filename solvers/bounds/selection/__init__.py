@@ -1,0 +1,3 @@
+"""Evidence for bounds of selection problems."""
+
+from .... import _guard as _guard

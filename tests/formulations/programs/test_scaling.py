@@ -1,0 +1,111 @@
+"""Programs are brought to sizes that solvers count in, and everything comes back in its own units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import waybound as wb
+from waybound.formulations.programs.cones import Cones
+from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.programs.scaling import COMMON, scaled
+from waybound.solvers.backend import Control, Options
+from waybound.solvers.backends.highs import Highs
+
+INF = math.inf
+
+
+def knapsack(unit: float = 1.0, worth: float = 1.0) -> Program:
+    """Two whole variables and a continuous one, of which 4 units may be used: the best is x = (1, 0, 2), 5.5 + 4 worth."""
+    return Program(
+        "toy", "max",
+        (
+            Variables("x", lower=np.zeros(2), upper=np.ones(2), cost=np.array([5.5, 2.0]) * worth, integer=True),
+            Variables("f", lower=np.zeros(1), upper=np.array([3.0]) * unit, cost=np.array([2.0]) * worth / unit),
+        ),
+        (
+            Rows("load", indptr=np.array([0, 3], np.int32), indices=np.array([0, 1, 2], np.int32), data=np.array([2.0, 3.0, 1.0 / unit]),
+                 lower=np.array([-INF]), upper=np.array([4.0])),
+        ),
+        offset=1.0 * worth,
+    )  # fmt: skip
+
+
+def test_a_program_of_ordinary_size_is_handed_over_as_it_is():
+    program = knapsack()
+    assert scaled(program).program is program
+
+
+@pytest.mark.parametrize(("unit", "worth"), [(2.0**-40, 1.0), (2.0**60, 2.0**-60), (1.0, 2.0**-200), (2.0**-300, 2.0**300)])
+def test_the_same_program_comes_out_whatever_its_units(unit, worth):
+    one, other = (scaled(knapsack(unit * k, worth * k)) for k in (1.0, 2.0**8))
+    for name in ("cost", "lower", "upper", "row_lower", "row_upper", "data"):
+        assert np.array_equal(getattr(one.program, name), getattr(other.program, name)), name
+    assert np.abs(one.program.cost).max() < 2.0 ** (COMMON + 1)
+    assert one.program.offset == other.program.offset
+
+
+@pytest.mark.parametrize(("unit", "worth"), [(1.0, 1.0), (2.0**-40, 1.0), (2.0**60, 2.0**-60), (2.0**-300, 2.0**300)])
+def test_answers_values_and_duals_come_back_in_the_units_of_the_data(unit, worth):
+    program = knapsack(unit, worth)
+    heard = []
+    control = Control(heard.append)
+    result = Highs().run(program, Options(start=np.array([0.0, 1.0, unit])), control)
+    assert result.answer / np.array([1.0, 1.0, unit]) == pytest.approx([1.0, 0.0, 2.0])
+    assert result.objective / worth == pytest.approx(10.5)
+    assert result.bound / worth == pytest.approx(10.5)
+    assert all(event["objective"] is None or event["objective"] / worth <= 10.5 + 1e-6 for event in heard)
+    relaxed = replace(program, variables=tuple(replace(b, integer=False) for b in program.variables))
+    bare = Highs().run(relaxed, Options(), Control())
+    assert bare.row_duals / worth == pytest.approx([2.0])
+
+
+@given(st.integers(-200, 200), st.integers(-200, 200))
+def test_vectors_survive_the_way_there_and_back(unit, worth):
+    made = scaled(knapsack(2.0**unit, 2.0**worth))
+    x = np.array([1.0, 0.0, 2.0**unit])
+    assert np.array_equal(made.vector(made.scaled_vector(x)), x)
+    assert made.residual(x) == 0.0
+
+
+def test_cones_stay_cones():
+    starts, columns, entries = np.array([0, 1, 2], np.int32), np.array([2, 0], np.int32), np.array([1.0, 1e-30])
+    program = replace(knapsack(2.0**-40), cones=(Cones("norm", "second-order", 2, starts, columns, entries, np.zeros(2)),))
+    made = scaled(program)
+    for x in (np.array([1.0, 0.0, 2.0**-40]), np.array([0.0, 0.0, -(2.0**-40)])):
+        assert (made.program.cones[0].excess(made.scaled_vector(x)) <= 0) == (program.cones[0].excess(x) <= 0)
+
+
+@pytest.mark.parametrize("power", [-60, -30, 30, 60])
+def test_a_problem_is_solved_alike_in_every_unit(power):
+    graph = wb.generate("sata", robots=3, actions=2, targets=5, phi=40, seed=3).graph
+    other = wb.SensingGraph(graph.robot_of_action, graph.indptr, graph.indices, np.ldexp(graph.weights, power), graph.num_robots,
+                            graph.num_targets, name="other")  # fmt: skip
+    for kind in (wb.BottleneckSATA, wb.WinnerTakesAllSATA):
+        a, b = (wb.solve(kind(g), "highs", bound_time=0.5) for g in (graph, other))
+        assert (a.status, a.bound_kind) == (b.status, b.bound_kind)
+        assert b.objective == pytest.approx(math.ldexp(a.objective, power), rel=1e-12)
+        assert b.bound == pytest.approx(math.ldexp(a.bound, power), rel=1e-9)
+
+
+def test_variables_of_a_block_that_lie_far_apart_are_counted_each_in_its_own_unit():
+    """With one unit for both, the second would be below every tolerance."""
+    x = Variables("x", lower=np.zeros(2), upper=np.array([1e7, 1e-4]), cost=np.array([-1e-7, -1e4]))
+    row = Rows("row", indptr=np.array([0, 2], np.int32), indices=np.array([0, 1], np.int32), data=np.array([1e-7, 1e4]),
+               lower=np.array([-INF]), upper=np.array([0.5]))  # fmt: skip
+    result = Highs().run(Program("apart", "min", (x,), (row,)), Options(), Control())
+    assert result.objective == pytest.approx(-0.5)
+
+
+def test_numbers_too_far_apart_for_any_unit_are_left_alone():
+    x = Variables("x", lower=np.zeros(1), upper=np.array([1e200]), cost=np.array([1e200]))
+    row = Rows("row", indptr=np.array([0, 1], np.int32), indices=np.array([0], np.int32), data=np.array([1e-300]),
+               lower=np.array([1e100]), upper=np.array([INF]))  # fmt: skip
+    program = Program("far", "min", (x,), (row,))
+    made = scaled(program).program
+    assert made is program or all(np.isfinite(part).all() for part in (made.cost, made.row_lower, made.data))

@@ -1,0 +1,199 @@
+"""Proofs that a fleet is too small hold only where it is, and each limit alone can make one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waybound.formulations.evidence import CHECKERS
+from waybound.formulations.routing.checking import fleet_need as checks
+from waybound.formulations.routing.objective import Reward
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.errors import InputError
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+
+KINDS = ("too-few-vehicles", "bin-packing", "too-little-range", "too-little-time", "sites-apart", "sites-beyond-fleet", "too-few-sites")
+
+
+def unit(*vehicles: VehicleType, n: int = 3, min_vehicles: int = 0, **arrays) -> RoutingProblem:
+    """A depot o and sites a, b, c, ... all 1 apart."""
+    names = "oabcdefghijk"[: n + 1]
+    made = {key: [math.inf if key == "due" else 0.0, *np.broadcast_to(value, n)] for key, value in arrays.items()}
+    return RoutingProblem(Sites.of(names, **made), Travel(EXPLICIT, matrix=np.ones((n + 1, n + 1))), vehicles, min_vehicles=min_vehicles)
+
+
+def proved(problem: RoutingProblem, kind: str, **data) -> bool:
+    bound = CHECKERS[kind](problem, data)
+    assert abs(bound) == math.inf
+    return bound == math.inf
+
+
+def test_a_fleet_that_cannot_carry_the_total_is_too_small():
+    assert proved(unit(VehicleType(2, 4), demand=3), "too-few-vehicles")
+    assert not proved(unit(VehicleType(3, 3), demand=3), "too-few-vehicles")
+    assert not proved(unit(VehicleType(None, 3), demand=3), "too-few-vehicles")
+
+
+def test_bins_that_do_not_hold_the_demands():
+    asked = unit(VehicleType(2, 10), demand=6)
+    assert not proved(asked, "too-few-vehicles")
+    assert proved(asked, "bin-packing", threshold=5.0)
+    assert not proved(asked, "bin-packing", threshold=7.0)  # above half a capacity it says nothing
+    assert not proved(asked, "bin-packing", threshold=-1.0)
+    assert not proved(unit(VehicleType(2, 10), demand=[6, 5, 5]), "bin-packing", threshold=5.0)
+    assert not proved(unit(VehicleType(2), demand=6), "bin-packing", threshold=5.0)
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "resource", "service"),
+    [
+        ({"max_distance": 3.0}, "distance", 0.0),
+        ({"max_duration": 6.0}, "duration", 2.0),
+        ({"energy": Energy(6.0, 2.0)}, "travel", 0.0),
+        ({"energy": Energy(12.0, 2.0, "elapsed")}, "duration", 2.0),
+        ({"energy": Energy(12.0, 2.0, "windows")}, "duration", 2.0),
+        ({"energy": Energy(12.0, 2.0, "elapsed-fixed-start")}, "duration", 2.0),
+    ],
+)
+def test_a_range_that_is_too_short_for_all_is_told(vehicle, resource, service):
+    """Four sites, at least five moves of 1: 5 of driving, 13 with service."""
+    need = 5.0 if resource != "duration" else 13.0
+    enough = {
+        key: replace(v, capacity=need * v.rate) if isinstance(v, Energy) else need for key, v in vehicle.items()
+    }  # fmt: skip
+    half = {key: replace(v, capacity=v.capacity * 0.99) if isinstance(v, Energy) else v for key, v in vehicle.items()}
+    assert proved(unit(VehicleType(1, **half), n=4, service=service), "too-little-range", resource=resource)
+    assert not proved(unit(VehicleType(1, **enough), n=4, service=service), "too-little-range", resource=resource)
+    assert not proved(unit(VehicleType(None, **half), n=4, service=service), "too-little-range", resource=resource)
+
+
+def test_the_hours_of_a_depot_are_a_range_too():
+    sites = Sites.of("oab", due=[6.9, math.inf, math.inf], service=[0, 2, 2])
+    asked = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(1),))
+    assert proved(asked, "too-little-range", resource="duration")
+    assert not proved(asked, "too-little-range", resource="travel")
+    assert not proved(replace(asked, sites=replace(sites, due=np.array([7.0, 9, 9]))), "too-little-range", resource="duration")
+
+
+def test_sites_that_fall_between_two_moments_ask_for_more_time_than_there_is():
+    """Four sites, each begun from 1 on: two a vehicle, served in 2 and driven to in 1, so that the last begins at 4."""
+    asked = unit(VehicleType(2), n=4, service=2.0, due=3.9)
+    moments: dict[str, Any] = {"from": 1.0, "until": 3.9, "sites": list("abcd")}
+    assert proved(asked, "too-little-time", **moments)
+    assert not proved(unit(VehicleType(2), n=4, service=2.0, due=4.0), "too-little-time", **moments | {"until": 4.0})
+    assert not proved(unit(VehicleType(3), n=4, service=2.0, due=3.9), "too-little-time", **moments)
+    assert not proved(unit(VehicleType(2), n=4, service=2.0, due=3.9, required=[True, True, True, False]), "too-little-time", **moments)
+    assert not proved(asked, "too-little-time", **moments | {"from": 1.1})  # they begin before
+    assert not proved(asked, "too-little-time", **moments | {"until": 3.8})  # or after
+    assert not proved(asked, "too-little-time", **moments | {"sites": ["a", "b"]})
+
+
+def test_sites_due_at_once_need_a_vehicle_each():
+    asked = unit(VehicleType(2), due=1.0)
+    assert proved(asked, "sites-apart", sites=["a", "b", "c"])
+    assert not proved(asked, "sites-apart", sites=["a", "b"])
+    assert not proved(unit(VehicleType(3), due=1.0), "sites-apart", sites=["a", "b", "c"])
+    assert not proved(unit(VehicleType(2), due=[1.0, 1.0, 2.0]), "sites-apart", sites=["a", "b", "c"])
+    assert not proved(unit(VehicleType(2), due=1.0, required=[True, True, False]), "sites-apart", sites=["a", "b", "c"])
+
+
+def test_only_vehicles_that_can_serve_a_named_site_count():
+    small, large = VehicleType(5, 2, name="small"), VehicleType(1, 4, name="large")
+    assert proved(unit(small, large, demand=[3, 3, 1]), "sites-apart", sites=["a", "b"])
+    assert not proved(unit(small, large, demand=[3, 2, 2]), "sites-apart", sites=["a", "b"])
+
+
+def test_a_third_site_may_join_two():
+    """From a to b it is 9, over c 2: with c they fit on one route."""
+    matrix = np.array([[0, 1, 1, 1], [1, 0, 9, 1], [1, 9, 0, 1], [1, 1, 1, 0]], dtype=float)
+    sites = Sites.of("oabc", due=[math.inf, 3, 3, 9])
+    asked = RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix), (VehicleType(1),))
+    for named in (["a", "b"], ["a", "b", "c"]):
+        assert not proved(asked, "sites-apart", sites=named)
+        assert not proved(asked, "sites-beyond-fleet", sites=named)
+
+
+def test_every_choice_of_routes_of_a_few_sites_is_tried():
+    asked = unit(VehicleType(1), due=[2.0, 2.0, 2.0])
+    assert proved(asked, "sites-beyond-fleet", sites=["a", "b", "c"])
+    assert not proved(asked, "sites-beyond-fleet", sites=["a", "b"])
+    assert not proved(unit(VehicleType(2), due=2.0), "sites-beyond-fleet", sites=["a", "b", "c"])
+    assert not proved(unit(VehicleType(1), due=2.0, required=[True, True, False]), "sites-beyond-fleet", sites=["a", "b", "c"])
+
+
+def test_waiting_counts_in_the_duration():
+    """Site a is served from 10 on and b by 2, so that a route over both lasts 8 and more."""
+    short = unit(VehicleType(1, max_duration=8.9), n=2, ready=[10, 0], due=[math.inf, 2])
+    enough = unit(VehicleType(1, max_duration=10.0), n=2, ready=[10, 0], due=[math.inf, 2])
+    assert proved(short, "sites-beyond-fleet", sites=["a", "b"])
+    assert not proved(enough, "sites-beyond-fleet", sites=["a", "b"])
+
+
+def test_more_routes_than_sites_in_reach():
+    assert proved(unit(VehicleType(5), min_vehicles=4), "too-few-sites")
+    assert not proved(unit(VehicleType(5), min_vehicles=3), "too-few-sites")
+    assert proved(unit(VehicleType(5), min_vehicles=3, due=[0.5, 1, 1], required=[False, True, True]), "too-few-sites")
+
+
+def test_routes_asked_for_count_where_all_sites_are_named():
+    """Site a is reached over b alone, so that there are two routes at most."""
+    matrix = np.array([[0, 9, 1, 1], [1, 0, 1, 1], [1, 1, 0, 1], [1, 9, 1, 0]], dtype=float)
+    sites = Sites.of("oabc", due=[math.inf, 2, 9, 9])
+    asked = RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix), (VehicleType(5),), min_vehicles=3)
+    assert proved(asked, "sites-beyond-fleet", sites=["a", "b", "c"])
+    assert not proved(asked, "sites-beyond-fleet", sites=["a", "b"])
+    assert not proved(replace(asked, min_vehicles=2), "sites-beyond-fleet", sites=["a", "b", "c"])
+
+
+def test_types_that_differ_in_price_alone_are_one():
+    fleet = [VehicleType(1, name=f"robot {k}", unit_cost=1.0 + k) for k in range(40)]
+    assert not proved(unit(*fleet, n=7, due=1.0), "sites-beyond-fleet", sites=list("abcdefg"))
+    assert proved(unit(*fleet[:6], n=7, due=1.0), "sites-beyond-fleet", sites=list("abcdefg"))
+
+
+def test_too_much_to_try_proves_nothing(monkeypatch):
+    asked = unit(VehicleType(1), n=9, due=1.0)
+    assert not proved(asked, "sites-beyond-fleet", sites=list("abcdefghi"))
+    monkeypatch.setattr(checks, "MOST_COVERS", 0)
+    assert not proved(unit(VehicleType(1), due=2.0), "sites-beyond-fleet", sites=["a", "b", "c"])
+    monkeypatch.setattr(checks, "MOST_APART", 2)
+    assert not proved(unit(VehicleType(2), due=1.0), "sites-apart", sites=["a", "b", "c"])
+
+
+def test_for_max_the_signs_change_places():
+    data = {"threshold": 0.5, "resource": "distance", "sites": ["a"], "from": 0, "until": 9}
+    asked = replace(unit(VehicleType(1, 1), demand=9.0), objective=Reward())
+    for kind in KINDS:
+        bound = CHECKERS[kind](asked, data)
+        assert bound == (-math.inf if kind in ("too-few-vehicles", "bin-packing", "sites-apart", "sites-beyond-fleet") else math.inf), kind
+
+
+@pytest.mark.parametrize(
+    ("kind", "data"),
+    [
+        *(("bin-packing", data) for data in ({}, {"threshold": "a"}, {"threshold": math.nan}, {"threshold": True})),
+        ("too-little-time", {}), ("too-little-time", {"from": 0}), ("too-little-time", {"from": 0, "until": math.inf}),
+        ("too-little-time", {"from": 0, "until": 9}),
+        ("too-little-range", {}), ("too-little-range", {"resource": ["distance"]}),
+        *(
+            (kind, {"sites": names})
+            for kind in ("sites-apart", "sites-beyond-fleet")
+            for names in (None, [], "ab", ["z"], [1], ["a", "a"], ["o"], {"a": 1})
+        ),
+    ],
+)  # fmt: skip
+def test_malformed_evidence_is_refused(kind, data):
+    with pytest.raises(InputError):
+        CHECKERS[kind](unit(VehicleType(1)), data)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "too-few-sites"])
+def test_sums_that_may_overflow_prove_nothing(kind):
+    asked = unit(VehicleType(1, 1.0, energy=Energy(1.0, 1e300)), demand=5.0)
+    assert not proved(asked, kind, threshold=0.5, resource="distance", sites=["a", "b"], **{"from": 0, "until": 1})

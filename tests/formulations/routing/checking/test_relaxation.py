@@ -1,0 +1,89 @@
+"""The relaxation holds every answer: its arcs, its costs, its numbers of routes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.evidence import Evidence
+from waybound.formulations.routing.checking.relaxation import relax
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.formulations.tolerance import LIMIT
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_every_feasible_answer_is_in_the_relaxation_at_no_greater_cost(random_problem, seed):
+    problem = random_problem(seed)
+    relaxed = relax(problem)
+    assert relaxed is not None
+    node = {int(site): k for k, site in enumerate(relaxed.customers, start=1)}
+    rng = np.random.default_rng(seed)
+    for _ in range(60):
+        order = rng.permutation(problem.customers).tolist()
+        cuts = sorted(set(rng.integers(1, len(order) + 1, 3).tolist()) | {len(order)})
+        routes = [Route(tuple(order[a:b]), int(rng.integers(len(problem.fleet)))) for a, b in zip([0, *cuts], cuts, strict=False)]
+        verdict = problem.evaluate(Routes(tuple(r for r in routes if r.visits)))
+        if not verdict.feasible:
+            continue
+        driven = [r for r in routes if r.visits]
+        assert relaxed.fewest <= len(driven) <= relaxed.most
+        stops = [[0, *(node[i] for i in r.visits), 0] for r in driven]
+        cost = math.fsum(float(relaxed.cost[i, j]) for s in stops for i, j in itertools.pairwise(s))
+        assert cost <= verdict.values[0] + 1e-9
+        if relaxed.grain is not None:
+            grains = verdict.values[0] / relaxed.grain.size
+            assert abs(grains - round(grains)) < 1e-6
+
+
+def test_windows_shut_out_arcs_that_no_route_can_use():
+    sites = Sites.of("oab", ready=[0, 0, 30], due=[100, 10, 40])
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.full((3, 3), 5.0)), (VehicleType(),))
+    cost = relax(problem).cost
+    assert math.isfinite(cost[1, 2])
+    assert math.isinf(cost[2, 1])
+
+
+def test_loads_that_do_not_fit_together_shut_out_arcs():
+    problem = RoutingProblem(Sites.of("oabc", demand=[0, 3, 3, 1]), Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(capacity=4),))
+    cost = relax(problem).cost
+    assert math.isinf(cost[1, 2])
+    assert math.isinf(cost[2, 1])
+    assert math.isfinite(cost[1, 3])
+
+
+def test_total_demand_sets_the_fewest_routes():
+    problem = RoutingProblem(
+        Sites.of("oabc", demand=[0, 3, 3, 3]), Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(capacity=5, count=9),)
+    )
+    relaxed = relax(problem)
+    assert (relaxed.fewest, relaxed.most) == (2, 3)
+
+
+def test_a_late_arrival_within_the_tolerance_of_the_check_keeps_its_arc():
+    matrix = np.array([[0, 10.0], [10.0, 0]])
+    problem = RoutingProblem(Sites.of("oa", due=[100, 10 * (1 - 0.9 * LIMIT)]), Travel(EXPLICIT, matrix=matrix), (VehicleType(),))
+    assert problem.evaluate(Routes.of([[1]])).feasible
+    assert math.isfinite(relax(problem).cost[0, 1])
+
+
+@pytest.mark.parametrize("opening", [1e6, 1.7e9])
+def test_durations_are_known_as_closely_as_the_clock_of_their_own_depot(opening):
+    """The judge's rounding is that of the second depot's times; the earliest opening of the fleet is 0."""
+    matrix = np.ones((3, 3)) - np.eye(3)
+    limit = 2.0 - 2e-15 * opening
+    sites = Sites.of("abc", depot=[True, True, False], ready=[0, opening, opening])
+    fleet = (VehicleType(start=0, end=0, max_duration=limit, max_distance=1.0), VehicleType(start=1, end=1, max_duration=limit))
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix), fleet)
+    assert problem.evaluate(Routes((Route((2,), 1),))).feasible
+    for kind, data in (("spanning-tree", {"multipliers": [0.0] * 3}), ("arc-multipliers", {"out": [0.0] * 3, "in": [0.0] * 3})):
+        assert verified_bound(problem, Evidence(kind, "", 0.0, data)) < math.inf

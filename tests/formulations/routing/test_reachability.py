@@ -1,0 +1,133 @@
+"""Sites named unreachable are on no feasible route, and no answer has fewer routes than the least number."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from oracles import ASYM_5, SQUARE_4, TWO_INDEX, best_routes, optimum, routing, small_problems, solved
+
+from waybound.formulations.routing.objective import Objective, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.reachability import minimum_vehicles, unreachable
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+
+DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
+@DRAWN
+@given(problem=small_problems(most=3))
+def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
+    visited = {site for table in best_routes(problem) for sites in table for site in sites}
+    assert not visited & set(unreachable(problem))
+
+
+@settings(DRAWN, max_examples=60)
+@given(problem=small_problems(most=3, hetero=True))
+def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
+    visited = {site for table in best_routes(problem) for sites in table for site in sites}
+    assert not visited & set(unreachable(problem))
+
+
+@DRAWN
+@given(problem=small_problems(most=4))
+def test_no_answer_has_fewer_routes_than_the_least_number(problem: RoutingProblem) -> None:
+    counted = RoutingProblem(problem.sites, problem.travel, problem.fleet, Objective.of(Vehicles()), problem.min_vehicles)
+    fewest = optimum(counted)
+    assert fewest is None or fewest >= minimum_vehicles(problem)
+
+
+@pytest.mark.parametrize(
+    ("sites", "vehicle", "reason"),
+    [
+        ({"demand": [0, 1, 9, 1, 1]}, {"capacity": 5}, "its demand is 9, the capacity 5"),
+        ({"due": [99, 9, 4, 9, 9]}, {}, "it is reached at 5 at the earliest, due 4"),
+        ({"due": [9.5, 9, 9, 9, 9]}, {}, "the return from it is at 10 at the earliest, due 9.5"),
+        ({"due": [11, 9, 9, 9, 9], "ready": [0, 0, 7, 0, 0]}, {}, "the return from it is at 12 at the earliest, due 11"),
+        ({"service": [0, 0, 3, 0, 0]}, {"max_duration": 12}, "a route to it lasts 13 at least, the longest duration is 12"),
+        ({}, {"max_distance": 9}, "a route to it is 10 long at least, the longest distance is 9"),
+        ({}, {"energy": Energy(19, 2.0)}, "a route to it draws 20 of energy at least (travel), the store holds 19"),
+        (
+            {"service": [0, 0, 3, 0, 0]},
+            {"energy": Energy(12, 1.0, "elapsed")},
+            "a route to it draws 13 of energy at least (elapsed), the store holds 12",
+        ),
+        (
+            {"ready": [0, 0, 8, 0, 0]},
+            {"energy": Energy(12, 1.0, "elapsed-fixed-start")},
+            "a route to it draws 13 of energy at least (elapsed-fixed-start), the store holds 12",
+        ),
+    ],
+)
+def test_reasons_name_the_limit_and_both_amounts(sites: dict[str, object], vehicle: dict[str, object], reason: str) -> None:
+    problem = routing(xy=SQUARE_4, sites=sites, count=4, **vehicle)
+    assert unreachable(problem) == {2: reason}
+    for form in problem.forms():
+        assert solved(problem.compile(form).program)[0] == "infeasible"
+
+
+def test_a_detour_makes_a_site_reachable_where_the_triangle_inequality_fails() -> None:
+    """Site 2 lies 7 away, but 6 through site 1; site 4 is 7 from home, and reached after 6."""
+    assert unreachable(routing(matrix=ASYM_5, count=2, sites={"due": [99, 9, 6, 9, 9, 9]})) == {}
+    assert unreachable(routing(matrix=ASYM_5, count=2, sites={"due": [99, 9, 5.9, 9, 9, 9]})) == {
+        2: "it is reached at 6 at the earliest, due 5.9"
+    }
+
+
+def test_a_route_of_exactly_its_limit_is_reachable() -> None:
+    matrix = np.array([[0, 0.1], [0.2, 0]])
+    assert unreachable(routing(matrix=matrix, max_distance=0.3)) == {}
+    assert unreachable(routing(xy=SQUARE_4, max_distance=10.0)) == {}
+
+
+def test_a_site_needs_one_vehicle_type_that_can_serve_it() -> None:
+    small, slow = VehicleType(name="small", capacity=1), VehicleType(name="slow", max_distance=7.0)
+    problem = routing(xy=SQUARE_4, sites={"demand": [0, 1, 2, 1, 2]}, fleet=(small, slow))
+    assert unreachable(problem) == {
+        2: "small: its demand is 2, the capacity 1; slow: a route to it is 10 long at least, the longest distance is 7"
+    }
+
+
+@pytest.mark.parametrize(
+    ("demand", "fleet", "least"),
+    [
+        ([1, 1, 1, 1], (VehicleType(capacity=2),), 2),
+        ([1, 1, 1, 1], (VehicleType(capacity=3),), 2),
+        ([0.1, 0.1, 0.1, 0.0], (VehicleType(capacity=0.1),), 3),
+        ([1, 1, 1, 1], (VehicleType(),), 1),
+        ([3, 3, 3, 3], (VehicleType(count=1, capacity=9), VehicleType(count=9, capacity=2)), 3),
+        ([9, 9, 9, 9], (VehicleType(count=2, capacity=9),), 3),
+    ],
+)
+def test_least_number_of_routes_from_loads(demand: list[float], fleet: tuple[VehicleType, ...], least: int) -> None:
+    assert minimum_vehicles(routing(xy=SQUARE_4, sites={"demand": [0, *demand]}, fleet=fleet)) == least
+
+
+def test_least_number_of_routes_counts_only_required_sites() -> None:
+    sites = {"demand": [0, 5, 5, 5, 5], "required": [False, True, False, False, False]}
+    assert minimum_vehicles(routing(xy=SQUARE_4, sites=sites, capacity=5)) == 1
+    assert minimum_vehicles(routing(xy=SQUARE_4, sites={**sites, "required": False}, capacity=5)) == 0
+    assert minimum_vehicles(routing(xy=SQUARE_4, capacity=math.inf, min_vehicles=3)) == 3
+
+
+def test_forms_agree_that_unreachable_optional_sites_are_left_out() -> None:
+    problem = routing(xy=SQUARE_4, sites={"due": [99, 9, 4, 9, 9], "required": [False, True, False, True, True]}, count=4)
+    assert unreachable(problem).keys() == {2}
+    for form in ("three-index", *TWO_INDEX):
+        assert solved(problem.compile(form).program)[0] == "optimal"
+
+
+def test_where_direct_ways_will_do_no_others_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = RoutingProblem(
+        Sites.of(range(100_000)),
+        Travel("EUC_2D", np.random.default_rng(1).uniform(0, 100, (100_000, 2))),
+        (VehicleType(max_distance=300.0),),
+    )
+    monkeypatch.setattr(Travel, "distances", property(lambda self: pytest.fail("all distances")))
+    assert unreachable(problem) == {}
+    tight = replace(problem, fleet=(VehicleType(max_distance=10.0),))
+    assert unreachable(tight) == {}  # ways through others are too many to be looked at

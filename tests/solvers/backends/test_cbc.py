@@ -1,0 +1,135 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
+import numpy as np
+import pytest
+
+from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.instances.errors import UsageError
+from waybound.solvers.backend import Control, Options
+from waybound.solvers.backends.cbc import Log, find_cbc, minimised, run_cbc
+
+
+def knapsack(sense: str = "max") -> Program:
+    """Two items, of which one fits; a constant of 5."""
+    sign = 1.0 if sense == "max" else -1.0
+    items = Variables("x", keys=(np.arange(2),), lower=np.zeros(2), upper=np.ones(2), cost=sign * np.array([3.0, 4.0]), integer=True)
+    rows = Rows(
+        "room", indptr=np.array([0, 2], dtype=np.int32), indices=np.arange(2, dtype=np.int32), data=np.array([2.0, 3.0]),
+        lower=np.array([-np.inf]), upper=np.array([4.0]),
+    )  # fmt: skip
+    return Program("knapsack", sense, (items,), (rows,), offset=5.0)
+
+
+def test_bounds_are_read_as_they_come_and_weakened_by_what_printing_may_add() -> None:
+    log = Log()
+    assert log.feed("Cbc0010I After 0 nodes, 1 on tree, 1e+50 best solution, best possible -21681.64 (0.01 sec") is None
+    bound = log.feed("onds)\r\n")
+    assert bound == pytest.approx(-21681.64, abs=0.01)
+    assert bound is not None
+    assert bound < -21681.64
+    assert log.feed("Cbc0010I After 9 nodes, 3 on tree, 1e+50 best solution, best possible -21690 (0.02 seconds)\n") is None
+    assert log.feed("Lower bound:                    -21680.375\n") == pytest.approx(-21680.3755)
+
+
+def test_a_bound_that_is_no_bound_is_not_read() -> None:
+    log = Log()
+    assert log.feed("Cbc0005I Partial search - best objective 1e+50 (best possible -1e+50), took 0 iterations\n") is None
+
+
+@pytest.mark.parametrize(
+    ("line", "end"),
+    [
+        ("Cbc0020I Exiting on maximum time", "time"), ("Cbc0003I Exiting on maximum nodes", "nodes"),
+        ("Cbc0027I Exiting on user event", "interrupt"), ("Cbc0011I Exiting as integer gap of 282.3 less than 1e-10 or 5%", "gap"),
+        ("Result - Stopped on time limit", "time"), ("Result - Stopped on node limit", "nodes"), ("Result - Optimal solution found", ""),
+    ],
+)  # fmt: skip
+def test_how_it_ended_is_read_from_the_log(line: str, end: str) -> None:
+    log = Log()
+    log.feed(line + "\n")
+    assert log.end == end
+
+
+def test_optimal_within_a_gap_is_not_optimal() -> None:
+    log = Log()
+    log.feed("Result - Optimal solution found (within gap tolerance)\n")
+    assert not log.gap_closed
+
+
+def test_the_program_handed_over_is_minimised_without_its_constant() -> None:
+    plain = minimised(knapsack("max"))
+    assert (plain.sense, plain.offset, plain.cost.tolist()) == ("min", 0.0, [-3.0, -4.0])
+    assert minimised(knapsack("min")).cost.tolist() == [-3.0, -4.0]
+
+
+@pytest.mark.parametrize(("sense", "value"), [("max", 9.0), ("min", 1.0)])
+def test_values_come_back_in_the_programs_own_sense(sense: str, value: float, tmp_path) -> None:
+    result = run_cbc(find_cbc(), knapsack(sense), Options(), Control(), tmp_path)
+    assert (result.status, result.objective, result.bound) == ("optimal", value, value)
+    assert result.answer.tolist() == [0, 1]
+
+
+def test_points_and_duals_come_with_all_their_digits(tmp_path) -> None:
+    share = Variables("x", lower=np.zeros(1), upper=np.array([np.inf]), cost=np.ones(1))
+    rows = Rows(
+        "room", indptr=np.array([0, 0, 1], dtype=np.int32), indices=np.zeros(1, dtype=np.int32), data=np.array([3.0]),
+        lower=np.full(2, -np.inf), upper=np.array([np.inf, 1e6]),
+    )  # fmt: skip
+    result = run_cbc(find_cbc(), Program("thirds", "max", (share,), (rows,)), Options(), Control(), tmp_path)
+    assert result.answer == pytest.approx([1e6 / 3.0], rel=1e-15)
+    assert result.row_duals == pytest.approx([0.0, 1.0 / 3.0], rel=1e-15)
+
+
+def test_parameters_of_cbc_are_passed_on(tmp_path) -> None:
+    for extra in ({"cuts": "off"}, {"cutsOnOff": "off", "heuristicsOnOff": "off"}, {"strongBranching": 2}):
+        assert run_cbc(find_cbc(), knapsack(), Options(extra=extra), Control(), tmp_path).objective == 9.0
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        ({"cutz": "off"}, "no parameter 'cutz'"), ({"cuts": "sideways"}, "'sideways' is no value"),
+        ({"strongBranching": "many"}, "no value"), ({"export": "/tmp/x"}, "no parameter"),
+        ({"ratioGap": 0.1}, "the gap"), ({"seconds": 3}, "the time limit"), ({"quit": ""}, "no parameter"),
+    ],
+)  # fmt: skip
+def test_unknown_parameters_and_values_are_refused(extra, message: str, tmp_path) -> None:
+    with pytest.raises(UsageError, match=message):
+        run_cbc(find_cbc(), knapsack(), Options(extra=extra), Control(), tmp_path)
+
+
+def test_the_terminals_interrupt_does_not_reach_cbc(tmp_path) -> None:
+    # Ctrl-C goes to the whole foreground group; only the parent may decide what it means.
+    script = tmp_path / "script.py"
+    script.write_text(
+        textwrap.dedent("""
+        import signal, threading, time
+        import numpy as np
+        import scipy.sparse as sp
+        from waybound.formulations.programs.program import Program, Rows, Variables
+        from waybound.solvers.backend import BACKENDS, Control, Options
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        rng = np.random.default_rng(0)
+        m, n = 6, 50
+        a = sp.csr_matrix(rng.integers(0, 100, (m, n)).astype(float))
+        half = np.floor(np.asarray(a.sum(axis=1)).ravel() / 2)
+        x = Variables("x", keys=(np.arange(n),), lower=np.zeros(n), upper=np.ones(n), cost=np.zeros(n), integer=True)
+        rows = Rows("r", keys=(np.arange(m),), indptr=a.indptr, indices=a.indices, data=a.data, lower=half, upper=half)
+        print("ready", flush=True)
+        result = BACKENDS["pulp"]().run(Program("split", "min", (x,), (rows,)), Options(time_limit=2.5), Control())
+        print(result.status, result.limit)
+        """)
+    )
+    process = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=False, process_group=0)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    os.killpg(process.pid, signal.SIGINT)
+    assert process.communicate(timeout=30)[0].split() == ["unknown", "time"]

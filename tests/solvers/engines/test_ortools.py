@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+import pytest
+from small_routing import optimum, small
+
+from waybound.instances.errors import UsageError
+from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
+from waybound.solvers.engines.ortools import STATUS_MAP, Model, ORTools
+from waybound.solvers.engines.routing_integers import integer_routing
+
+
+def test_every_status_of_the_library_has_one_of_ours() -> None:
+    from ortools.constraint_solver import routing_enums_pb2
+
+    assert set(STATUS_MAP) == set(routing_enums_pb2.RoutingSearchStatus.Value.keys())
+    assert all(status in STATUSES and limit in LIMITS for status, limit in STATUS_MAP.values())
+
+
+def test_it_asks_for_a_process_because_it_holds_the_global_lock() -> None:
+    # The lock is held during the whole search: a thread that should tick every 10 ms hears nothing.
+    import threading
+    import time
+
+    assert ORTools.needs_process
+    problem = small("time-windows", 0, "exact")
+    model = Model(problem, integer_routing(problem), 5)
+    ticks: list[float] = []
+    done = threading.Event()
+
+    def tick() -> None:
+        while not done.wait(0.01):
+            ticks.append(time.perf_counter())
+
+    from waybound.solvers.engines.ortools import _parameters
+
+    parameters = _parameters(Options(), 1.0)
+    thread = threading.Thread(target=tick)
+    thread.start()
+    began = time.perf_counter()
+    model.routing.SolveWithParameters(parameters)
+    ended = time.perf_counter()
+    done.set()
+    thread.join()
+    inside = [t for t in ticks if began + 0.1 < t < ended - 0.1]
+    assert len(inside) <= 1, "the library now releases the lock: needs_process can go"
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [{"first_solution_strategy": "savings"}, {"metaheuristic": "simulated-annealing"}, {"local_search_metaheuristic": "TABU_SEARCH"},
+     {"guided_local_search_lambda_coefficient": "0.2"}],
+)  # fmt: skip
+def test_options_of_the_library_are_taken_by_name(extra) -> None:
+    problem = small("capacity", 0, "round")
+    result = ORTools().run(problem, Options(time_limit=1, iterations=100, extra=extra), Control())
+    assert problem.evaluate(result.answer).values == pytest.approx(optimum(problem))
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        ({"first_solution_strategy": "magic"}, "is one of .*SAVINGS"), ({"metaheuristics": "x"}, "no option 'metaheuristics'"),
+        ({"guided_local_search_lambda_coefficient": "much"}, "is no value"), ({"solution_limit": 3}, "no option"),
+    ],
+)  # fmt: skip
+def test_wrong_options_are_refused(extra, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        ORTools().run(small("capacity", 0, "round"), Options(extra=extra), Control())
+
+
+def test_answers_that_leave_customers_out_are_not_published() -> None:
+    problem = small("capacity", 0, "round")
+    model = Model(problem, integer_routing(problem), 5, droppable=True)
+    assert model.routing.GetNumberOfDisjunctions() == len(problem.customers)
+    seen = []
+    control = Control(seen.append)
+    result = ORTools().run(problem, Options(time_limit=1, iterations=50), control)
+    assert problem.evaluate(control.answer).feasible
+    assert problem.evaluate(result.answer).feasible

@@ -1,0 +1,213 @@
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.errors import InputError
+from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.solvers.engines.routing_integers import FINE, UNLIMITED, Scale, integer_routing, scale_of
+
+numbers = st.floats(0, 1e5, allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("values", "factor", "exact"),
+    [
+        ([1, 2, 3], 1, True),
+        ([1.5], 10, True),
+        ([0.25, 3], 100, True),
+        ([0.125], 1000, True),
+        ([1 / 3], FINE, False),
+    ],
+)
+def test_the_smallest_exact_scale_is_chosen(values: list[float], factor: int, exact: bool) -> None:
+    assert scale_of(values) == Scale(factor, exact)
+
+
+@pytest.mark.parametrize("values", [[3, 7, 12], [0.3, 0.7], [1 / 3, 2 / 7]])
+@pytest.mark.parametrize("power", [-200, -30, 40, 300])
+def test_data_of_any_size_keep_their_precision(values: list[float], power: int) -> None:
+    scale = scale_of(np.ldexp(values, power))
+    assert scale.exact == scale_of(values).exact
+    made = scale.nearest(np.ldexp(values, power))
+    assert made / made[0] == pytest.approx(np.array(values) / values[0], rel=1e-5)
+    assert made.max() < 2**44
+
+
+def test_infinite_values_do_not_count_for_the_scale() -> None:
+    assert scale_of([math.inf, 2.0], [0.5]) == Scale(10, True)
+
+
+def test_nothing_to_scale_is_scaled_by_one() -> None:
+    assert scale_of() == Scale(1, True)
+    assert scale_of([]) == Scale(1, True)
+
+
+@given(numbers)
+def test_up_is_never_below_and_down_never_above_by_more_than_the_guard(value: float) -> None:
+    scale = scale_of([value])
+    slack = 1e-9 / scale.factor if scale.exact else 1e-9
+    up, down = int(scale.up(value)), int(scale.down(value))
+    assert up / scale.factor >= value - slack - 1e-12 * value
+    assert down / scale.factor <= value + slack + 1e-12 * value
+    assert up - down in (0, 1)
+
+
+@given(st.integers(-(10**12), 10**12), st.sampled_from([1, 10, 100, 1000]))
+def test_exact_scales_are_exact(whole: int, factor: int) -> None:
+    value = whole / factor
+    scale = scale_of([value])
+    assert scale.exact
+    for made in (scale.up(value), scale.down(value), scale.nearest(value)):
+        assert int(made) * factor == whole * scale.factor
+
+
+def test_infinite_limits_are_unlimited() -> None:
+    assert int(Scale(FINE, False).down(math.inf)) == UNLIMITED
+
+
+@st.composite
+def rough_problems(draw: st.DrawFn) -> RoutingProblem:
+    """Three customers with data that no scale can hold exactly, or all of one decimal."""
+    n = 4
+    coarse = draw(st.booleans())
+    part = st.integers(0, 600).map(lambda v: v / 10) if coarse else st.floats(0, 60)
+    several = lambda size: np.array(draw(st.lists(part, min_size=size, max_size=size)))  # noqa: E731
+    matrix = several(n * n).reshape(n, n)
+    durations = several(n * n).reshape(n, n) if draw(st.booleans()) else None
+    ready = several(n) if draw(st.booleans()) else np.zeros(n)
+    ready[0] -= draw(st.sampled_from([0.0, 7.7]))
+    due = np.where(np.array(draw(st.lists(st.booleans(), min_size=n, max_size=n))), np.inf, ready + several(n) * 2)
+    sites = Sites.of(range(n), demand=several(n), ready=ready, due=due, service=several(n) / 3 if not coarse else several(n))
+    limit = lambda scale: draw(part) * scale if draw(st.booleans()) else math.inf  # noqa: E731
+    energy = Energy(draw(part) * 4, 1.0, draw(st.sampled_from(ENERGY_CHARGES))) if draw(st.booleans()) else None
+    vehicle = VehicleType(None, limit(3), max_duration=limit(6), max_distance=limit(6), energy=energy)
+    travel = Travel(EXPLICIT, matrix=matrix, duration_matrix=durations, convention="exact")
+    return RoutingProblem(sites, travel, (vehicle,))
+
+
+def integer_feasible(problem: RoutingProblem, visits: tuple[int, ...]) -> bool:
+    """Whether some departure makes the route feasible in the integer data, by trying every departure that can matter."""
+    data = integer_routing(problem)
+    vehicle = problem.fleet[0]
+    stops = [vehicle.start, *visits, vehicle.end]
+    moves = list(itertools.pairwise(stops))
+    if sum(int(data.demand[i]) for i in visits) > data.capacity[0]:
+        return False
+    if sum(int(data.distance_up[m]) for m in moves) > data.max_distance[0]:
+        return False
+    if sum(int(data.duration[m]) for m in moves) > data.travel_limit[0]:
+        return False
+    if data.charge is not None:
+        charge = [int(data.charge[m]) for m in moves[:-1]]
+        last = int(data.service[moves[-1][0]]) + int(data.duration[moves[-1]])
+        if sum(charge) + last > data.charge_limit[0]:
+            return False
+    opens, closes = int(data.ready[vehicle.start]), max(int(data.ready[vehicle.start]), int(data.due[vehicle.start]))
+
+    def finish(departure: int) -> int | None:
+        clock = departure
+        for (i, j), last in zip(moves, [False] * (len(moves) - 1) + [True], strict=True):
+            clock += (int(data.service[i]) if i != vehicle.start else 0) + int(data.duration[i, j])
+            if not last:
+                clock = max(clock, int(data.ready[j]))
+            if clock > data.due[j]:
+                return None
+        return clock
+
+    earliest = finish(opens)
+    if earliest is None or earliest > data.latest_return[0]:
+        return False
+    # The latest departure that delays nothing is found by bisection: finish() grows with the departure.
+    low, high = opens, min(closes, earliest)
+    while low < high:
+        middle = (low + high + 1) // 2
+        if finish(middle) == earliest:
+            low = middle
+        else:
+            high = middle - 1
+    return earliest - low <= data.max_duration[0]
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(rough_problems())
+def test_what_is_feasible_for_the_integers_is_feasible_for_the_data(problem: RoutingProblem) -> None:
+    for visits in ((1,), (2, 3), (3, 1, 2)):
+        if integer_feasible(problem, visits):
+            verdict = problem.evaluate(Routes.of([Route(visits)]))
+            assert not [v for v in verdict.violations if v.check != "visits"]
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(rough_problems())
+def test_exactly_scaled_data_lose_no_answer(problem: RoutingProblem) -> None:
+    data = integer_routing(problem)
+    if not data.scales["exact"] or math.isfinite(problem.fleet[0].max_duration) or problem.fleet[0].energy is not None:
+        return
+    for visits in ((1,), (2, 3), (3, 1, 2)):
+        verdict = problem.evaluate(Routes.of([Route(visits)]))
+        if not [v for v in verdict.violations if v.check != "visits"]:
+            assert integer_feasible(problem, visits)
+
+
+def test_a_window_without_an_integer_in_it_stays_reachable_and_safe() -> None:
+    xy = np.array([[0.0, 0.0], [3.3, 4.4]])
+    moment = 10.12345678
+    sites = Sites.of(range(2), ready=[0, moment], due=[math.inf, moment], coordinates=xy)
+    data = integer_routing(RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(),)))
+    assert data.ready[1] == data.due[1]
+    assert (data.due[1] / FINE) <= moment
+    assert (data.due[1] + data.service[1]) / FINE >= moment
+
+
+@pytest.mark.parametrize("unit", [1.0, 2.0**30, 2.0**-30])
+def test_loads_are_counted_in_their_common_divisor(unit: float) -> None:
+    sites = Sites.of(["o", "a", "b"], demand=[0, 6 * unit, 9 * unit])
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(capacity=14 * unit), VehicleType()))
+    made = integer_routing(problem)
+    assert (made.demand.tolist(), made.capacity.tolist()) == ([0, 2, 3], [4, UNLIMITED])
+    assert made.scales["load"] == pytest.approx(1 / (3 * unit))
+
+
+def test_the_depots_own_demand_and_service_do_not_count() -> None:
+    xy = np.array([[0.0, 0.0], [3.0, 4.0]])
+    sites = Sites.of(range(2), demand=[0.3333, 1], service=[9.1, 2], coordinates=xy)
+    data = integer_routing(RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(capacity=1),)))
+    assert data.scales == {"cost": 1, "distance": 1, "time": 1, "load": 1, "exact": True}
+    assert data.demand.tolist() == [0, 1]
+    assert data.service.tolist() == [0, 2]
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("distance", {"x": 300.0}),
+        ("demand", {"demand": [0, 200, 3]}),
+        ("service time", {"service": [0, 200]}),
+        ("ready time", {"ready": [0, 200]}),
+    ],
+)
+def test_values_too_large_for_integers_are_refused_by_name(name: str, parts: dict) -> None:
+    parts = dict(parts)
+    n = max([2, *(len(v) for v in parts.values() if isinstance(v, list))])
+    xy = np.array([[0.0, 0.0], [parts.pop("x", 1.0), 0.0], [0.0, 0.0]])[:n]
+    problem = RoutingProblem(Sites.of(range(n), coordinates=xy, **parts), Travel("euclidean", xy), (VehicleType(),))
+    with pytest.raises(InputError, match=f"largest {name}"):
+        integer_routing(problem, largest=100)
+    integer_routing(problem)
+
+
+def test_fixed_costs_with_decimals_are_kept() -> None:
+    xy = np.array([[0.0, 0.0], [3.0, 4.0]])
+    fleet = (VehicleType(fixed_cost=0.25, unit_cost=1.5),)
+    data = integer_routing(RoutingProblem(Sites.of(range(2), coordinates=xy), Travel("euclidean", xy), fleet))
+    cost = data.unit[0] * data.distance[0, 1] + data.fixed[0]
+    assert cost / data.cost_factor == pytest.approx(7.75)

@@ -1,0 +1,68 @@
+"""Bounds within a budget: what fails costs itself alone."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import waybound as wb
+from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.instances.errors import InputError, UnsupportedError
+from waybound.solvers.bounds import BOUNDS
+from waybound.solving.bounding import find_bounds, proved
+
+GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))
+PROBLEM = wb.WinnerTakesAllSATA(GRAPH)
+
+
+def instead(registered: Any, name: str, compute: Any) -> None:
+    registered(BOUNDS, name, dataclasses.replace(BOUNDS[name], compute=compute))
+
+
+def refuse(*_: Any) -> None:
+    raise InputError("HiGHS refuses the program")
+
+
+def test_a_method_that_is_refused_is_named_and_the_others_are_tried(registered: Any) -> None:
+    instead(registered, "linear-relaxation", refuse)
+    unable: list[str] = []
+    found = find_bounds(PROBLEM, 5.0, unable=unable)
+    assert unable == ["no bound by linear-relaxation: HiGHS refuses the program"]
+    assert [e.value for e in found] == [5.0]
+
+
+def test_a_method_that_lacks_a_feature_is_passed_over_without_a_word(registered: Any) -> None:
+    def lacks(*_: Any) -> None:
+        raise UnsupportedError("it", {"a feature"})
+
+    instead(registered, "linear-relaxation", lacks)
+    unable: list[str] = []
+    assert len(find_bounds(PROBLEM, 5.0, unable=unable)) == 1
+    assert unable == []
+
+
+def test_evidence_that_reaches_the_target_ends_the_search_only_if_its_checker_agrees(registered: Any) -> None:
+    first = min((m for m in BOUNDS.values() if not m.missing(PROBLEM)), key=lambda m: m.order).name
+    boast = Evidence("boast", "a boast", 5.0, {})
+    registered(CHECKERS, "boast", refuse)
+    assert proved(PROBLEM, boast) is None
+    instead(registered, first, lambda *_: boast)
+    found = find_bounds(PROBLEM, 5.0, target=5.0, known=(boast,))
+    assert found[0] is boast
+    assert any(proved(PROBLEM, e) == 5.0 for e in found[1:])
+
+
+def test_what_proves_nothing_is_no_bound(registered: Any) -> None:
+    registered(CHECKERS, "vain", lambda problem, data: math.inf)
+    assert proved(PROBLEM, Evidence("vain", "in vain", 5.0, {})) is None
+
+
+@pytest.mark.parametrize("heuristic", ["random", "greedy", "brute-force"])
+def test_weights_that_a_solver_refuses_cost_the_bound_alone(heuristic: str) -> None:
+    problem = wb.BottleneckSATA(wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([1e15, 1.0])))
+    found = wb.solve(problem, heuristic=heuristic, bound_time=2)
+    assert (found.objective, found.faults) == (1.0, ())

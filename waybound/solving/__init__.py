@@ -1,0 +1,1 @@
+"""Composition: from a problem and a method to an answer with its evidence."""

@@ -1,0 +1,102 @@
+"""Valid bounds for answers of engines that have none: every method that applies, cheapest first, within a budget."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ..formulations.certificate import verified_bound
+from ..formulations.evidence import Evidence
+from ..formulations.problem import Problem
+from ..formulations.stop import Stop
+from ..formulations.tolerance import same
+from ..instances.errors import UnsupportedError, in_words
+from ..solvers.backend import Control
+from ..solvers.bounds import BOUNDS
+from ..solvers.linear_programs import LinearPrograms
+
+
+def find_bounds(
+    problem: Problem,
+    seconds: float,
+    *,
+    target: float | None = None,
+    known: Sequence[Evidence] = (),
+    control: Control | None = None,
+    progress: Callable[[dict[str, Any]], None] | None = None,
+    unable: list[str] | None = None,
+    linear: LinearPrograms | None = None,
+) -> list[Evidence]:
+    """Evidence for bounds of ``problem``, to be verified by the checker.
+
+    Parameters
+    ----------
+    problem : Problem
+    seconds : float
+        Budget for all methods together, without what they prepare once a process; 0 turns bounding off.
+    target : float, optional
+        Value of an answer: evidence that reaches it ends the search.
+    known : sequence of Evidence
+        What was found already, by whoever made the answer.
+    control : Control, optional
+        Stops between and inside methods.
+    progress : callable, optional
+        Receives an event for each bound found.
+    unable : list of str, optional
+        Receives a line for each method that failed; the others are tried all the same.
+    linear : LinearPrograms, optional
+        Who solves linear programs, with which seed and threads.
+
+    Returns
+    -------
+    list of Evidence, in the order found
+    """
+    found: list[Evidence] = []
+    failed: list[str] = [] if unable is None else unable
+    if seconds <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
+        return found
+    control = control or Control()
+    methods = []
+    for method in sorted(BOUNDS.values(), key=lambda m: m.order):
+        try:
+            if not method.missing(problem):
+                method.prepare()
+                methods.append(method)
+        except Exception as fault:
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+    stop, linear = Stop(seconds), linear or LinearPrograms()
+    control.on_stop(stop.ask)
+
+    for method in methods:
+        if stop.reached():
+            break
+        try:
+            evidence = method.compute(problem, stop, linear)
+        except UnsupportedError:
+            continue
+        except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+            continue
+        if evidence is None:
+            continue
+        found.append(evidence)
+        control.publish(list(found))
+        if progress is not None:
+            progress({"phase": "bound", "seconds": seconds - stop.seconds_left, "objective": target, "bound": evidence.value})
+        if _reaches(evidence.value, target) and _reaches(proved(problem, evidence), target):
+            break
+    return found
+
+
+def proved(problem: Problem, evidence: Evidence) -> float | None:
+    """The bound that the checker derives from ``evidence``; None where it proves nothing, or its checker fails."""
+    try:
+        bound = verified_bound(problem, evidence)
+    except Exception:  # told when the certificate is made, which asks every checker
+        return None
+    return bound if bound != (-math.inf if problem.sense == "min" else math.inf) else None
+
+
+def _reaches(bound: float | None, target: float | None) -> bool:
+    return bound is not None and target is not None and same(bound, target)

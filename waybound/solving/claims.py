@@ -1,0 +1,64 @@
+"""A solver's claims against what was checked: a contradiction is an error, loudly."""
+
+from __future__ import annotations
+
+from ..formulations.certificate import beats_bound
+from ..formulations.evaluation import Evaluation
+from ..formulations.programs.exactness import Exactness
+from ..formulations.tolerance import same
+from ..instances.errors import CheckFailedError
+from ..solvers.backend import RawResult
+
+CLAIM_TOLERANCE = 1e-5
+"""Relative: engines accept points that are off by 1e-6 a row and a variable, so their own totals are off by more."""
+
+
+def _far(claimed: float, known: float, size: float = 0.0) -> bool:
+    return not same(claimed, known, size, CLAIM_TOLERANCE)
+
+
+def check_objective(solver: str, sense: str, result: RawResult, evaluation: Evaluation) -> None:
+    """Raise CheckFailedError if the answer is worse than the solver claims.
+
+    A better one refutes nothing: an incumbent's auxiliary variables may be slack. What it must not beat is the claimed bound or optimum.
+    """
+    if result.objective is None or len(evaluation.values) != 1 or not _far(result.objective, evaluation.values[0], evaluation.size):
+        return
+    worse = evaluation.values[0] > result.objective if sense == "min" else evaluation.values[0] < result.objective
+    if worse:
+        raise CheckFailedError(
+            f"{solver} claims the objective {result.objective!r}, the answer's value recomputed from the data is {evaluation.values[0]!r}"
+        )
+
+
+def check_feasibility(solver: str, result: RawResult, evaluation: Evaluation, exactness: Exactness) -> None:
+    """Raise CheckFailedError if an answer that should be feasible is not."""
+    if result.status in ("optimal", "feasible") and exactness.answer_is_valid and not evaluation.feasible:
+        worst = max(evaluation.violations, key=lambda v: v.amount)
+        raise CheckFailedError(
+            f"{solver} claims a {result.status} answer, but it breaks {len(evaluation.violations)} constraints; "
+            f"the worst: {worst.message} (by {worst.amount:g})"
+        )
+
+
+def check_bound(solver: str, sense: str, result: RawResult, evaluation: Evaluation | None, exactness: Exactness) -> None:
+    """Raise CheckFailedError if the solver claims a bound, an optimum or infeasibility that a verified answer refutes."""
+    if evaluation is None or not exactness.bound_is_valid:
+        return
+    best, size = evaluation.values[0], evaluation.size
+    if result.status == "infeasible":
+        raise CheckFailedError(f"{solver} claims that there is no answer, but one of value {best!r} passed every check")
+    if result.bound is not None and _far(result.bound, best, size) and beats_bound(sense, best, result.bound, size):
+        raise CheckFailedError(f"{solver} claims the bound {result.bound!r}, but an answer of value {best!r} passed every check")
+    if result.status == "optimal" and result.objective is not None and exactness is Exactness.EXACT:
+        worse = result.objective > best if sense == "min" else result.objective < best
+        if worse and _far(result.objective, best, size):
+            raise CheckFailedError(f"{solver} claims the optimum {result.objective!r}, but an answer of value {best!r} passed every check")
+
+
+def check_verified(solver: str, sense: str, result: RawResult, verified: float | None, exactness: Exactness, size: float = 0.0) -> None:
+    """Raise CheckFailedError if the solver claims an optimum better than a verified bound allows; ``size`` is that of the terms of one."""
+    if verified is None or result.objective is None or result.status != "optimal" or not exactness.answer_is_valid:
+        return
+    if _far(result.objective, verified, size) and beats_bound(sense, result.objective, verified, size):
+        raise CheckFailedError(f"{solver} claims the optimum {result.objective!r}, but the verified bound is {verified!r}")

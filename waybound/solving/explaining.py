@@ -1,0 +1,342 @@
+"""Why a problem has no answer: sites out of reach, a fleet too small, or else a smallest set of rows that contradict each other.
+
+Each reason from the data is evidence that a checker of ``formulations.checking`` confirms by itself; rows are a solver's word, said so.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..formulations.arrays.problem import ArrayProblem
+from ..formulations.evidence import Reason
+from ..formulations.forms import FORMS
+from ..formulations.problem import Problem
+from ..formulations.programs.compiled import Compiled
+from ..formulations.programs.program import Program, Rows
+from ..heuristics.heuristic import HEURISTICS
+from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
+from ..solvers.backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from .search import search
+from .solve import solve
+
+FILTER_SOLVER = "highs"
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a problem has no answer.
+
+    Attributes
+    ----------
+    verdict : str
+        ``infeasible``, ``feasible`` (there is nothing to explain), or ``undecided``.
+    according_to : str
+        ``the data`` (each reason is a proof that a checker confirmed; or an answer passed every check), a solver's name (its word
+        for it), or "" if undecided.
+    reasons : tuple of Reason
+    minimal : bool
+        For rows: whether leaving out any one of them was found to allow an answer.
+    form : str or None
+        The form whose rows are named.
+    message : str
+        What else a user should read.
+    interrupted : bool
+        Whether the user ended the search; what was found until then is kept.
+    """
+
+    verdict: str
+    according_to: str = ""
+    reasons: tuple[Reason, ...] = ()
+    minimal: bool = False
+    form: str | None = None
+    message: str = ""
+    interrupted: bool = False
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "verdict": self.verdict,
+            "according_to": self.according_to,
+            "reasons": [r.to_json() for r in self.reasons],
+            "minimal": self.minimal,
+            "form": self.form,
+            "message": self.message,
+        }
+
+
+def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
+    """Why ``problem`` has no answer, in its own words.
+
+    First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion
+    filter over the row blocks and the rows of a form, through HiGHS.
+
+    Parameters
+    ----------
+    problem : Problem, Compiled or Program
+    time_limit : float, seconds
+        For everything together.
+    form : str, optional
+        Form whose rows shall be named; the problem's first exact one by default.
+
+    Returns
+    -------
+    Explanation
+
+    Notes
+    -----
+    Source of the filter: Chinneck and Dravnieks 1991, "Locating minimal infeasible constraint sets in linear programs",
+    ORSA Journal on Computing 3(2). Rows are dropped in halving groups first, so that few of many rows take few solves.
+    """
+    if not time_limit > 0:
+        raise UsageError(f"the time limit must be positive, not {time_limit!r}")
+    if form is not None and not isinstance(problem, Problem):
+        raise UsageError(f"the program is already compiled, as {problem.form if isinstance(problem, Compiled) else problem.name}")
+    end = time.perf_counter() + time_limit
+
+    def work(control: Control) -> RawResult:
+        def stop() -> bool:
+            return control.stopped or time.perf_counter() >= end
+
+        reasons: list[Reason] = []
+        for reason in reasons_from_data(problem, stop):
+            reasons.append(reason)
+            control.publish(Explanation("infeasible", "the data", tuple(reasons)))
+        if reasons or control.stopped:
+            return RawResult("unknown", answer=control.answer)
+        return RawResult("unknown", answer=_explain_by_rows(problem, form, end, control))
+
+    searched = search(work, Control(), time_limit, overtime=1.0)
+    made: Explanation | None = searched.result.answer
+    if searched.interrupted:
+        made = made or Explanation("undecided")
+        return replace(made, interrupted=True, message="; ".join(m for m in ("interrupted", made.message) if m))
+    return made or Explanation("undecided", message=f"undecided within {time_limit:g} s")
+
+
+def reasons_from_data(problem: Problem | Compiled | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
+    """Reasons that are proofs by themselves, each confirmed by its checker."""
+    return problem.infeasibility_reasons(stopped) if isinstance(problem, Problem) else iter(())
+
+
+def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control) -> Explanation:
+    if form is not None and isinstance(problem, Problem):
+        FORMS[form]  # a name that does not exist is refused before anything is tried
+    notes: list[str] = []
+    if isinstance(problem, Problem):
+        quick = [name for name in _QUICK if not HEURISTICS[name].missing(problem)]
+        if _has_answer(problem, quick, (end - time.perf_counter()) / 4.0, notes):
+            return _FEASIBLE
+    if control.stopped:
+        return Explanation("undecided")
+    made = _explain_rows(problem, form, end, control, notes)
+    return replace(made, message="; ".join(m for m in (made.message, *notes) if m))
+
+
+_FEASIBLE = Explanation("feasible", "the data", message="there is an answer that passes every check")
+
+
+def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control, notes: list[str]) -> Explanation:
+    if not BACKENDS[FILTER_SOLVER].installed():
+        return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].package}")
+    try:
+        if isinstance(problem, Compiled):
+            made = problem
+        else:
+            made = ArrayProblem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
+    except UnsupportedError as error:
+        if form is not None:
+            raise
+        return Explanation("undecided", message=f"no form can write this problem down, so no rows can be named: {error}")
+    if not made.exactness.infeasibility_is_valid:
+        raise UsageError(f"form {made.form} is a {made.exactness.value}: that it has no point would prove nothing")
+    program = made.program
+    if any(_is_answer(problem, made, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
+        return _FEASIBLE
+    plain = replace(
+        program, sense="min", quadratic=None, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables)
+    )
+    inner = Control()
+    control.on_stop(inner.stop)
+
+    def stop() -> bool:
+        return control.stopped or time.perf_counter() >= end
+
+    relaxation = replace(made, program=plain).relaxed().program if plain.is_integer and not plain.cones else None
+    if relaxation is not None:
+        test = _Tester(relaxation, end, inner)
+        if test(np.ones(plain.num_rows, dtype=bool)) is True:
+            return _from_rows(relaxation, *deletion_filter(relaxation, test, stop))
+        if isinstance(problem, Problem):
+            slow = [name for name in HEURISTICS if name not in _QUICK and not HEURISTICS[name].missing(problem)]
+            if _has_answer(problem, [*slow, None], (end - time.perf_counter()) / 4.0, notes):
+                return _FEASIBLE
+    test = _Tester(plain, end, inner)
+    whole = test(np.ones(plain.num_rows, dtype=bool))
+    if whole is True:
+        return _from_rows(plain, *deletion_filter(plain, test, stop))
+    if whole is False and made.exactness.answer_is_valid:
+        if _is_answer(problem, made, test.point):
+            return replace(_FEASIBLE, form=made.form)
+        return Explanation("feasible", FILTER_SOLVER, form=made.form, message=f"{FILTER_SOLVER} finds a point that satisfies all rows")
+    return Explanation("undecided", form=made.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
+
+
+def _is_answer(problem: Problem | Compiled | Program, made: Compiled, point: Any) -> bool:
+    """Whether ``point`` of the program satisfies all its rows, or stands for an answer that passes every check."""
+    if isinstance(problem, Program):
+        return point is not None and problem.residual(point) == 0.0
+    try:
+        return point is not None and made.problem.evaluate(made.decode(point)).feasible
+    except InputError:
+        return False
+
+
+_TRIAL_SECONDS = 5.0
+
+_QUICK = ("savings", "random", "greedy")
+"""Heuristics that find an answer at once, if any, tried before all else; the others follow where the relaxation has a point."""
+
+
+def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float, notes: list[str]) -> bool:
+    """Whether a heuristic or the default solver (None) finds a verified answer quickly; the MILP may take long to find one.
+
+    What a method says where it fails is noted, unless it is that it does not take the problem.
+    """
+    end = time.perf_counter() + min(seconds, _TRIAL_SECONDS)
+    for heuristic in methods:
+        left = end - time.perf_counter()
+        if left <= 0:
+            return False
+        try:
+            if solve(problem, heuristic=heuristic, time_limit=left, bound_time=0.0).answer is not None:
+                return True
+        except (UsageError, UnsupportedError, MissingPackageError):
+            continue
+        except WayboundError as fault:
+            notes.append(f"{heuristic or 'the default solver'} failed: {fault}")
+    return False
+
+
+class _Tester:
+    """``test(keep)``: whether the rows ``keep`` contradict each other; None if that was not found out in time.
+
+    The first call may take all the time, later ones an eighth of what is left, so that one hard trial does not starve the rest.
+    """
+
+    def __init__(self, program: Program, end: float, control: Control) -> None:
+        self.program, self.end, self.control = program, end, control
+        self.matrix, self.calls = program.matrix, 0
+        backend = BACKENDS[FILTER_SOLVER]()
+        assert isinstance(backend, ProgramBackend)
+        self.backend, self.point = backend, None
+
+    def __call__(self, keep: Flags) -> bool | None:
+        left = self.end - time.perf_counter()
+        if left <= 0 or self.control.stopped:
+            return None
+        limit = left if self.calls == 0 else max(0.5, left / 8.0)
+        self.calls += 1
+        part = self.matrix[keep]
+        rows = Rows(
+            "kept", indptr=part.indptr.astype(np.int32), indices=part.indices.astype(np.int32), data=part.data,
+            lower=self.program.row_lower[keep], upper=self.program.row_upper[keep],
+        )  # fmt: skip
+        trial = replace(self.program, rows=(rows,))
+        result = self.backend.run(trial, Options(time_limit=limit), self.control)
+        if result.status in ("infeasible", "infeasible_or_unbounded"):  # without costs nothing is unbounded
+            return True
+        self.point = result.answer
+        return False if result.status in ("optimal", "feasible") else None
+
+
+def deletion_filter(program: Program, test: Callable[[Flags], bool | None], stop: Callable[[], bool]) -> tuple[list[int], bool]:
+    """Rows of an infeasible program that are infeasible together, as few as the time allows.
+
+    Parameters
+    ----------
+    program : Program
+        Known to be infeasible.
+    test : callable
+        From flags of shape (rows,) to whether those rows alone are infeasible; None if unknown.
+    stop : callable
+        Whether time is up.
+
+    Returns
+    -------
+    rows : list of int
+    minimal : bool
+        Whether dropping any one of them was found to leave a feasible program.
+    """
+    keep = np.ones(program.num_rows, dtype=bool)
+    starts = np.cumsum([0, *(block.size for block in program.rows)])
+    decided = True
+
+    def drop(rows: NDArray[np.int64]) -> bool:
+        nonlocal decided
+        trial = keep.copy()
+        trial[rows] = False
+        verdict = test(trial)
+        decided &= verdict is not None
+        if verdict:
+            keep[rows] = False
+        return bool(verdict)
+
+    for k in sorted(range(len(program.rows)), key=lambda k: -program.rows[k].size):
+        if program.rows[k].size:
+            drop(np.arange(starts[k], starts[k + 1]))
+    size = max(1, int(keep.sum()) // 2)
+    while not stop():
+        decided = True
+        at = np.nonzero(keep)[0]
+        for first in range(0, len(at), size):
+            if stop():
+                decided = False
+                break
+            drop(at[first : first + size])
+        if size == 1:
+            return np.nonzero(keep)[0].tolist(), decided
+        size = max(1, size // 2)
+    return np.nonzero(keep)[0].tolist(), False
+
+
+def _from_rows(program: Program, kept: list[int], minimal: bool) -> Explanation:
+    names = [program.row_name(row) for row in kept]
+    reasons = tuple(Reason("row", name, _row_text(program, row)) for name, row in zip(names, kept, strict=True))
+    who, many = FILTER_SOLVER, "this row" if len(kept) == 1 else f"these {len(kept)} rows"
+    if not kept:
+        message = f"{who} finds no answer even within the bounds of the variables alone"
+    elif minimal:
+        message = f"{who} finds no point for {many} within the variables' bounds, and one wherever a row is left out"
+    else:
+        message = f"{who} finds no point for {many} within the variables' bounds; the search ended before the set was known to be smallest"
+    return Explanation("infeasible", who, reasons, minimal, program.name, message)
+
+
+_SHOWN_TERMS = 6
+
+
+def _row_text(program: Program, row: int) -> str:
+    """The row as a formula, long ones cut."""
+    span = slice(program.indptr[row], program.indptr[row + 1])
+    entries = list(zip(program.data[span].tolist(), program.indices[span].tolist(), strict=True))
+    terms = [
+        f"{'-' if a < 0 else '+'} {'' if abs(a) == 1 else f'{abs(a):g} '}{program.variable_name(j)}" for a, j in entries[:_SHOWN_TERMS]
+    ]
+    more = f" + ({len(entries) - _SHOWN_TERMS} more terms)" if len(entries) > _SHOWN_TERMS else ""
+    body = (" ".join(terms) + more).removeprefix("+ ")
+    low, high = float(program.row_lower[row]), float(program.row_upper[row])
+    if low == high:
+        return f"{body} = {low:g}"
+    left = f"{low:g} <= " if np.isfinite(low) else ""
+    right = f" <= {high:g}" if np.isfinite(high) else ""
+    return f"{left}{body}{right}"
+
+
+__all__ = ["Explanation", "Reason", "deletion_filter", "explain", "reasons_from_data"]

@@ -1,0 +1,120 @@
+"""What a search left behind, judged: the best answer that passes every check, and each claim that does not hold up beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..formulations.evaluation import Evaluation
+from ..formulations.problem import Problem
+from ..formulations.programs.exactness import Exactness
+from ..instances.errors import CheckFailedError, WayboundError, in_words
+from ..solvers.backend import RawResult
+from . import claims
+
+
+@dataclass
+class Judge:
+    """Decodes and judges candidates one by one; a fault in one costs none of the others.
+
+    Attributes
+    ----------
+    problem : Problem
+    solver : str
+    exactness : Exactness
+        How the solver's points relate to the problem's answers.
+    decode : callable
+        From the solver's raw answer to the problem's.
+    notes : list of str
+        What a user should be told.
+    crash : exception, optional
+        What ended the search before it left anything.
+    faults : list of str
+        Claims of the solver that a check refutes.
+    """
+
+    problem: Problem
+    solver: str
+    exactness: Exactness
+    decode: Callable[[Any], Any]
+    notes: list[str]
+    crash: Exception | None = None
+    faults: list[str] = field(default_factory=list)
+    _judged: list[tuple[Any, Evaluation]] = field(default_factory=list)
+    _lost: list[BaseException] = field(default_factory=list)
+
+    def last_word(self, result: RawResult, *, prices: bool) -> None:
+        """Judge the solver's own result; ``prices`` tells whether its objective is meant for the problem's."""
+        claimed = result.status in ("optimal", "feasible") and self.exactness.answer_is_valid
+        whose = f"the {result.status} answer claimed by {self.solver}" if claimed else f"the last answer of {self.solver}"
+        if self.exactness is Exactness.RELAXATION:
+            whose = "the relaxation's point"
+        judged = self._consider(result.answer, self.decode, whose, claimed)
+        if judged is None:
+            return
+        self.hear(claims.check_feasibility, self.solver, result, judged, self.exactness)
+        if judged.feasible and prices:
+            self.hear(claims.check_objective, self.solver, self.problem.sense, result, judged)
+
+    def incumbent(self, raw: Any) -> None:
+        """Judge what the solver published last, which may be all that is left of it."""
+        self._consider(raw, self.decode, f"the last incumbent of {self.solver}", False)
+
+    def start(self, answer: Any) -> None:
+        """Judge the user's start, which competes with what was found."""
+        judged = self._consider(answer, lambda a: a, "the start", False)
+        if judged is not None and not judged.feasible:
+            self.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
+
+    def hear(self, check: Callable[..., None], *words: Any) -> None:
+        """Hold a claim against what was checked; a contradiction is kept as a fault."""
+        try:
+            check(*words)
+        except CheckFailedError as fault:
+            self.faults.append(str(fault))
+
+    def best(self) -> tuple[Any, Evaluation | None]:
+        """The best feasible answer with its evaluation; (None, None) where there is none, and nobody claimed one.
+
+        Raises
+        ------
+        CheckFailedError
+            If there is none although the solver claimed one.
+        BaseException
+            What kept the only candidate from being judged, or ended the search before there was one.
+        """
+        feasible = [pair for pair in self._judged if pair[1].feasible]
+        if feasible:
+            signs = [1.0 if sense == "min" else -1.0 for sense in self.problem.senses]
+            return min(feasible, key=lambda pair: tuple(s * v for s, v in zip(signs, pair[1].values, strict=True)))
+        if self.faults:
+            raise CheckFailedError("; ".join(self.faults))
+        for fault in (self.crash, *self._lost):
+            if fault is not None:
+                raise fault
+        return None, None
+
+    def _consider(self, raw: Any, decode: Callable[[Any], Any], whose: str, claimed: bool) -> Evaluation | None:
+        if raw is None:
+            return None
+        try:
+            try:
+                answer, judged = self._evaluated(raw, decode)
+            except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; the second one is heeded
+                answer, judged = self._evaluated(raw, decode)
+        except WayboundError as fault:
+            (self.faults if claimed else self.notes).append(f"{whose} is no answer: {in_words(fault)}")
+            return None
+        except (Exception, KeyboardInterrupt) as fault:
+            self._lost.append(fault)
+            self.notes.append(f"{whose} could not be judged: {in_words(fault)}")
+            return None
+        self._judged.append((answer, judged))
+        if not judged.feasible and not claimed and whose != "the start":
+            self.notes.append(f"{whose} breaks: {judged.violations[0].message}")
+        return judged
+
+    def _evaluated(self, raw: Any, decode: Callable[[Any], Any]) -> tuple[Any, Evaluation]:
+        answer = decode(raw)
+        return answer, self.problem.evaluate(answer)

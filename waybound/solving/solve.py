@@ -1,0 +1,443 @@
+"""``solve``: from a problem to an answer with its evidence, whichever solver does the search."""
+
+from __future__ import annotations
+
+import math
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ..formulations.arrays.problem import ArrayProblem
+from ..formulations.certificate import Certificate, better_bound, certify, judged_only
+from ..formulations.evaluation import Evaluation
+from ..formulations.evidence import Evidence
+from ..formulations.problem import Problem
+from ..formulations.programs.compiled import Compiled
+from ..formulations.programs.exactness import Exactness
+from ..formulations.programs.program import Program
+from ..formulations.solution import Solution, Value, relative_gap
+from ..formulations.tolerance import EQUAL, same
+from ..heuristics.heuristic import HEURISTICS, HeuristicWork
+from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
+from ..instances.limits import check_number, check_whole
+from ..solvers import interrupts
+from ..solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult, solver_named, takers
+from ..solvers.isolation import SolverWork, run_in_process
+from ..solvers.linear_programs import LinearPrograms, linear_programs
+from . import claims
+from .bounding import find_bounds, proved
+from .choice import able_solvers, default_solver, first_compiled
+from .goal import SECONDS, Goal, first_evidence
+from .judging import Judge
+from .search import BOUND_OVERTIME, Searched, in_time, search
+
+Progress = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
+
+    ``made`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold.
+    """
+
+    name: str
+    go: Callable[[Control], RawResult]
+    versions: dict[str, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    made: Compiled | None = None
+    compile_seconds: float = 0.0
+    routes: bool = False
+    heuristic: bool = False
+
+    @property
+    def form(self) -> str | None:
+        return None if self.made is None else self.made.form
+
+    def exactness(self, result: RawResult) -> Exactness:
+        """How the search's points and claims relate to the problem's."""
+        if self.heuristic:
+            return Exactness.NEITHER
+        return result.holds if self.made is None else self.made.exactness
+
+    def decode(self, raw: Any) -> Any:
+        return raw if self.made is None else self.made.decode(raw)
+
+
+def solve(
+    problem: Problem | Compiled | Program,
+    solver: str | None = None,
+    *,
+    heuristic: str | None = None,
+    form: str | None = None,
+    relax: bool = False,
+    time_limit: float = 60.0,
+    bound_time: float | None = None,
+    iterations: int | None = None,
+    gap: float = 0.0,
+    seed: int = 1,
+    threads: int = 1,
+    start: Any = None,
+    progress: Progress | None = None,
+    isolate: bool = False,
+    memory_limit: float | None = None,
+    no_improvement: int | None = None,
+    lp_solver: str | None = None,
+    options: dict[str, Any] | None = None,
+    **parameters: Any,
+) -> Solution:
+    """Solve a problem with a solver or a heuristic, check the answer, and bound it.
+
+    Parameters
+    ----------
+    problem : Problem, Compiled or Program
+    solver : str, optional
+        A name of ``solvers()``; ``pulp:HiGHS`` names a solver within a solver. Without solver and heuristic, the first
+        installed one that can take the problem.
+    heuristic : str, optional
+        A name of ``heuristics()``; its parameters as keywords or in ``options``.
+    form : str, optional
+        For solvers that take programs; the problem's first form by default.
+    relax : bool
+        Drop integrality: the optimum is a bound.
+    time_limit : float, seconds
+        Wall time for the engine alone.
+    bound_time : float, seconds, optional
+        Budget for bounding after it: a tenth of the limit, at least 1 s, by default; 0 turns it off.
+    iterations, gap, seed, threads, memory_limit, no_improvement
+        See ``Options``. What the solver or heuristic does not keep to is refused by name.
+    start : answer or Solution, optional
+    progress : callable, optional
+        Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
+    lp_solver : str, optional
+        Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
+    isolate : bool
+        Run the solver in a process of its own, with hard time and memory limits.
+    options : dict, optional
+        The solver's or heuristic's own options.
+
+    Returns
+    -------
+    Solution
+        Its answer, if any, passed every check. Ctrl-C returns the best one so far. Where a claim of the solver, or a bound, contradicts
+        that answer, ``faults`` says so, and nothing that the solver claims is believed.
+
+    Raises
+    ------
+    UsageError, UnsupportedError, MissingPackageError, InputError
+        Before anything is run.
+    CheckFailedError
+        If a claim of the solver does not hold up, and there is no answer to hand over.
+    """
+    if not isinstance(problem, Problem | Compiled | Program):
+        raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
+    check_number("time_limit", time_limit, above=0)
+    check_number("gap", gap)
+    check_whole("seed", seed)
+    check_whole("threads", threads, least=1)
+    if iterations is not None:
+        check_whole("iterations", iterations, least=1)
+    if no_improvement is not None:
+        check_whole("no_improvement", no_improvement, least=1)
+    if bound_time is not None:
+        check_number("bound_time", bound_time)
+    if memory_limit is not None:
+        check_number("memory_limit", memory_limit, above=0)
+    if memory_limit is not None and not isolate:
+        isolate = True
+    if isinstance(start, Solution):
+        start = start.answer
+    budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
+    linear = linear_programs(lp_solver, seed, threads)
+    chosen = Options(
+        time_limit, iterations, gap, threads, seed, start, memory_limit, no_improvement, linear.solver, {**(options or {}), **parameters}
+    )  # fmt: skip
+
+    given: Compiled | None = None
+    if isinstance(problem, Program):
+        problem = ArrayProblem(problem)
+        given = problem.compile()
+    elif isinstance(problem, Compiled):
+        given, problem = problem, problem.problem
+    if heuristic is not None:
+        if solver is not None or form is not None or relax:
+            raise UsageError("a heuristic takes no solver, form or relaxation")
+        run = _heuristic_run(problem, heuristic, chosen, isolate)
+    else:
+        solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
+        run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
+
+    control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
+    crash: Exception | None = None
+    with interrupts.held():  # an answer that is found is judged, whatever signal comes then
+        began = time.perf_counter()
+        first: list[Evidence] = []
+        goal: Goal | None = None
+        if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)  # type: ignore[arg-type]
+            control.goal = goal
+            if goal is not None and goal.infeasible:
+                run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
+        spent = time.perf_counter() - began
+        try:
+            searched = search(run.go, control, time_limit)
+        except WayboundError:
+            raise
+        except Exception as fault:  # of the engine, before it published an answer; the start may be one
+            crash = fault
+            message = f"the engine failed: {in_words(fault)}"
+            searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
+        if goal is not None and goal.reached and not searched.interrupted:
+            searched = replace(searched, result=replace(searched.result, limit=goal.limit))
+        made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first)
+        made.seconds["bound"] += spent
+        return made
+
+
+def _solver_run(
+    problem: Problem, given: Compiled | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
+) -> _Run:
+    backend = solver_named(solver)
+    versions = {backend.package: backend.version()}
+    notes: list[str] = []
+    isolate = isolate or backend.needs_process
+
+    if isinstance(backend, Engine):
+        if form is not None or relax or given is not None:
+            raise UsageError(f"{solver} takes problems as they are: it has no forms and no relaxation")
+        missing = backend.missing(problem)
+        if missing:
+            raise UnsupportedError(solver, missing, able_solvers(problem))
+        _refuse_ignored(solver, backend.honours, options)
+        if backend.one_thread and options.threads > 1:
+            notes.append(f"{solver} searches on one thread")
+        return _Run(solver, _going(solver, problem, options, isolate), versions, notes, routes=backend.family == "routing")
+
+    assert isinstance(backend, ProgramBackend)
+    began = time.perf_counter()
+    if given is None:
+        made = problem.compile(form, relax=relax) if form is not None else first_compiled(problem, backend, relax)
+    elif form is not None:
+        raise UsageError(f"the program is already compiled, as {given.form}")
+    else:
+        made = given.relaxed() if relax else given
+    compiled = time.perf_counter() - began
+    lacking = ProgramBackend.missing(backend, made.program)
+    if lacking:
+        raise UnsupportedError(solver, lacking, takers(made.program.features(), solver))
+    _refuse_ignored(solver, backend.honours, options)
+    start = None
+    if options.start is not None and made.encode is not None:
+        try:
+            start = made.encode(options.start)
+        except InputError as fault:
+            notes.append(f"the start was not used: {fault}")
+    hinted = replace(options, start=start)
+    return _Run(solver, _going(solver, made.program, hinted, isolate), versions, notes, made, compiled)
+
+
+def _linear(options: Options) -> LinearPrograms:
+    return LinearPrograms(options.lp_solver, options.seed, options.threads)
+
+
+def _going(solver: str, target: Problem | Program, options: Options, isolate: bool) -> Callable[[Control], RawResult]:
+    work = SolverWork(solver, target, options)
+    return (lambda control: run_in_process(work, options, control)) if isolate else work
+
+
+def _heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) -> _Run:
+    method = HEURISTICS[name]
+    missing = method.missing(problem)
+    if missing:
+        raise UnsupportedError(f"heuristic {name}", missing, [h for h in HEURISTICS if not HEURISTICS[h].missing(problem)])
+    method.check_parameters(options.extra)
+    _refuse_ignored(f"heuristic {name}", method.honours, options)
+    work = HeuristicWork(name, problem, options)
+    return _Run(name, (lambda control: run_in_process(work, options, control)) if isolate else work, heuristic=True)
+
+
+def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None:
+    """Raise UsageError for what the method would not keep to."""
+    for name, value in options.asked().items():
+        if name not in honours:
+            able = sorted(n for n in BACKENDS if name in BACKENDS[n].honours)
+            raise UsageError(f"{who} does not keep to {name} ({value:g}); solvers that do: {', '.join(able)}")
+
+
+def _conclude(
+    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
+    crash: Exception | None, first: list[Evidence],
+) -> Solution:  # fmt: skip
+    """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
+
+    From the judge's verdict on, whatever fails or is interrupted costs what it would have added, never the answer.
+    """
+    began = time.perf_counter()
+    try:
+        judge, found = _verdict(problem, run, searched.result, control, options, crash)
+    except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
+        judge, found = _verdict(problem, run, searched.result, control, options, crash)
+    spent = time.perf_counter() - began
+    try:
+        return _certified(judge, run, searched, options, found, spent, budget, progress, first)
+    except CheckFailedError:  # and no answer
+        raise
+    except (Exception, KeyboardInterrupt) as fault:
+        run.notes.append(f"no bound was verified: {in_words(fault)}")
+        return _certified(judge, run, searched, options, found, spent, None, None, [])
+
+
+def _verdict(
+    problem: Problem, run: _Run, result: RawResult, control: Control, options: Options, crash: Exception | None
+) -> tuple[Judge, tuple[Any, Evaluation | None]]:
+    """The best of the engine's last word, its published incumbent and the start, and who judged them."""
+    judge = Judge(problem, run.name, run.exactness(result), run.decode, run.notes, crash)
+    judge.last_word(result, prices=run.made is None or run.exactness(result) is Exactness.EXACT)
+    if control.answer is not result.answer:
+        judge.incumbent(control.answer)
+    judge.start(options.start)
+    return judge, judge.best()
+
+
+def _certified(
+    judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
+    budget: float | None, progress: Progress | None, first: list[Evidence],
+) -> Solution:  # fmt: skip
+    """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
+    result, problem = searched.result, judge.problem
+    answer, evaluation = found
+    best = None if evaluation is None else evaluation.values[0]
+    judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
+
+    began = time.perf_counter()
+    evidence: list[Evidence] = list(first)
+    if budget is not None:
+        try:
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress)
+        except (Exception, KeyboardInterrupt) as fault:
+            run.notes.append(f"no further bound was looked for: {in_words(fault)}")
+    bound_seconds = time.perf_counter() - began
+
+    began = time.perf_counter()
+    guarantee = result.guarantee if evaluation is not None else None
+    if run.heuristic and guarantee is None and result.holds is Exactness.NEITHER:
+        run.notes.append(f"{run.name} guarantees nothing for this instance")
+    certificate: Certificate | None = None
+    if budget is not None:
+        try:
+            certificate = in_time(lambda: certify(problem, evaluation, evidence, guarantee, run.notes), lambda: None)
+            if certificate is None:
+                run.notes.append("interrupted before the evidence of the bounds was verified")
+        except CheckFailedError as fault:
+            judge.faults.append(f"{fault} (the bound is withheld)")
+    certificate = certificate or judged_only(problem, evaluation)
+    size = 0.0 if evaluation is None else evaluation.size
+    judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
+    check_seconds = spent + time.perf_counter() - began
+
+    faults = tuple(dict.fromkeys(judge.faults))
+    if faults:
+        if evaluation is None:
+            raise CheckFailedError("; ".join(faults))
+        result = replace(result, status="unknown", objective=None, bound=None)
+    bound, kind, source = _best_bound(problem, run, result, certificate, EQUAL if evaluation is None else evaluation.precision)
+    objective = None if evaluation is None else evaluation.objective
+    if isinstance(objective, list) and bound is not None:
+        bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
+    gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
+    status = _status(problem, run, result, certificate, evaluation, bound)
+    messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
+    return Solution(
+        problem=problem,
+        answer=answer,
+        status=status,
+        limit=result.limit,
+        objective=objective,
+        bound=bound,
+        bound_kind=kind,
+        bound_source=source,
+        gap=gap,
+        solver=run.name,
+        form=run.form,
+        seconds={"compile": run.compile_seconds, "solve": searched.seconds, "bound": bound_seconds, "check": check_seconds},
+        seed=options.seed,
+        versions=_versions(run),
+        certificate=certificate,
+        evaluation=evaluation,
+        statistics=dict(result.statistics),
+        message="; ".join(messages),
+        faults=faults,
+    )
+
+
+def _gather(
+    evidence: list[Evidence],
+    problem: Problem,
+    run: _Run,
+    searched: Searched,
+    linear: LinearPrograms,
+    budget: float,
+    best: float | None,
+    progress: Progress | None,
+) -> None:
+    """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
+    result = searched.result
+    evidence.extend(result.evidence)
+    if run.made is not None and result.row_duals is not None and run.made.dual_evidence is not None:
+        try:
+            evidence.append(run.made.dual_evidence(result.row_duals))
+        except Exception as fault:
+            run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
+    if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
+        return
+    known = tuple(evidence)
+
+    def find(control: Control) -> RawResult:
+        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
+        return RawResult("unknown", answer=found)
+
+    found = search(find, Control(), budget, overtime=BOUND_OVERTIME)
+    evidence.extend(found.result.answer or [])
+    if found.interrupted or found.result.message:
+        run.notes.append(f"bounding ended early: {found.result.message or 'interrupted'}")
+
+
+def _best_bound(
+    problem: Problem, run: _Run, result: RawResult, certificate: Certificate, precision: float
+) -> tuple[Value | None, str | None, str | None]:
+    """The best known bound of either kind; a verified one wins a tie."""
+    verified = certificate.bound
+    claimed = result.bound if run.exactness(result).bound_is_valid and len(problem.senses) == 1 else None
+    if claimed is not None and math.isfinite(claimed):
+        ahead = verified is None or better_bound(problem.sense, claimed, verified)
+        if ahead and (verified is None or not same(claimed, verified, precision=precision)):
+            return claimed, "claimed", f"{run.name} ({run.form})" if run.form else run.name
+    return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
+
+
+def _status(
+    problem: Problem, run: _Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None, bound: Value | None
+) -> str:
+    if evaluation is not None:
+        if len(evaluation.values) == 1 and isinstance(bound, float):
+            value = evaluation.values[0]
+            if same(bound, value, evaluation.size, evaluation.precision):
+                return "optimal"
+        if result.status == "optimal" and run.exactness(result) is Exactness.EXACT:
+            return "optimal"
+        return "feasible"
+    if certificate.infeasible:
+        return "infeasible"
+    if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness(result).infeasibility_is_valid:
+        return result.status
+    if result.status == "unbounded" and run.exactness(result).answer_is_valid:
+        return "unbounded"
+    return "error" if result.status == "error" else "unknown"
+
+
+def _versions(run: _Run) -> dict[str, str]:
+    from .._version import __version__
+
+    return {"waybound": __version__, "python": platform.python_version(), **run.versions}
