@@ -12,8 +12,9 @@ from ..formulations.programs.program import LINEAR, Floats, Program
 from ..formulations.stop import NEVER, Stop
 from ..instances.errors import UnsupportedError
 from ..instances.limits import MOST
-from .backend import LP_SOLVER, Control, Options, ProgramBackend, RawResult, solver_named, takers, takes_features
+from .backend import LP_SOLVER, Control, Options, RawResult, solver_named
 from .isolation import run_isolated
+from .program_backend import ProgramBackend, takers, takes_features
 
 Suits = Mapping[str, Mapping[str, Any]]
 """Options that suit a program, by solver: ``{"highs": {"solver": "ipm"}}``."""

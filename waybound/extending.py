@@ -29,9 +29,10 @@ from .instances.generators import GENERATORS, Generator
 from .instances.instance import Instance, digest
 from .instances.kinds import KINDS, Kind
 from .instances.registry import Registry
-from .solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult
+from .solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from .solvers.bounds import BOUNDS, BoundMethod
 from .solvers.linear_programs import LinearPrograms
+from .solvers.program_backend import ProgramBackend
 
 __all__ = [
     "BACKENDS",

@@ -12,7 +12,7 @@ from ...formulations.forms import FORMS
 from ...formulations.problem import Problem
 from ...formulations.programs.exactness import Exactness
 from ...formulations.programs.program import INTEGERS
-from ...formulations.programs.scaling import scaled
+from ...formulations.programs.reductions.units import scaled
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UnsupportedError, UsageError

@@ -12,7 +12,8 @@ import scipy.sparse as sp
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
-from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from waybound.solvers.backend import BACKENDS, Control, Options
+from waybound.solvers.program_backend import ProgramBackend
 
 INF = math.inf
 

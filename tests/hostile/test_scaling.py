@@ -23,7 +23,8 @@ from waybound.formulations.routing.routes import Routes
 from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import CheckFailedError, WayboundError
-from waybound.solvers.backend import BACKENDS, takes_features
+from waybound.solvers.backend import BACKENDS
+from waybound.solvers.program_backend import takes_features
 from waybound.solving.bounding import find_bounds
 
 SEED = 83

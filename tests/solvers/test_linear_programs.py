@@ -18,10 +18,11 @@ from waybound.formulations.programs.compiled import Compiled
 from waybound.formulations.programs.program import LINEAR, Program, Rows, Variables
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import MissingPackageError, UnsupportedError, UsageError, WayboundError
-from waybound.solvers.backend import BACKENDS, LP_SOLVER, ProgramBackend, takers
+from waybound.solvers.backend import BACKENDS, LP_SOLVER
 from waybound.solvers.backends.scip import Scip
 from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
 from waybound.solvers.linear_programs import LinearPrograms, linear_programs
+from waybound.solvers.program_backend import ProgramBackend, takers
 
 SILENT = ("mathopt:gscip", "pulp:HiGHS")
 """They tell no row duals."""

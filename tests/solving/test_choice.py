@@ -15,7 +15,8 @@ from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError
-from waybound.solvers.backend import BACKENDS, ProgramBackend, takers, takes_features
+from waybound.solvers.backend import BACKENDS
+from waybound.solvers.program_backend import ProgramBackend, takers, takes_features
 from waybound.solving.listing import missing_features
 
 S3 = CASES["S3"].graph

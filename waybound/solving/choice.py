@@ -8,7 +8,8 @@ from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import INTEGERS, LINEAR, Program, described
 from ..instances.errors import UnsupportedError
-from ..solvers.backend import BACKENDS, ProgramBackend, takes_features
+from ..solvers.backend import BACKENDS
+from ..solvers.program_backend import ProgramBackend, takes_features
 from .listing import missing_features
 
 PREFERENCE = ("pyvrp", "ortools", "highs", "scip", "mathopt", "cpsat", "pulp", "cvxpy")

@@ -23,9 +23,10 @@ from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
-from ..solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult, solver_named, takers
+from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.linear_programs import LinearPrograms, linear_programs
+from ..solvers.program_backend import EQUAL_TOLERANCE, ProgramBackend
 from . import claims
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
@@ -60,7 +61,7 @@ class _Run:
         """How the search's points and claims relate to the problem's."""
         if self.heuristic:
             return Exactness.NEITHER
-        return result.holds if self.made is None else self.made.exactness
+        return result.holds if self.made is None else self.made.exactness.then(result.holds)
 
     def decode(self, raw: Any) -> Any:
         return raw if self.made is None else self.made.decode(raw)
@@ -224,9 +225,9 @@ def _solver_run(
     else:
         made = given.relaxed() if relax else given
     compiled = time.perf_counter() - began
-    lacking = ProgramBackend.missing(backend, made.program)
+    lacking = backend.lacking(made.program)
     if lacking:
-        raise UnsupportedError(solver, lacking, takers(made.program.features(), solver))
+        raise backend.refusal(lacking, made.program)
     _refuse_ignored(solver, backend.honours, options)
     start = None
     if options.start is not None and made.encode is not None:
@@ -368,6 +369,7 @@ def _certified(
         evaluation=evaluation,
         statistics=dict(result.statistics),
         message="; ".join(messages),
+        chain=(() if run.made is None else run.made.links) + result.links,
         faults=faults,
     )
 
@@ -425,9 +427,7 @@ def _status(
             value = evaluation.values[0]
             if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
-        if result.status == "optimal" and run.exactness(result) is Exactness.EXACT:
-            return "optimal"
-        return "feasible"
+        return "optimal" if result.status == "optimal" and _claims_optimum(run.exactness(result), result, evaluation) else "feasible"
     if certificate.infeasible:
         return "infeasible"
     if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness(result).infeasibility_is_valid:
@@ -435,6 +435,13 @@ def _status(
     if result.status == "unbounded" and run.exactness(result).answer_is_valid:
         return "unbounded"
     return "error" if result.status == "error" else "unknown"
+
+
+def _claims_optimum(exactness: Exactness, result: RawResult, evaluation: Evaluation) -> bool:
+    """Whether a claimed optimum is one of the problem: of a relaxation if it is met, up to what solvers see."""
+    if exactness is not Exactness.RELAXATION or result.bound is None or len(evaluation.values) != 1:
+        return exactness is Exactness.EXACT
+    return same(result.bound, evaluation.values[0], evaluation.size, EQUAL_TOLERANCE)
 
 
 def _versions(run: _Run) -> dict[str, str]:

@@ -10,9 +10,10 @@ from programs import program
 
 from waybound.formulations.programs.program import LINEAR
 from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.solvers.backend import Control, Options, takes_features
+from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends import cvxpy as module
 from waybound.solvers.backends.cvxpy import CVXPY, PROGRAMS
+from waybound.solvers.program_backend import takes_features
 
 INF = math.inf
 CONTINUOUS = [s for s in PROGRAMS if takes_features(LINEAR, PROGRAMS[s])]

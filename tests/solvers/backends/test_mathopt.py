@@ -13,9 +13,10 @@ import waybound as wb
 from waybound.formulations.programs.program import INTEGERS, QUADRATIC
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.solvers.backend import LIMITS, STATUSES, Control, Options, takes_features
+from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module
 from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, MathOpt
+from waybound.solvers.program_backend import takes_features
 
 INF = math.inf
 LP = program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)
