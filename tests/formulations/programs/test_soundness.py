@@ -22,8 +22,8 @@ def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0),
 @pytest.mark.parametrize(
     ("parts", "word"),
     [
-        ({"lower": (0.0, math.inf), "upper": (1.0, math.inf)}, r"lower bound of x\[1\]"),
-        ({"upper": (-math.inf, 1.0)}, r"upper bound of x\[0\]"),
+        ({"lower": (0.0, math.inf), "upper": (1.0, math.inf)}, r"lower bound of variable x\[1\]"),
+        ({"upper": (-math.inf, 1.0)}, r"upper bound of variable x\[0\]"),
         ({"side": (math.inf, math.inf)}, "left side of row need"), ({"side": (-math.inf, -math.inf)}, "right side of row need"),
         ({"data": (1.0, math.nan)}, "coefficient"), ({"indices": (0, 2)}, "column that does not exist"),
     ],
