@@ -228,11 +228,23 @@ class Backend(ABC):
 
 
 class Engine(Backend):
-    """Solves problems of the features it declares."""
+    """Solves problems of the features it declares.
+
+    Class attributes
+    ----------------
+    family : str
+        Of the problems it takes.
+    features : frozenset of str
+        Of problems that it can handle.
+    bounds_itself : bool
+        Whether it proves bounds on the way; others have some found before and beside their search, which ends where nothing is left to
+        gain.
+    """
 
     takes = "problem"
     family: ClassVar[str]
     features: ClassVar[frozenset[str]]
+    bounds_itself: ClassVar[bool] = False
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """Features of ``problem`` that the engine lacks; empty if it can take it."""

@@ -220,6 +220,13 @@ class RoutingProblem(Problem):
         found.update(f"energy:{v.energy.charge}" for v in self.fleet if v.energy is not None)
         return frozenset(found)
 
+    @property
+    def size(self) -> int:
+        return len(self.sites)
+
+    def linear_entries(self) -> int:
+        return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
+
     def facts(self) -> dict[str, Any]:
         """Objective, sites, demand, service, windows, travel and fleet."""
         s, at = self.sites, self.customers

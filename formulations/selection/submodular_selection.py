@@ -153,6 +153,14 @@ class SubmodularSelection(Problem):
         ``constraint:partition`` or ``constraint:knapsack``."""
         return frozenset({f"function:{self.function.name}", f"constraint:{self.constraint.name}"})
 
+    @property
+    def size(self) -> int:
+        return self.num_elements
+
+    def linear_entries(self) -> int:
+        matrix = getattr(self.function, "matrix", None)
+        return len(getattr(self.function, "indices", ())) if matrix is None else int(np.count_nonzero(matrix))
+
     def facts(self) -> dict[str, Any]:
         """Function and constraint."""
         return {"function": self.function.facts(), "constraint": self.constraint.facts()}

@@ -56,7 +56,7 @@ class Saddle(Engine):
     modules = ("numba", "highspy", "scipy")
     summary = "first-order methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
-    one_thread = True
+    one_thread = bounds_itself = True
     family = "max-min"
     features = frozenset({"sensing", "packing-covering"})
 

@@ -28,6 +28,7 @@ from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.linear_programs import LinearPrograms, linear_programs
 from ..solvers.program_backend import EQUAL_TOLERANCE, ProgramBackend
 from . import claims
+from .beside import Beside, BoundWork, free_core
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
@@ -41,7 +42,8 @@ Progress = Callable[[dict[str, Any]], None]
 class _Run:
     """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
 
-    ``made`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold.
+    ``made`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold. ``bounds`` tells
+    whether the search finds bounds of its own.
     """
 
     name: str
@@ -50,7 +52,7 @@ class _Run:
     notes: list[str] = field(default_factory=list)
     made: Compiled | None = None
     compile_seconds: float = 0.0
-    routes: bool = False
+    bounds: bool = True
     heuristic: bool = False
 
     @property
@@ -176,11 +178,14 @@ def solve(
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
-        if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)  # type: ignore[arg-type]
+        beside: Beside | None = None
+        if not run.bounds and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
+            elif goal is not None and budget > SECONDS and free_core(threads):
+                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control)
         spent = time.perf_counter() - began
         try:
             searched = search(run.go, control, time_limit)
@@ -190,9 +195,13 @@ def solve(
             crash = fault
             message = f"the engine failed: {in_words(fault)}"
             searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
-        if goal is not None and goal.reached and not searched.interrupted:
+        if goal is not None and (goal.reached or goal.infeasible) and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit=goal.limit))
-        made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first)
+        try:
+            made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first, beside)
+        finally:
+            if beside is not None:
+                beside.stop()
         made.seconds["bound"] += spent
         return made
 
@@ -214,7 +223,7 @@ def _solver_run(
         _refuse_ignored(solver, backend.honours, options)
         if backend.one_thread and options.threads > 1:
             notes.append(f"{solver} searches on one thread")
-        return _Run(solver, _going(solver, problem, options, isolate), versions, notes, routes=backend.family == "routing")
+        return _Run(solver, _going(solver, problem, options, isolate), versions, notes, bounds=backend.bounds_itself)
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
@@ -269,7 +278,7 @@ def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None
 
 def _conclude(
     problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
-    crash: Exception | None, first: list[Evidence],
+    crash: Exception | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
@@ -282,12 +291,12 @@ def _conclude(
         judge, found = _verdict(problem, run, searched.result, control, options, crash)
     spent = time.perf_counter() - began
     try:
-        return _certified(judge, run, searched, options, found, spent, budget, progress, first)
+        return _certified(judge, run, searched, options, found, spent, budget, progress, first, beside)
     except CheckFailedError:  # and no answer
         raise
     except (Exception, KeyboardInterrupt) as fault:
         run.notes.append(f"no bound was verified: {in_words(fault)}")
-        return _certified(judge, run, searched, options, found, spent, None, None, [])
+        return _certified(judge, run, searched, options, found, spent, None, None, [], None)
 
 
 def _verdict(
@@ -304,7 +313,7 @@ def _verdict(
 
 def _certified(
     judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
-    budget: float | None, progress: Progress | None, first: list[Evidence],
+    budget: float | None, progress: Progress | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
     result, problem = searched.result, judge.problem
@@ -316,7 +325,7 @@ def _certified(
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress)
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress, beside)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
@@ -383,6 +392,7 @@ def _gather(
     budget: float,
     best: float | None,
     progress: Progress | None,
+    beside: Beside | None,
 ) -> None:
     """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
     result = searched.result
@@ -392,11 +402,15 @@ def _gather(
             evidence.append(run.made.dual_evidence(result.row_duals))
         except Exception as fault:
             run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
+    if searched.interrupted and beside is not None:
+        evidence.extend(beside.answer or ())
     if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
         return
     known = tuple(evidence)
 
     def find(control: Control) -> RawResult:
+        if beside is not None:
+            return RawResult("unknown", answer=beside.found(control))
         found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
