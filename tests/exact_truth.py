@@ -24,7 +24,7 @@ from waybound.formulations.problem import Problem
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.instances.selection.instance import Cardinality, Knapsack
+from waybound.instances.selection.constraints import Cardinality, Knapsack
 
 
 def truth(problem: Problem) -> Truth:

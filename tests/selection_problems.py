@@ -10,19 +10,11 @@ import numpy as np
 
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Outcome, Setting
-from waybound.instances.selection.instance import (
-    Cardinality,
-    Constraint,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
-    SetFunction,
-)
+from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, SetFunction, UserFunction
 
 KINDS = ("coverage", "facility-location", "dense", "dense32", "user")
 CONSTRAINTS = ("cardinality", "partition", "knapsack")

@@ -12,7 +12,6 @@ from ...formulations.problem import Problem
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from ...instances.max_min.instance import SparseMatrix
-from ...instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation, FacilityLocation, Knapsack
 from ...instances.sensing.graph import SensingGraph
 
 SHOWN_NAMES = 10
@@ -26,7 +25,7 @@ def assignment_facts(problem: Problem) -> dict[str, Any]:
     if isinstance(problem, BottleneckSATA | WinnerTakesAllSATA):
         return {"graph": _graph(problem.graph)}
     if isinstance(problem, SubmodularSelection):
-        return {"function": _function(problem), "constraint": _constraint(problem)}
+        return {"function": problem.function.facts(), "constraint": problem.constraint.facts(problem.num_elements)}
     if isinstance(problem, MaxMinLP):
         return {
             "variables": problem.num_variables,
@@ -56,30 +55,6 @@ def _graph(g: SensingGraph) -> dict[str, Any]:
         "idle_robots": [g.robot_name(int(r)) for r in g.idle_robots],
         "unseen_targets": [g.target_name(int(t)) for t in g.unseen_targets],
     }
-
-
-def _function(problem: SubmodularSelection) -> dict[str, Any]:
-    f = problem.function
-    data: dict[str, Any] = {"kind": f.name, "elements": f.num_elements}
-    if isinstance(f, Coverage | FacilityLocation | DenseFacilityLocation):
-        data["items"] = f.num_items
-        data["entries"] = int(f.matrix.size) if isinstance(f, DenseFacilityLocation) else len(f.indices)
-    return data
-
-
-def _constraint(problem: SubmodularSelection) -> dict[str, Any]:
-    c = problem.constraint
-    if isinstance(c, Cardinality):
-        return {"kind": c.name, "limit": c.limit}
-    if isinstance(c, Knapsack):
-        return {"kind": c.name, "budget": c.budget, "cost": float(c.costs.sum())}
-    return {"kind": c.name, "groups": len(c.limits), "limits": sorted(set(c.limits.tolist())), "rank": _rank(c)}
-
-
-def _rank(constraint: Any) -> int:
-    """Most elements that can be chosen together."""
-    size = np.bincount(constraint.groups, minlength=len(constraint.limits))
-    return int(np.minimum(size, constraint.limits).sum())
 
 
 def _matrix(a: SparseMatrix) -> dict[str, Any]:
@@ -131,9 +106,10 @@ def _some(names: list[str]) -> str:
 
 
 def _function_text(f: dict[str, Any]) -> str:
-    if "items" not in f:
-        return f"the user's own, of {f['elements']} elements"
-    return f"{f['kind']} of {f['items']} items by {f['elements']} elements, {f['entries']} entries"
+    if "items" in f:
+        return f"{f['kind']} of {f['items']} items by {f['elements']} elements, {f['entries']} entries"
+    name = "the user's own" if f["kind"] == "user" else f["kind"]
+    return f"{name}, of {f['elements']} elements"
 
 
 def _constraint_text(c: dict[str, Any]) -> str:
@@ -141,6 +117,8 @@ def _constraint_text(c: dict[str, Any]) -> str:
         return f"cardinality: at most {c['limit']} elements"
     if c["kind"] == "knapsack":
         return f"knapsack: costs up to {c['budget']:g} of {c['cost']:g} in all"
+    if c["kind"] != "partition":  # one that is not of this house
+        return ", ".join([c["kind"], *(f"{key.replace('_', ' ')} {value}" for key, value in c.items() if key != "kind")])
     limits = c["limits"]
     each = f"{limits[0]}" if len(limits) == 1 else f"{limits[0]} to {limits[-1]}" if limits else "0"
     return f"partition matroid: at most {each} of each of {c['groups']} groups, {c['rank']} elements in all"

@@ -8,21 +8,15 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import InputError
-from waybound.instances.selection.instance import (
-    Cardinality,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
-    SelectionInstance,
-)
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
+from waybound.instances.selection.instance import SelectionInstance
 
 
 def test_repeated_items_of_a_set_count_once() -> None:
     f = Coverage.from_sets([[2, 0, 2], [], {1}], [1, 2, 3])
     assert (f.indptr.tolist(), f.indices.tolist()) == ([0, 2, 2, 3], [0, 2, 1])
-    assert (f.num_elements, f.num_items, f.edge_weights.tolist()) == (3, 3, [1.0, 3.0, 2.0])
+    assert (f.num_elements, f.num_items, f.as_item_weights().edges()[2].tolist()) == (3, 3, [1.0, 3.0, 2.0])
     assert Coverage.from_sets([], []).num_elements == 0
 
 

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from waybound.heuristics.max_min.rounding import largest_shares
 from waybound.instances.errors import UsageError
 from waybound.instances.sensing.graph import graph_of_edges
-from waybound.solvers.engines.local_max_min.rounding import largest_shares
 
 GRAPH = graph_of_edges([0, 0, 1, 1, 1, 2], [0, 1, 2, 3, 4], [0, 0, 0, 0, 0], robots=4, targets=1)
 
