@@ -113,7 +113,7 @@ class Solution:
             raise NoAnswerError(f"{self.solver} found no answer to {self.problem.name}: status {self.status}")
 
     def to_json(self) -> Mapping[str, Any]:
-        """The keys that others may rely on (design, "JSON of solve"), with a schema version."""
+        """The keys that others may rely on, with a schema version."""
         return {
             "schema": SCHEMA,
             "instance": self.problem.name,

@@ -44,7 +44,7 @@ class BottleneckSATA(Problem):
 
     Notes
     -----
-    Source: Sung (2019), (3.1), (3.2) and (3.5); digest 2.2. A target that nobody sees makes the value 0.
+    Source: Sung (2019), (3.1), (3.2) and (3.5); docs/formulations/bottleneck.md#problem. A target that nobody sees makes the value 0.
     """
 
     family: ClassVar[str] = "max-min"

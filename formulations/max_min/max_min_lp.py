@@ -43,7 +43,8 @@ class MaxMinLP(Problem):
     Notes
     -----
     Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Local approximability of max-min and min-max linear
-    programs. The bottleneck problem of robots is the member with one packing row a variable.
+    programs; docs/formulations/bottleneck.md#max-min-and-min-max-linear-programs. The bottleneck problem of robots is the member with one
+    packing row a variable.
     """
 
     family: ClassVar[str] = "max-min"

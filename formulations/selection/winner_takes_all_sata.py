@@ -36,7 +36,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
 
     Notes
     -----
-    Source: Sung (2019), (3.3), (3.4) and appendix A.2; digest 2.3.
+    Source: Sung (2019), (3.3), (3.4) and appendix A.2; docs/formulations/winner-takes-all.md#problem.
     """
 
     def __init__(self, graph: SensingGraph) -> None:

@@ -41,7 +41,7 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, setting: Setting,
 
     Notes
     -----
-    Source: Sung (2019), 3.4.1; digest 2.2 (rounding), case S6 of 4.1 (failure).
+    Source: Sung (2019), 3.4.1; where it fails: docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
     check_ties(ties)
     stop = setting.begin()

@@ -57,7 +57,8 @@ def largest_shares(
 
     Notes
     -----
-    Source: Sung (2019), section 3.4.1; digest 2.2 and 2.5. The rounded value may be 0 where the shares cover everything.
+    Source: Sung (2019), section 3.4.1. The rounded value may be 0 where the shares cover everything:
+    docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
     used = np.nonzero(shares > 0)[0]
     order = used[by_share(shares[used], ties, rng)]

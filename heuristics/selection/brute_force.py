@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.problem import Problem
 from ...formulations.selection.feasibility import allowed
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
@@ -40,7 +39,7 @@ CHUNK = 4096
 Floats = NDArray[np.float64]
 
 
-def brute_force(problem: Problem, setting: Setting) -> Outcome:
+def brute_force(problem: SubmodularSelection | BottleneckSATA, setting: Setting) -> Outcome:
     """Enumerate all answers, but for branches that a bound shows to be no better, and keep the first of the best.
 
     Parameters
@@ -63,7 +62,6 @@ def brute_force(problem: Problem, setting: Setting) -> Outcome:
     stop = setting.begin()
     if isinstance(problem, BottleneckSATA):
         return _bottleneck(problem, stop)
-    assert isinstance(problem, SubmodularSelection)
     c, n, weights = problem.constraint, problem.num_elements, problem.function.as_item_weights()
     limits, knapsack = Limits.if_any(problem), c.as_knapsack()
     if weights is None or (limits is None and knapsack is None):

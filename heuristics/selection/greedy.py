@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.problem import Problem
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
@@ -14,7 +13,7 @@ from .greedy_steps.limits import ANY_FUNCTION, ASKED, GROUPED, not_whole
 from .greedy_steps.picking import check_threshold, pick
 
 
-def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
+def greedy(problem: SubmodularSelection | BottleneckSATA, setting: Setting, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
     """Take what gains most, until the constraint allows no more.
 
     Parameters
@@ -40,16 +39,15 @@ def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: 
 
     Notes
     -----
-    Ties go to the smallest index. Selection: Nemhauser, Wolsey and Fisher (1978); threshold ``eps``: CMU-RI-TR-20-52, algorithm 1,
-    digest 2.10. Bottleneck: robots in their order, each the action with the best worst target so far; it can be arbitrarily bad
-    (Sung 2019, appendix A.3, corrected in digest 3.1).
+    Ties go to the smallest index. Selection: Nemhauser, Wolsey and Fisher (1978); threshold ``eps``: Mitchell (2020),
+    algorithm 1, corrected in docs/selection.md#errata. Bottleneck: robots in their order, each the action with the best worst target
+    so far; it can be arbitrarily bad (Sung 2019, appendix A.3, corrected in docs/formulations/bottleneck.md#errata).
     """
     check_threshold(eps)
     if isinstance(problem, BottleneckSATA):
         if eps > 0 or evaluation != "auto":
             raise UsageError("eps and evaluation are options for selection problems; a bottleneck has none")
         return _bottleneck(problem, setting)
-    assert isinstance(problem, SubmodularSelection)
     stop = setting.begin()
     taken = pick(problem, stop, evaluation=evaluation, eps=float(eps))
     holds, message = assumptions(problem)

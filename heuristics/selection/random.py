@@ -28,7 +28,7 @@ def random(problem: SubmodularSelection | BottleneckSATA, setting: Setting) -> O
 
     Notes
     -----
-    Source: the baseline of Sung (2019), 3.5.1; digest 2.6.
+    Source: the baseline of Sung (2019), 3.5.1.
     """
     picks = np.array(first_allowed(problem, setting.rng.permutation(problem.num_elements)), dtype=np.int64)
     limits = Limits.if_any(problem)

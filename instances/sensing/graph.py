@@ -62,7 +62,8 @@ class SensingGraph:
 
     Notes
     -----
-    Source: Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, section 3.3; digest 2.1.
+    Source: Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, section 3.3;
+    docs/formulations/sensing.md#model.
     """
 
     kind: ClassVar[str] = "sensing"

@@ -106,7 +106,7 @@ def test_winner_takes_all_as_a_product(case: str, solver: str) -> None:
 
 @pytest.mark.parametrize("solver", LP)
 @pytest.mark.parametrize("case", CASES)
-def test_relaxations_have_the_values_of_the_digest_and_prove_bounds(case: str, solver: str) -> None:
+def test_relaxations_have_their_known_values_and_prove_bounds(case: str, solver: str) -> None:
     known = CASES[case]
     problem = WinnerTakesAllSATA(known.graph)
     for form in LINEAR:

@@ -4,6 +4,7 @@
 
 Without a quadratic part and cones, row duals y of its linear relaxation are evidence ``lp-dual``: every x has the value of at least
 sum_i min over r in [L_i, U_i] of y_i r  +  sum_j min over x_j in [l_j, u_j] of (c - A' y)_j x_j  (minimisation).
+See docs/formulations/arrays.md.
 """
 
 from __future__ import annotations

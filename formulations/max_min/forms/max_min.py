@@ -17,7 +17,8 @@ possible, with whole actions or shares. Evidence ``packing-covering-duals`` from
 with C'y <= A'z, sum z / sum y bounds the maximum from above; with sum z = 1 in place of that, the minimum is at least sum y. Interior
 points leave duals that break these a little, so z is mended before it is handed on.
 
-Source: Sung (2019), (3.1), (3.2), (3.5), digest 2.2; Floréen et al. (2011), Local approximability of max-min and min-max linear programs.
+Source: Sung (2019), (3.1), (3.2), (3.5); Floréen et al. (2011), Local approximability of max-min and min-max linear programs;
+docs/formulations/bottleneck.md#form.
 """
 
 from __future__ import annotations

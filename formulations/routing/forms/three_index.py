@@ -27,7 +27,7 @@ the k-th visits none before the k-th, and x_ijk is fixed to 0 where i or j is a 
 the first 15 or 25 customers of Solomon's files this was 2 to 12 times faster on C101, R101 and RC106, made no clear difference on
 C103 and RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
 
-Source: CMU-RI-TR-20-52, (3.7)-(3.14), as corrected in the digest, 2.1 and 2.3, with demands and service times added.
+Source: Mitchell (2020), CMU-RI-TR-20-52, (3.7)-(3.14), with demands and service times; corrected as in docs/formulations/routing.md#errata.
 """
 
 from __future__ import annotations

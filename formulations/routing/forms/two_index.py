@@ -51,7 +51,8 @@ duals out_i, in_j, phi and mu^r_i >= 0 of visit-out, visit-in, fleet and r-balan
 with out, in and mu 0 at the depot and f_0j = lo_0 x_0j. This is the Lagrangian of the rows above, all four dualised; at the optimal
 duals it is the LP's value. ``order`` has no place in it: its rows are then dropped, which weakens the bound and keeps it valid.
 
-Source: digest 2.1 (distance-flow model, lifted rows) and 2.3 (windows), with services; Bard, Kontoravdis, Yu (2002).
+Source: Gavish and Graves (1978) for the flows, with windows Bard, Kontoravdis and Yu (2002); Desrochers and Laporte (1991) for the
+lifted rows. docs/formulations/routing.md#two-index-forms compares them.
 """
 
 from __future__ import annotations

@@ -54,8 +54,8 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
     Notes
     -----
-    Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977). All sums are of
-    nonnegative terms, and are rounded upwards.
+    Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);
+    docs/formulations/winner-takes-all.md#item-prices. All sums are of nonnegative terms, and are rounded upwards.
     """
     weights = problem.function.as_item_weights() if problem.family == "selection" else None  # data: each layout is added up here
     if weights is None:

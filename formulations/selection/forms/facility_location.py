@@ -17,7 +17,8 @@ v_j,l-1), and p_j = sum_l s_jl. Adding up, v_jl >= w_jl - p_j, and v_jl >= 0 is 
 least the LP's value.
 
 Source: Cornuéjols, Nemhauser, Wolsey (1980), "A canonical representation of simple plant location problems and its applications"; Elloumi
-(2010), "A tighter formulation of the p-median problem", for the differences of rows; digest 2.3 (binary weights).
+(2010), "A tighter formulation of the p-median problem", for the differences of rows;
+docs/formulations/winner-takes-all.md#facility-location.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ element. y_ij credits item j to creditor i::
 The objective is a sum of products of two binary variables: neither convex nor concave, so that it needs a solver for nonconvex
 quadratic programs, or one that counts in integers. It has no linear relaxation of its own.
 
-Source: Sung (2019), (3.1), (3.3), (3.4); digest 2.3.
+Source: Sung (2019), (3.1), (3.3), (3.4); docs/formulations/winner-takes-all.md#product.
 """
 
 from __future__ import annotations

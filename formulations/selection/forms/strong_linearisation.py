@@ -14,7 +14,8 @@ Only x needs to be whole: for whole x the best z serves each item by its heavies
 Evidence ``item-prices``: the duals p_j >= 0 of the item rows. With them a link is worth max(0, c_ej - p_j), and the LP's value is
 sum_j p_j plus the best choice of elements by the sums of those, which is what the checker multiplies out.
 
-Source: Sung (2019), footnote 4, written out in the digest, 2.3; Balinski (1965) for facility location.
+Source: Balinski (1965) for facility location; announced in Sung (2019), footnote 4;
+docs/formulations/winner-takes-all.md#strong-linearisation.
 """
 
 from __future__ import annotations

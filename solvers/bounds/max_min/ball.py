@@ -132,7 +132,7 @@ def ball_evidence(
 
     Notes
     -----
-    Source: linear programming duality; see the module's text.
+    Source: linear programming duality; docs/formulations/bottleneck.md#balls.
     """
     stop = stop.within(seconds)
     graph = problem.graph
