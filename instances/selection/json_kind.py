@@ -171,7 +171,7 @@ CONSTRAINTS.add(
         ("groups", "limits"),
         lambda c: {"groups": c.groups.tolist(), "limits": c.limits.tolist()},
         lambda given, elements: PartitionMatroid(
-            wholes(given["groups"], "constraint.groups", elements),
+            wholes(given["groups"], "constraint.groups", elements),  # type: ignore[arg-type]
             wholes(given["limits"], "constraint.limits"),  # type: ignore[arg-type]
         ),
     ),

@@ -5,7 +5,8 @@ For prices p >= 0 of the items and any set S of elements, each item is worth its
     f(S) = sum_j max_{e in S} c_ej  <=  sum_j p_j + sum_{e in S} sum_j max(0, c_ej - p_j)
 
 and the last sum is at most that of the best set that the constraint allows, elements now counting each for itself: the k best, the
-best of each group, or under a budget the best by worth for cost with the last one in part (of several budgets the tightest).
+best of each group, or under a budget the best by worth for cost with the last one in part (of several budgets, and any sum of them,
+the tightest).
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     ----------
     problem : SubmodularSelection
     data : dict
-        ``prices``: one number an item. Negative ones count as 0.
+        ``prices``: one number an item. Negative ones count as 0. Under several budgets ``multipliers``, if there are any: one number a
+        row, for a budget that they make of all.
 
     Returns
     -------
@@ -63,7 +65,7 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     p = np.maximum(numbers(data, "prices", weights.num_items), 0.0)
     with np.errstate(over="ignore", invalid="ignore"):
         worth, longest = _worths(weights, p, problem.num_elements)
-        parts = _best(problem.constraint, worth)
+        parts = _best(problem.constraint, worth, data)
         if not (np.isfinite(worth).all() and np.isfinite(parts).all()):
             return math.inf
         try:
@@ -92,7 +94,7 @@ def _strips(matrix: Any) -> Iterator[Floats]:
         yield matrix[first : first + step].astype(np.float64)
 
 
-def _best(constraint: Any, worth: Floats) -> Floats:
+def _best(constraint: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
     """Terms whose sum no allowed set of elements exceeds, each counting for itself; all where nothing is known of the constraint."""
     partition, rows = constraint.as_partition(len(worth)), constraint.rows(len(worth))
     if partition is not None:
@@ -100,12 +102,19 @@ def _best(constraint: Any, worth: Floats) -> Floats:
         groups = partition.groups[order]
         rank = np.arange(len(order)) - np.searchsorted(groups, groups)
         return np.asarray(worth[order[rank < partition.limits[groups]]], dtype=np.float64)
-    best = worth
-    for row in range(0 if rows is None else len(rows.limit)):
+    if rows is None:
+        return worth
+    budgets = []
+    for row, limit in enumerate(rows.limit.tolist()):
         costs, mine = np.zeros(len(worth)), rows.row == row
         costs[rows.element[mine]] = rows.coefficient[mine]
-        best = min(best, _fractional_knapsack(costs, float(rows.limit[row]), worth), key=np.sum)
-    return best
+        budgets.append((costs, limit))
+    if "multipliers" in data:  # what the rows allow, so does their sum, each times a number >= 0
+        y = np.maximum(numbers(data, "multipliers", len(budgets)), 0.0)
+        total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, budgets, strict=True))
+        together = sum((factor * costs for factor, (costs, _) in zip(y, budgets, strict=True)), np.zeros(len(worth)))
+        budgets.append((together, total * (1.0 + (len(budgets) + 4) * _EPS)))
+    return min([worth, *(_fractional_knapsack(costs, limit, worth) for costs, limit in budgets)], key=np.sum)
 
 
 def _fractional_knapsack(costs: Floats, budget: float, worth: Floats) -> Floats:

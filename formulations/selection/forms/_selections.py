@@ -175,10 +175,12 @@ def credits_of(problem: SubmodularSelection, edges: Edges) -> Credits:
     return Credits(creditor, item, of_edge, (Labels(groups + n, name), edges.item_names))
 
 
-def prices_evidence(prices: Floats, source: str, problem: SubmodularSelection) -> Evidence:
-    """Evidence ``item-prices`` from prices of the items, which solvers may tell with either sign."""
-    p = np.maximum(prices if prices.sum() > 0 else -prices, 0.0)
-    return proved(problem, "item-prices", source, {"prices": p.tolist()})
+def prices_evidence(prices: Floats, limits: Floats, source: str, problem: SubmodularSelection) -> Evidence:
+    """Evidence ``item-prices`` from prices of the items and duals of the constraint's rows, which solvers may tell with either sign."""
+    data = {"prices": np.maximum(prices if prices.sum() > 0 else -prices, 0.0).tolist()}
+    if len(limits) > 1 and problem.constraint.as_partition(problem.num_elements) is None:
+        data["multipliers"] = np.abs(limits).tolist()
+    return proved(problem, "item-prices", source, data)
 
 
 def at_most(limit: float = 0.0) -> dict[str, float]:

@@ -60,8 +60,9 @@ def build(problem: SubmodularSelection) -> Program:
         return np.concatenate([x, credited, served_by])
 
     def dual_evidence(row_duals: Floats) -> Evidence:
-        prices = np.asarray(row_duals, dtype=np.float64)[-edges.items :] if edges.items else np.zeros(0)
-        return prices_evidence(prices, "item prices of the weak LP", problem)
+        duals = np.asarray(row_duals, dtype=np.float64)
+        prices = duals[len(duals) - edges.items :]
+        return prices_evidence(prices, duals[: limits.size], "item prices of the weak LP", problem)
 
     return Program(
         "weak-linearisation", "max", (choice(edges), y, z), (limits, link, given, served), problem=problem, decode=lambda v: chosen(v[:n]),
