@@ -82,6 +82,10 @@ class BottleneckSATA(Problem):
         """``sensing`` always, ``whole-actions`` unless fractional."""
         return frozenset({"sensing"} if self.fractional else {"sensing", "whole-actions"})
 
+    def facts(self) -> dict[str, Any]:
+        """Those of the sensing graph."""
+        return {"graph": self.graph.facts()}
+
     def coverage(self, shares: Floats) -> Floats:
         """Summed weight that each target gets, from shares of shape (actions,)."""
         g = self.graph

@@ -90,6 +90,15 @@ class MaxMinLP(Problem):
         marks = {"min-max": self.sense == "min", "several-packing-rows": not self.one_packing_row}
         return frozenset({"packing-covering", *(name for name, present in marks.items() if present)})
 
+    def facts(self) -> dict[str, Any]:
+        """Sizes of the two matrices, and whether each variable stands in one packing row."""
+        return {
+            "variables": self.num_variables,
+            "packing": self.packing.facts(),
+            "covering": self.covering.facts(),
+            "one_packing_row": self.one_packing_row,
+        }
+
     def variable_name(self, variable: int) -> str:
         names = self.instance.variable_names
         return str(variable + 1) if names is None else names[variable]

@@ -93,6 +93,8 @@ class Preparation:
         By name; ``time`` always, the others where they are limited.
     fleet : int
         Largest number of routes.
+    whole : bool
+        Whether all moves that some route can make are there; with fewer, programs are restrictions.
     """
 
     vehicle: int
@@ -108,6 +110,7 @@ class Preparation:
     service: Floats
     resources: dict[str, Resource]
     fleet: int
+    whole: bool = True
 
     @property
     def customers(self) -> int:

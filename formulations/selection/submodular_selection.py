@@ -91,6 +91,10 @@ class SubmodularSelection(Problem):
         """What function and constraint ask of a method, such as ``function:coverage`` and ``constraint:knapsack``."""
         return frozenset({self.function.feature, self.constraint.feature})
 
+    def facts(self) -> dict[str, Any]:
+        """Function and constraint."""
+        return {"function": self.function.facts(), "constraint": self.constraint.facts()}
+
     def value(self, elements: ArrayLike) -> float:
         """f of a set of elements, from the data."""
         return self.function.value(np.unique(np.asarray(elements, dtype=np.int64)))
@@ -134,7 +138,7 @@ class SubmodularSelection(Problem):
         return Selection(tuple(index[str(e)] for e in data["elements"]))
 
     def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
-        """One row an element in the order of choice: element, gain, value after it."""
+        """One row an element, as the answer lists them: element, gain, value after it."""
         import pandas as pd
 
         gains = self.gains(answer.elements)

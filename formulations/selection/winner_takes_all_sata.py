@@ -50,6 +50,10 @@ class WinnerTakesAllSATA(SubmodularSelection):
     def digest(self) -> str:
         return self.graph.digest()
 
+    def facts(self) -> dict[str, Any]:
+        """Those of the sensing graph."""
+        return {"graph": self.graph.facts()}
+
     def element_name(self, element: int) -> str:
         return self.graph.action_name(element)
 

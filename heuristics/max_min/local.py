@@ -267,9 +267,7 @@ def _bound(task: _Task, coverage: Floats, setting: Setting, stop: Stop) -> tuple
         return ()
     from ...solvers.bounds.max_min.ball import ball_evidence
 
-    found = ball_evidence(
-        task.problem, coverage, lambda program, limit: setting.solve_program(program, limit).row_duals, stop.seconds_left, stop
-    )
+    found = ball_evidence(task.problem, coverage, stop, setting.linear)
     return () if found is None else (task.translate(found),)
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...formulations.evidence import Evidence
 from ...formulations.forms import FORMS
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
+from ...formulations.programs.exactness import Exactness
+from ...formulations.programs.program import INTEGERS
 from ...formulations.programs.scaling import scaled
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
@@ -45,13 +49,14 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, setting: Setting,
     """
     check_ties(ties)
     stop = setting.begin()
-    linear = [form for form in problem.forms() if FORMS[form].kind(problem) in ("LP", "MILP")]
+    linear = [f for f in problem.forms() if FORMS[f].exactness is Exactness.EXACT and FORMS[f].makes(problem) <= INTEGERS]
     if not linear:
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
-    program = problem.compile(linear[0], relax=True)
+    made = problem.compile(linear[0], relax=True)
+    program = made.program
     units = scaled(program, always=True)  # the same optimum in any unit, where there are several
-    result = setting.solve_program(units.program, stop.seconds_left)
-    statistics = {"form": program.form, "lp_status": result.status}
+    result = setting.linear.solve(units.program, stop)
+    statistics: dict[str, Any] = {"form": made.form, "lp_status": result.status}
     if result.answer is None or result.status != "optimal":
         message = f"the LP was not solved in time: {result.message or result.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
@@ -62,8 +67,8 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, setting: Setting,
     answer = Selection(tuple(first_allowed(problem, by_share(shares, ties, setting.rng))))
     setting.publish(answer)  # which outlives a fault in its evidence
     evidence: tuple[Evidence, ...] = ()
-    if result.row_duals is not None and program.dual_evidence is not None:
-        evidence = (program.dual_evidence(units.duals(result.row_duals)),)
+    if result.row_duals is not None and made.dual_evidence is not None:
+        evidence = (made.dual_evidence(units.duals(result.row_duals)),)
     return Outcome(answer, evidence=evidence, statistics=statistics)
 
 

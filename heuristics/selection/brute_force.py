@@ -85,7 +85,7 @@ def brute_force(problem: SubmodularSelection | BottleneckSATA, setting: Setting)
     holds, _ = assumptions(problem)
     picks = found.tolist() if limits is None else _filled(found.tolist(), limits)
     guarantee, message = (_optimal(total, holds), "") if whole else (None, _cut(looked, "sets"))
-    return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=bool(whole))
+    return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=bool(whole), in_order=False)
 
 
 def _filled(picks: list[int], limits: Limits) -> list[int]:
@@ -198,7 +198,7 @@ def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> 
     holds, message = assumptions(problem)
     assumed = ("monotone as declared by the user: only full sets are tried",) if f.monotone and limits is not None else ()
     guarantee = _optimal(total, assumed) if whole else None
-    outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole)
+    outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole, in_order=False)
     said = "" if whole else "; ".join(m for m in (outcome.message, _cut(looked, "sets")) if m)
     return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said, outcome.limit)
 

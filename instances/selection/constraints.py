@@ -111,7 +111,7 @@ class Constraint(ABC):
         mask[0, chosen] = True
         return (~self.allows(mask)).astype(np.float64), lambda _: f"the chosen elements are not allowed together: {self.name}"
 
-    def facts(self, elements: int) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         """What it holds, as plain JSON values."""
         return {"kind": self.name}
 
@@ -166,7 +166,7 @@ class Cardinality(LinearConstraint):
         message = f"{len(chosen)} elements are chosen, at most {self.limit} are allowed"
         return np.array([float(len(chosen) - self.limit)]), lambda _: message
 
-    def facts(self, elements: int) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         return {"kind": self.name, "limit": self.limit}
 
 
@@ -237,7 +237,7 @@ class PartitionMatroid(LinearConstraint):
             used
         ], lambda k: f"{counts[k]} elements of {self.thing} {self.group_label(int(used[k]))} are chosen, {self.limits[used[k]]} allowed"
 
-    def facts(self, elements: int) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         rank = np.minimum(np.bincount(self.groups, minlength=len(self.limits)), self.limits).sum()
         return {"kind": self.name, "groups": len(self.limits), "limits": sorted(set(self.limits.tolist())), "rank": int(rank)}
 
@@ -287,7 +287,7 @@ class Knapsack(LinearConstraint):
         message = f"the chosen elements cost {cost:.12g}, the budget is {self.budget:.12g}"
         return np.array([cost - self.budget]), lambda _: message
 
-    def facts(self, elements: int) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         return {"kind": self.name, "budget": self.budget, "cost": float(self.costs.sum())}
 
 

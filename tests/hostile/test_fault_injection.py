@@ -77,10 +77,10 @@ def test_a_claimed_point_that_is_no_answer_is_the_solvers_fault_and_costs_no_sta
     def no_route(x: Any) -> Any:
         raise InputError("arcs form a cycle without the depot")
 
-    program = dataclasses.replace(TINY.compile(), decode=no_route)
+    made = dataclasses.replace(TINY.compile(), decode=no_route)
     with pytest.raises(CheckFailedError, match="the optimal answer claimed by highs is no answer: arcs form a cycle"):
-        wb.solve(program, "highs", bound_time=0)
-    found = wb.solve(program, "highs", start=BEST, bound_time=0)
+        wb.solve(made, "highs", bound_time=0)
+    found = wb.solve(made, "highs", start=BEST, bound_time=0)
     assert (found.objective, found.status) == (VALUE, "feasible")
     assert "arcs form a cycle" in found.faults[0]
 

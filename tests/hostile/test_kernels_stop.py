@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
@@ -173,12 +174,17 @@ def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: 
         return
     method.prepare()
     for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 12)).tolist():
-        stop = Stop()
-        late, _ = lateness(lambda control: (control.on_stop(stop.ask), method.compute(problem, BUDGET, lambda *_: None, stop)), seconds)  # noqa: B023
+        stop = Stop(BUDGET)
+
+        def go(control: Control, stop: Stop = stop) -> None:
+            control.on_stop(stop.ask)
+            method.compute(problem, stop, AnsweredBy(lambda *_: None))
+
+        late, _ = lateness(go, seconds)
         assert late < LATE
         tally["bounds that were asked to stop"] += 1
     began = time.perf_counter()
-    method.compute(problem, 0.2, lambda *_: None, Stop())
+    method.compute(problem, Stop(0.2), AnsweredBy(lambda *_: None))
     assert time.perf_counter() - began < 0.2 + LATE
 
 
@@ -250,6 +256,6 @@ def test_extreme_weights_end(kind: str, share: Any, tally: Any) -> None:
                 continue
             BOUNDS[name].prepare()
             began = time.perf_counter()
-            BOUNDS[name].compute(problem, 1.0, lambda *_: None, Stop())
+            BOUNDS[name].compute(problem, Stop(1.0), AnsweredBy(lambda *_: None))
             assert time.perf_counter() - began < 1.0 + LATE
         tally["instances of extreme weights"] += 1

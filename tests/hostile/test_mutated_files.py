@@ -19,13 +19,13 @@ import pytest
 import waybound as wb
 from waybound.api import read_certificate
 from waybound.formulations.answers import json_text, read_answer
-from waybound.formulations.certificate import certify, check_certificate
+from waybound.formulations.certificate import certificate_lines, certificate_title, certify, check_certificate
 from waybound.formulations.problem import Problem, problem_from_instance
-from waybound.formulations.rendering import as_text, certificate_lines, certificate_title
+from waybound.formulations.rendering import as_text
 from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError, WayboundError
 from waybound.instances.reading import read_instance, recognise
-from waybound.reports.tables.routing import facts, facts_table
+from waybound.reports.tables.facts import facts, facts_table
 from waybound.solving.bounding import find_bounds
 
 from ..instances.test_reading_fuzz import BASES, TOKENS

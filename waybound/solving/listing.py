@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
+from ..formulations.programs.exactness import Exactness
+from ..formulations.programs.program import described
 from ..heuristics.heuristic import HEURISTICS
-from ..solvers.backend import BACKENDS, Engine, ProgramBackend
+from ..solvers.backend import BACKENDS, Engine, ProgramBackend, kinds_of
 
 
 @dataclass(frozen=True)
@@ -38,16 +40,18 @@ class HeuristicInfo:
 
 
 def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple[str, ...]]:
-    """What solver ``name`` lacks for ``problem``, and the forms through which it can take it."""
+    """What solver ``name`` lacks for ``problem`` where no form is named, and the forms through which it can take it."""
     backend = BACKENDS[name]
     if issubclass(backend, Engine):
         return backend().missing(problem), ()
     assert issubclass(backend, ProgramBackend)
     forms = problem.forms()
-    usable = tuple(f for f in forms if backend.takers(FORMS[f].kind(problem)))
+    usable = tuple(f for f in forms if backend.takers(FORMS[f].makes(problem)))
+    if any(FORMS[f].exactness is Exactness.EXACT for f in usable):
+        return frozenset(), usable
     if usable or not forms:
-        return (frozenset() if usable else frozenset({"a form for this problem"})), usable
-    return frozenset(f"{FORMS[f].kind(problem)} programs" for f in forms), ()
+        return frozenset({"an exact form for this problem" if usable else "a form for this problem"}), usable
+    return frozenset(f"{described(FORMS[f].makes(problem))} programs" for f in forms), ()
 
 
 def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
@@ -56,7 +60,7 @@ def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
     for name in BACKENDS:
         backend = BACKENDS[name]
         missing, forms = missing_features(name, problem) if problem is not None else (frozenset(), ())
-        takes = ", ".join(sorted(backend.kinds)) if issubclass(backend, ProgramBackend) else f"{backend.family} problems"
+        takes = ", ".join(kinds_of(backend)) if issubclass(backend, ProgramBackend) else f"{backend.family} problems"
         rows.append(
             SolverInfo(
                 name, backend.takes, backend.installed(), backend.version(), backend.summary, takes,

@@ -33,7 +33,7 @@ Source: Mitchell (2020), CMU-RI-TR-20-52, (3.7)-(3.14), with demands and service
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Rows, Variables
 from ...programs.rows import Ints, rows
 from ...programs.scaling import scaled
@@ -99,7 +100,7 @@ class _Type:
         return every + (every >= self.idle)
 
 
-def build(problem: RoutingProblem) -> Program:
+def build(problem: RoutingProblem) -> Compiled:
     """The program of the three-index form; see the module's text for its mathematics.
 
     Parameters
@@ -125,8 +126,8 @@ def build(problem: RoutingProblem) -> Program:
         variables.append(Variables("u", (customers,), (types[0].names,), lower=np.ones(n), upper=np.full(n, float(n)), cost=np.zeros(n)))
         blocks.extend(_order(kind, first) for kind, cyclic in zip(types, orders, strict=True) if cyclic)
         first += n
-    bare = Program("three-index", problem.sense, tuple(variables), tuple(b for b in blocks if b.size), problem=problem)
-    return replace(bare, decode=partial(_decode, problem, types), encode=partial(_encode, problem, types, bare))
+    bare = Program("three-index", problem.sense, tuple(variables), tuple(b for b in blocks if b.size))
+    return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, problem, types, bare))
 
 
 # -- columns ---------------------------------------------------------------------------------------------------------

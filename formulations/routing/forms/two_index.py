@@ -59,7 +59,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -69,7 +68,9 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
+from ...programs.exactness import Exactness
 from ...programs.program import Floats, Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.scaling import scaled
@@ -240,7 +241,7 @@ class _Builder:
         self.encoders.append(encode)
 
 
-def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep: Preparation | None = None) -> Program:
+def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep: Preparation | None = None) -> Compiled:
     """The program of a two-index form; see the module's text for its mathematics.
 
     Parameters
@@ -281,9 +282,9 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
             raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
         return x
 
-    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), problem=problem)
+    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows))
     evidence = partial(_evidence, made, bare) if _has_evidence(problem, form) else None
-    return replace(bare, decode=decode, encode=encode, dual_evidence=evidence)
+    return Compiled(bare, problem, decode, encode, evidence, Exactness.EXACT if prep.whole else Exactness.RESTRICTION)
 
 
 def _has_evidence(problem: RoutingProblem, form: str) -> bool:

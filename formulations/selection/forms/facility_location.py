@@ -29,16 +29,17 @@ import numpy as np
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import ADVICE, FEATURES, Labels, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, Labels, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
 
 
-def build(problem: SubmodularSelection) -> Program:
+def build(problem: SubmodularSelection) -> Compiled:
     """The facility-location form; see the module's text for its mathematics."""
     edges = edges_of(problem)
     n = edges.elements
@@ -77,10 +78,8 @@ def build(problem: SubmodularSelection) -> Program:
         of_items, of_limits = np.asarray(prices, dtype=np.float64), duals[: limits.size]
         return prices_evidence(of_items, of_limits, "item prices of the facility-location LP", problem)
 
-    return Program(
-        "facility-location", "max", (choice(edges), u), (limits, levels), problem=problem, decode=lambda v: chosen(v[:n]), encode=encode,
-        dual_evidence=dual_evidence, advice=ADVICE,
-    )  # fmt: skip
+    program = Program("facility-location", "max", (choice(edges), u), (limits, levels))
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
 
 
 FORMS.add("facility-location", Form("facility-location", "selection", FEATURES, build))

@@ -26,16 +26,17 @@ import numpy as np
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import ADVICE, FEATURES, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
 
 
-def build(problem: SubmodularSelection) -> Program:
+def build(problem: SubmodularSelection) -> Compiled:
     """The strong linearisation; see the module's text for its mathematics."""
     edges = edges_of(problem)
     n, m, every = edges.elements, edges.size, np.arange(edges.size)
@@ -57,10 +58,8 @@ def build(problem: SubmodularSelection) -> Program:
         prices = duals[limits.size : limits.size + edges.items]
         return prices_evidence(prices, duals[: limits.size], "item prices of the strong LP", problem)
 
-    return Program(
-        "strong-linearisation", "max", (choice(edges), z), (limits, served, link), problem=problem, decode=lambda v: chosen(v[:n]),
-        encode=encode, dual_evidence=dual_evidence, advice=ADVICE,
-    )  # fmt: skip
+    program = Program("strong-linearisation", "max", (choice(edges), z), (limits, served, link))
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
 
 
 FORMS.add("strong-linearisation", Form("strong-linearisation", "selection", FEATURES, build, order=1))

@@ -28,16 +28,17 @@ import numpy as np
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import ADVICE, FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
 
 
-def build(problem: SubmodularSelection) -> Program:
+def build(problem: SubmodularSelection) -> Compiled:
     """The weak linearisation; see the module's text for its mathematics."""
     edges = edges_of(problem)
     credit = credits_of(problem, edges)
@@ -64,10 +65,8 @@ def build(problem: SubmodularSelection) -> Program:
         prices = duals[len(duals) - edges.items :]
         return prices_evidence(prices, duals[: limits.size], "item prices of the weak LP", problem)
 
-    return Program(
-        "weak-linearisation", "max", (choice(edges), y, z), (limits, link, given, served), problem=problem, decode=lambda v: chosen(v[:n]),
-        encode=encode, dual_evidence=dual_evidence, advice=ADVICE,
-    )  # fmt: skip
+    program = Program("weak-linearisation", "max", (choice(edges), y, z), (limits, link, given, served))
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
 
 
 FORMS.add("weak-linearisation", Form("weak-linearisation", "selection", FEATURES, build, order=2))

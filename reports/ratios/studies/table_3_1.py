@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...tables.routing import Column, Table
+from ...tables.table import Column, Table
 from ..judging import run_heuristic
 from ..max_min_families import REFERENCES, robots
 from ..study import STUDIES, Fault, Report, Study, StudySetting

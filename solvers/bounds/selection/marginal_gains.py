@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from ....formulations.selection.feasibility import Openings
 from ....formulations.stop import NEVER, Stop
 from ....instances.selection.constraints import Cardinality, Knapsack, LimitRows, PartitionMatroid
 from ....instances.selection.functions import DenseFacilityLocation, FacilityLocation, ItemWeights, SetFunction
+from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .growing_sets import WeightedSet, empty_set
 
@@ -117,17 +118,15 @@ def _in_budgets(costs: Floats, budget: float) -> tuple[Floats, float]:
 # -- the method for problems whose solver brings no such evidence -----------------------------------------------------
 
 
-def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callable[..., Any], stop: Stop = NEVER) -> Evidence | None:
+def marginal_gains_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from a set picked almost greedily.
 
     Parameters
     ----------
     problem : SubmodularSelection
-    seconds : float
-        Budget.
-    solve_program : callable
-        Not used.
     stop : Stop
+    linear : unused
+        No program is solved.
 
     Returns
     -------
@@ -137,9 +136,8 @@ def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callab
     -----
     The set is picked with a falling threshold (Badanidiyuru and Vondrák 2014). A user's function, one call a round, is picked plainly.
     """
-    stop = stop.within(seconds)
     selection: SubmodularSelection = problem  # type: ignore[assignment]
-    half = stop.within(0.5 * seconds)
+    half = stop.within(0.5 * stop.seconds_left)
     weights, c = selection.function.as_item_weights(), selection.constraint
     partition, knapsack = c.as_partition(selection.num_elements), c.as_knapsack()
     if weights is None or (partition is None and knapsack is None):
@@ -202,7 +200,7 @@ def _prepare() -> None:
     functions: list[SetFunction] = [FacilityLocation(*one, np.ones(1), 1)]
     functions += [DenseFacilityLocation(np.ones((1, 1), dtype)) for dtype in (np.float32, np.float64)]
     for function in functions:
-        marginal_gains_bound(SubmodularSelection(function, Cardinality(1)), 3600.0, lambda *_: None)
+        marginal_gains_bound(SubmodularSelection(function, Cardinality(1)))
 
 
 BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=0, prepare=_prepare))

@@ -16,7 +16,7 @@ from waybound.instances.errors import InputError, UsageError
 from waybound.instances.selection.functions import Coverage
 from waybound.instances.selection.instance import SelectionInstance
 from waybound.instances.writing import write_instance
-from waybound.reports.tables.assignments import assignment_facts, assignment_rows
+from waybound.reports.tables.facts import facts, facts_table
 
 PAIRS = [
     (kind, rule)
@@ -98,6 +98,7 @@ def test_answers_that_break_them_are_told_so() -> None:
 
 def test_they_are_told_in_tables_and_refused_by_files(tmp_path) -> None:  # type: ignore[no-untyped-def]
     problem = SubmodularSelection(Roots(np.ones((4, 2))), Apart())
-    assert dict(assignment_rows(assignment_facts(problem))) == {"function": "roots, of 4 elements", "constraint": "apart"}
+    told = dict(facts_table(facts(problem)).rows)
+    assert (told["function"], told["constraint"]) == ("roots, of 4 elements", "kind apart")
     with pytest.raises(InputError, match="the function roots cannot be written to a file"):
         write_instance(SelectionInstance(problem.function, problem.constraint), tmp_path / "own.json")
