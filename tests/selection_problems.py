@@ -40,6 +40,7 @@ class Weights(ItemFunction):
     """The largest weight for each item, from a table that is stored by item."""
 
     name: ClassVar[str] = "weights"
+    kind: ClassVar[str] = "weights"
     table: NDArray[np.float64]
 
     @property
@@ -94,6 +95,7 @@ class Apart(Constraint):
     """No two elements that are neighbours on a ring."""
 
     name: ClassVar[str] = "apart"
+    kind: ClassVar[str] = "apart"
 
     def parts(self) -> tuple[Any, ...]:
         return (self.name,)

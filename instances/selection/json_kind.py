@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Part(Generic[T]):
+class JsonPart(Generic[T]):
     """How a kind of set function or constraint is written: its keys beside ``kind``, and both ways.
 
     Parameters
@@ -41,13 +41,17 @@ class Part(Generic[T]):
     optional: tuple[str, ...] = ()
 
 
-FUNCTIONS: Registry[Part[SetFunction]] = Registry("kind of set function", "waybound.instances.selection.json_kind")
-CONSTRAINTS: Registry[Part[Constraint]] = Registry("kind of constraint", "waybound.instances.selection.json_kind")
+SET_FUNCTIONS: Registry[JsonPart[SetFunction]] = Registry(
+    "kind of set function", "waybound.instances.selection.json_kind", group="waybound.set_functions"
+)
+CONSTRAINTS: Registry[JsonPart[Constraint]] = Registry(
+    "kind of constraint", "waybound.instances.selection.json_kind", group="waybound.constraints"
+)
 
 
 def writable(function: SetFunction, constraint: Constraint) -> bool:
     """Whether a file can hold both."""
-    return function.kind in FUNCTIONS and constraint.kind in CONSTRAINTS
+    return function.kind in SET_FUNCTIONS and constraint.kind in CONSTRAINTS
 
 
 def encode(instance: SelectionInstance) -> dict[str, Any]:
@@ -57,7 +61,7 @@ def encode(instance: SelectionInstance) -> dict[str, Any]:
         data["problems"] = list(instance.problems)
     if instance.element_names is not None:
         data["elements"] = list(instance.element_names)
-    for key, known, part in (("function", FUNCTIONS, instance.function), ("constraint", CONSTRAINTS, instance.constraint)):
+    for key, known, part in (("function", SET_FUNCTIONS, instance.function), ("constraint", CONSTRAINTS, instance.constraint)):
         if part.kind not in known:
             raise InputError(f"the {key} {part.name} cannot be written to a file", expected=", ".join(known))
         data[key] = {"kind": part.kind, **known[part.kind].encode(part)}
@@ -73,7 +77,7 @@ def decode(data: dict[str, Any]) -> SelectionInstance:
     problems = strings(data.get("problems", [problem]), "problems")
     if problem != "selection" or problems != ("selection",):
         raise InputError("selections allow one problem", expected="selection", found=", ".join(dict.fromkeys((problem, *problems))))
-    function = _decoded(data["function"], "function", FUNCTIONS, 0)
+    function = _decoded(data["function"], "function", SET_FUNCTIONS, 0)
     return SelectionInstance(
         function, _decoded(data["constraint"], "constraint", CONSTRAINTS, function.num_elements),
         strings(data["elements"], "elements") if "elements" in data else None, name=string(data["name"], "name"), format="json",
@@ -81,7 +85,7 @@ def decode(data: dict[str, Any]) -> SelectionInstance:
     )  # fmt: skip
 
 
-def _decoded(data: Any, path: str, known: Registry[Part[T]], elements: int) -> T:
+def _decoded(data: Any, path: str, known: Registry[JsonPart[T]], elements: int) -> T:
     kind = string(fields(data, path, tuple(data) if isinstance(data, dict) else (), ("kind",))["kind"], f"{path}.kind")
     if kind not in known:
         raise InputError(f"{path}.kind is unknown", expected=", ".join(known), found=kind)
@@ -154,20 +158,20 @@ def _decode_dense(given: Mapping[str, Any], elements: int) -> DenseFacilityLocat
     return DenseFacilityLocation(single)
 
 
-FUNCTIONS.add("coverage", Part(("sets", "item_weights"), _encode_coverage, _decode_coverage))
-FUNCTIONS.add("facility-location", Part(("items", "sets", "weights"), _encode_sparse, _decode_sparse))
-FUNCTIONS.add("dense-facility-location", Part(("matrix",), _encode_dense, _decode_dense, ("single",)))
+SET_FUNCTIONS.add("coverage", JsonPart(("sets", "item_weights"), _encode_coverage, _decode_coverage))
+SET_FUNCTIONS.add("facility-location", JsonPart(("items", "sets", "weights"), _encode_sparse, _decode_sparse))
+SET_FUNCTIONS.add("dense-facility-location", JsonPart(("matrix",), _encode_dense, _decode_dense, ("single",)))
 
 
 # -- constraints ------------------------------------------------------------------------------------------------------
 
 CONSTRAINTS.add(
     "cardinality",
-    Part(("limit",), lambda c: {"limit": c.limit}, lambda given, elements: Cardinality(integer(given["limit"], "constraint.limit", 1))),
+    JsonPart(("limit",), lambda c: {"limit": c.limit}, lambda given, elements: Cardinality(integer(given["limit"], "constraint.limit", 1))),
 )
 CONSTRAINTS.add(
     "partition",
-    Part(
+    JsonPart(
         ("groups", "limits"),
         lambda c: {"groups": c.groups.tolist(), "limits": c.limits.tolist()},
         lambda given, elements: PartitionMatroid(
@@ -178,7 +182,7 @@ CONSTRAINTS.add(
 )
 CONSTRAINTS.add(
     "knapsack",
-    Part(
+    JsonPart(
         ("costs", "budget"),
         lambda c: {"costs": json_numbers(c.costs), "budget": json_number(c.budget)},
         lambda given, elements: Knapsack(reals(given["costs"], "constraint.costs", elements), real(given["budget"], "constraint.budget")),

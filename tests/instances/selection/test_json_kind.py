@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from selection_problems import Apart, Weights
 
 from waybound.instances.errors import InputError
 from waybound.instances.formats.waybound_json import read, write
 from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
 from waybound.instances.selection.instance import SelectionInstance
+from waybound.instances.selection.json_kind import CONSTRAINTS, SET_FUNCTIONS, JsonPart
 
 COVERAGE = {"kind": "coverage", "item_weights": [1, 2.5, 3], "sets": [[0, 2], [1], []]}
 FACILITY = {"kind": "facility-location", "items": 3, "sets": [[0, 2], [1], []], "weights": [[1, 2], [0.5], []]}
@@ -131,3 +133,15 @@ def test_nothing_to_choose_from_is_legal() -> None:
     for constraint in (Cardinality(1), PartitionMatroid.of([], []), Knapsack(np.zeros(0), 0.0)):
         made = SelectionInstance(Coverage.from_sets([], []), constraint)
         assert read(write(made), Path("a.json")).digest() == made.digest()  # type: ignore[attr-defined]
+
+
+def test_functions_and_constraints_from_outside_are_written_and_read() -> None:
+    function = JsonPart(("table",), lambda f: {"table": f.table.tolist()}, lambda given, elements: Weights(np.array(given["table"])))
+    rule = JsonPart((), lambda c: {}, lambda given, elements: Apart())
+    made = SelectionInstance(Weights(np.eye(2)), Apart())
+    with pytest.raises(InputError, match="the function weights cannot be written to a file; expected coverage"):
+        write(made)
+    with SET_FUNCTIONS.temporary("weights", function), CONSTRAINTS.temporary("apart", rule):
+        assert json.loads(write(made))["function"] == {"kind": "weights", "table": [[1.0, 0.0], [0.0, 1.0]]}
+        again = read(write(made), Path("a.json"))
+        assert isinstance(again, SelectionInstance) and again.digest() == made.digest()
