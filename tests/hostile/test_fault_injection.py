@@ -50,15 +50,11 @@ def test_a_last_word_that_cannot_be_judged_costs_no_other_answer(
     if stage == "evaluate":
         monkeypatch.setattr(type(TINY), "evaluate", lambda self, a: fail() if a is WORSE else honest(self, a))
     else:
-        monkeypatch.setattr(solving, "_solver_run", _decoding(solving._solver_run, fail))
+        monkeypatch.setattr(solving._Run, "decode", lambda self, a: fail() if a is WORSE else a)
     found = wb.solve(TINY, engine(work), bound_time=0)
     assert (found.objective, found.status) == (VALUE, "feasible")
     assert words in found.message
     tally["faults injected"] += 1
-
-
-def _decoding(honest: Callable[..., Any], fail: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda *given: dataclasses.replace(honest(*given), decode=lambda a: fail() if a is WORSE else a)
 
 
 def test_one_interrupt_while_judging_costs_nothing(monkeypatch: pytest.MonkeyPatch, engine: Any) -> None:
