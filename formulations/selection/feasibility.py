@@ -25,6 +25,13 @@ def spendable(rows: LimitRows) -> Floats:
     return np.array([room(costs, limit) for costs, limit in rows.budgets(int(rows.element.max(initial=-1)) + 1)])
 
 
+def in_budgets(costs: Floats, budget: float) -> tuple[Floats, float]:
+    """Both times the power of two that brings the budget below 1: no gain per cost overflows for its unit."""
+    exponent = int(np.frexp(budget)[1])
+    with np.errstate(over="ignore"):
+        return np.ldexp(costs, -exponent), float(np.ldexp(budget, -exponent))
+
+
 def allowed(constraint: Constraint, masks: Masks) -> NDArray[np.bool_]:
     """Which of the sets given by the rows of ``masks`` pass the check, shape (sets,)."""
     rows = constraint.rows(masks.shape[1])

@@ -58,6 +58,7 @@ class SubmodularSelection(Problem):
         problem: str = "selection",
         notes: tuple[str, ...] = (),
     ) -> None:
+        function.check()
         constraint.check(function.num_elements)
         arrays.names("element", element_names, function.num_elements)
         self.function, self.constraint, self.element_names = function, constraint, element_names

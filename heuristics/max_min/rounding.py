@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 TIES = ("last", "first", "random")
 
 ALIKE = 1e-9
-"""Neighbours among the shares that are no further apart are equal: neither an LP solver's zeros nor sums of shares are exact."""
+"""Shares that are no further apart are equal: neither an LP solver's zeros nor sums of shares are exact."""
 
 
 def check_ties(ties: Any) -> None:
@@ -25,7 +25,7 @@ def check_ties(ties: Any) -> None:
 
 
 def by_share(shares: Floats, ties: str = "last", rng: np.random.Generator | None = None) -> NDArray[np.int64]:
-    """The elements by falling share.
+    """The elements by falling share; a run of neighbours among the shares that are alike is one tie.
 
     Parameters
     ----------
@@ -40,27 +40,34 @@ def by_share(shares: Floats, ties: str = "last", rng: np.random.Generator | None
     UsageError
         If ``ties`` is no rule, or random without a generator.
     """
-    check_ties(ties)
-    if ties == "random" and rng is None:
-        raise UsageError("ties=random needs a random generator")
-    order = np.argsort(shares, kind="stable")
+    turns, order = _turns(len(shares), ties, rng), np.argsort(shares, kind="stable")
     level = np.empty(len(shares), dtype=np.int64)
     level[order] = np.cumsum(np.diff(shares[order], prepend=shares[order][:1]) > ALIKE)
-    rank = np.arange(len(shares)) if rng is None or ties != "random" else rng.permutation(len(shares))
-    return np.lexsort((-rank if ties == "last" else rank, -level))
+    return np.lexsort((turns, -level))
 
 
-def largest_shares(
-    graph: SensingGraph, shares: Floats, ties: str = "last", rng: np.random.Generator | None = None
-) -> NDArray[np.int32]:  # fmt: skip
-    """The action with the largest share of each robot that has a share at all, in the order of robots; see ``by_share`` for ties.
+def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng: np.random.Generator | None = None) -> NDArray[np.int32]:
+    """The action with the largest share of each robot that has a share at all, in the order of robots; ``ties`` as in ``by_share``,
+    among those alike to the robot's largest.
 
     Notes
     -----
     Source: Sung (2019), section 3.4.1. The rounded value may be 0 where the shares cover everything:
     docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
-    used = np.nonzero(shares > 0)[0]
-    order = used[by_share(shares[used], ties, rng)]
+    most = np.zeros(graph.num_robots)
+    np.maximum.at(most, graph.robot_of_action, shares)
+    best = np.nonzero((shares > 0) & (shares >= most[graph.robot_of_action] - ALIKE))[0]
+    order = best[np.argsort(_turns(len(best), ties, rng))]
     _, first = np.unique(graph.robot_of_action[order], return_index=True)
     return order[first].astype(np.int32)
+
+
+def _turns(count: int, ties: str, rng: np.random.Generator | None) -> NDArray[np.int64]:
+    """Numbers by which equal ones are ordered."""
+    check_ties(ties)
+    if ties != "random":
+        return np.arange(count) if ties == "first" else -np.arange(count)
+    if rng is None:
+        raise UsageError("ties=random needs a random generator")
+    return -rng.permutation(count)

@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
+from ...formulations.selection.feasibility import in_budgets
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
+from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...instances.selection.functions import ItemWeights, SetFunction
 from ...solvers.bounds.selection.growing_sets import GrowingSet, ValuedSet, WeightedSet
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, rounded_down
-from .greedy_steps.limits import ANY_FUNCTION, in_budgets
+from .greedy_steps.limits import ANY_FUNCTION
 
 WORK, USER_WORK = 300_000_000, 300_000
 """Entries of the data, or sets of a user's function, up to which ``enumerate`` is deepened by itself: about a second."""
@@ -73,7 +75,7 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
         raise UsageError(f"enumerate must be 0, 1, 2 or 3, not {enumerate!r}")
     c = problem.constraint.as_knapsack()
     assert c is not None
-    costs, budget = in_budgets(c)
+    costs, budget = in_budgets(c.costs, room(c.costs, c.budget))
     usable = np.nonzero((costs > 0) & (costs <= budget))[0]
     weights = problem.function.as_item_weights()
     depth = _affordable(weights, len(usable)) if enumerate is None else int(enumerate)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...formulations.selection.feasibility import allowed
+from ...formulations.selection.feasibility import CHUNK, allowed
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...instances.selection.constraints import Constraint
@@ -24,9 +24,6 @@ TOLERANCE = 1e-9
 
 MOST_AT_ONCE = 1_000_000
 """Triples up to which all are tried instead of a sample."""
-
-CHUNK = 1 << 24
-"""Bytes of masks that a function is given at once."""
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,18 @@ class LimitRows:
     limit: Floats
     label: Callable[[int], str] | None = None
 
+    def check(self, elements: int) -> None:
+        """Raise InputError unless they are what is said above, for that many elements: every bound rests on it."""
+        if not len(self.row) == len(self.element) == len(self.coefficient):
+            lengths = f"{len(self.row)}, {len(self.element)} and {len(self.coefficient)}"
+            raise InputError(f"each entry of the rows {self.name} must have a row, an element and a coefficient", found=lengths)
+        arrays.refuse_outside(f"the row of entry {{}} of {self.name}", self.row, len(self.limit), "row")
+        arrays.refuse_outside(f"the element of entry {{}} of {self.name}", self.element, elements, "element")
+        arrays.refuse_negative(f"the coefficient of entry {{}} of {self.name}", self.coefficient)
+        arrays.refuse_negative(f"the limit of row {{}} of {self.name}", self.limit)
+        if len(np.unique(self.row.astype(np.int64) * elements + self.element)) < len(self.row):
+            raise InputError(f"an element stands twice in a row of {self.name}")
+
     def label_of(self, row: int) -> str:
         return self.name if self.label is None else f"{self.name} {self.label(row)}"
 
@@ -123,6 +135,9 @@ class LinearConstraint(Constraint):
 
     @abstractmethod
     def rows(self, elements: int) -> LimitRows: ...
+
+    def check(self, elements: int) -> None:
+        self.rows(elements).check(elements)
 
     def allows(self, masks: Masks) -> NDArray[np.bool_]:
         """To the bit; ``formulations.selection.feasibility`` allows for the rounding of sums."""

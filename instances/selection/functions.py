@@ -64,6 +64,27 @@ class ItemWeights:
             int(matrix.shape[1]),
         )  # fmt: skip
 
+    def check(self, elements: int) -> None:
+        """Raise InputError unless they are what is said above, for that many elements: every bound rests on it."""
+        if self.layout == IN_MATRIX:
+            # One reduction each way instead of a mask of the same size: the matrix may hold gigabytes.
+            if self.matrix.size and not (self.matrix.min() >= 0 and math.isfinite(float(self.matrix.max()))):
+                raise InputError("weights must be finite and not negative")
+            arrays.refuse_overflow("the weights", self.matrix)
+            found = len(self.matrix)
+        else:
+            thing, every, size = "entry", "the weights", len(self.indices)
+            if self.layout == AT_ITEM:
+                thing, every, size = "item", "the weights of the items", self.num_items
+            arrays.check_csr(self.indptr, self.indices, self.num_items, "element", "item", "entries")
+            if self.weights.shape != (size,):
+                raise InputError(f"there must be one weight an {thing}", expected=str(size), found=str(self.weights.shape))
+            arrays.refuse_negative(f"the weight of {thing} {{}}", self.weights)
+            arrays.refuse_overflow(every, self.weights)
+            found = len(self.indptr) - 1
+        if found != elements:
+            raise InputError("there must be weights for each element", expected=str(elements), found=str(found))
+
     @property
     def arrays(self) -> tuple[int, Indices, Indices, Floats, NDArray[np.floating[Any]]]:
         """What compiled loops take."""
@@ -156,6 +177,9 @@ class SetFunction(ABC):
         """The function as a sum over items of the largest weight that an element gives each, where it is one."""
         return None
 
+    def check(self) -> None:  # noqa: B027
+        """Raise InputError unless its data are sound; a problem asks once."""
+
     def value(self, chosen: NDArray[np.integer[Any]]) -> float:
         """Value of the set of the elements ``chosen``, none twice."""
         mask = np.zeros((1, self.num_elements), dtype=bool)
@@ -183,6 +207,9 @@ class ItemFunction(SetFunction):
 
     @abstractmethod
     def as_item_weights(self) -> ItemWeights: ...
+
+    def check(self) -> None:
+        self.as_item_weights().check(self.num_elements)
 
     def values(self, masks: Masks) -> Floats:
         weights = self.as_item_weights()
@@ -220,8 +247,15 @@ class ItemFunction(SetFunction):
         return f"<{type(self).__name__}: {self.num_elements} elements, {self.as_item_weights().num_items} items>"
 
 
+class _Checked(ItemFunction):
+    """Checked when it is made, and not by each problem."""
+
+    def check(self) -> None:
+        pass
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Coverage(ItemFunction):
+class Coverage(_Checked):
     """``f(S)`` = sum of the weights of the items that some element of S covers. Monotone submodular.
 
     Parameters
@@ -251,9 +285,7 @@ class Coverage(ItemFunction):
         object.__setattr__(self, "item_weights", arrays.reals("item_weights", self.item_weights))
         if self.item_weights.ndim != 1:
             raise InputError("item_weights must be a list with one weight an item", found=f"shape {self.item_weights.shape}")
-        arrays.refuse_negative("the weight of item {}", self.item_weights)
-        arrays.refuse_overflow("the weights of the items", self.item_weights)
-        arrays.check_csr(self.indptr, self.indices, len(self.item_weights), "element", "item", "entries")
+        ItemFunction.check(self)
 
     @property
     def num_elements(self) -> int:
@@ -271,7 +303,7 @@ class Coverage(ItemFunction):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FacilityLocation(ItemFunction):
+class FacilityLocation(_Checked):
     """``f(S)`` = sum over items (clients) of the largest weight that an element of S gives them, 0 for none. Monotone submodular.
 
     Parameters
@@ -293,11 +325,7 @@ class FacilityLocation(ItemFunction):
         object.__setattr__(self, "weights", arrays.reals("weights", self.weights))
         object.__setattr__(self, "num_items", arrays.size("num_items", self.num_items))
         arrays.refuse_unused("items", self.num_items, len(self.indices), "entries")
-        arrays.check_csr(self.indptr, self.indices, self.num_items, "element", "item", "entries")
-        if self.weights.shape != self.indices.shape:
-            raise InputError("there must be one weight an entry", expected=str(len(self.indices)), found=str(self.weights.shape))
-        arrays.refuse_negative("the weight of entry {}", self.weights)
-        arrays.refuse_overflow("the weights", self.weights)
+        ItemFunction.check(self)
 
     @property
     def num_elements(self) -> int:
@@ -311,7 +339,7 @@ class FacilityLocation(ItemFunction):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DenseFacilityLocation(ItemFunction):
+class DenseFacilityLocation(_Checked):
     """Facility location whose weights are a full matrix.
 
     Parameters
@@ -329,11 +357,8 @@ class DenseFacilityLocation(ItemFunction):
             object.__setattr__(self, "matrix", arrays.reals("the weights", self.matrix))
         if self.matrix.ndim != 2:
             raise InputError("the weights must be a matrix of elements x items", found=f"shape {self.matrix.shape}")
-        # One reduction each way instead of a mask of the same size: the matrix may hold gigabytes.
-        if self.matrix.size and not (self.matrix.min() >= 0 and math.isfinite(float(self.matrix.max()))):
-            raise InputError("weights must be finite and not negative")
-        arrays.refuse_overflow("the weights", self.matrix)
         object.__setattr__(self, "matrix", np.ascontiguousarray(self.matrix))  # the same one where it is row-major
+        ItemFunction.check(self)
 
     @property
     def num_elements(self) -> int:

@@ -12,9 +12,7 @@ from ....formulations.max_min.bottleneck_sata import BottleneckSATA
 from ....formulations.problem import Problem
 from ....formulations.selection.feasibility import Openings
 from ....formulations.selection.submodular_selection import SubmodularSelection
-from ....formulations.tolerance import room
 from ....instances.errors import UsageError
-from ....instances.selection.constraints import Knapsack
 
 FUNCTIONS = frozenset({"function:coverage", "function:facility-location"})
 ANY_FUNCTION = FUNCTIONS | {"function:user"}
@@ -100,13 +98,6 @@ class Limits:
             free[g] -= 1
             open_ -= 1 + (int(free[g]) if left[g] == 0 else 0)
         return total
-
-
-def in_budgets(constraint: Knapsack) -> tuple[NDArray[np.float64], float]:
-    """Costs and what may be spent, times the power of two that brings the budget below 1: no gain per cost overflows for its unit."""
-    exponent = int(np.frexp(constraint.budget)[1])
-    with np.errstate(over="ignore"):
-        return np.ldexp(constraint.costs, -exponent), float(np.ldexp(room(constraint.costs, constraint.budget), -exponent))
 
 
 def first_allowed(problem: SubmodularSelection | BottleneckSATA, order: NDArray[np.int64]) -> list[int]:

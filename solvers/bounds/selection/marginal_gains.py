@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
-from ....formulations.selection.feasibility import Openings
+from ....formulations.selection.feasibility import Openings, in_budgets
 from ....formulations.stop import NEVER, Stop
 from ....instances.selection.constraints import Cardinality, Knapsack, LimitRows, PartitionMatroid
 from ....instances.selection.functions import DenseFacilityLocation, FacilityLocation, ItemWeights, SetFunction
@@ -97,7 +97,7 @@ def best_sum(partition: PartitionMatroid | None, rows: LimitRows | None, gains: 
         rank = np.arange(len(g)) - np.searchsorted(group, group)
         return float(g[order][rank < limits[group]].sum())
     budgets = () if rows is None else rows.budgets(len(g))
-    return min((_fractional(*_in_budgets(costs, budget), g) for costs, budget in budgets), default=float(g.sum()))
+    return min((_fractional(*in_budgets(costs, budget), g) for costs, budget in budgets), default=float(g.sum()))
 
 
 def _fractional(costs: Floats, budget: float, gains: Floats) -> float:
@@ -106,13 +106,6 @@ def _fractional(costs: Floats, budget: float, gains: Floats) -> float:
     cost, worth = costs[paid][order], gains[paid][order]
     room = np.clip(budget - (np.cumsum(cost) - cost), 0.0, cost)
     return float(gains[costs == 0].sum() + (worth * (room / cost)).sum())
-
-
-def _in_budgets(costs: Floats, budget: float) -> tuple[Floats, float]:
-    """Costs and budget in a unit, a power of two, in which the budget is below 1."""
-    exponent = np.frexp(budget)[1]
-    with np.errstate(over="ignore"):
-        return np.ldexp(costs, -exponent), float(np.ldexp(budget, -exponent))
 
 
 # -- the method for problems whose solver brings no such evidence -----------------------------------------------------
@@ -158,7 +151,7 @@ def _swept(weights: ItemWeights, n: int, partition: PartitionMatroid | None, kna
         room = np.minimum(partition.limits, np.bincount(groups, minlength=len(partition.limits))).astype(np.int64)
     elif knapsack is not None:
         # What costs next to nothing is taken at once, so that no gain per cost overflows.
-        priced, limit = _in_budgets(knapsack.costs, knapsack.budget)
+        priced, limit = in_budgets(knapsack.costs, knapsack.budget)
         cheap = priced <= 1e-9 * limit
         free = np.nonzero(cheap)[0].tolist()
         chosen.add(free)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from selection_problems import CONSTRAINTS, KINDS, OWN_CONSTRAINTS, OWN_KINDS, Apart, Budgets, Roots, optimum, random_problem, run, value
 
 import waybound as wb
@@ -13,10 +17,32 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import InputError, UsageError
-from waybound.instances.selection.functions import Coverage
+from waybound.instances.selection.constraints import LimitRows
+from waybound.instances.selection.functions import AT_ENTRY, AT_ITEM, Coverage, ItemFunction, ItemWeights
 from waybound.instances.selection.instance import SelectionInstance
 from waybound.instances.writing import write_instance
 from waybound.reports.tables.facts import facts, facts_table
+
+
+def csr(*numbers: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Two elements: where the second begins and ends, and all items."""
+    return np.array([0, *numbers[:2]], np.int32), np.array(numbers[2:], np.int32)
+
+
+@dataclass(frozen=True, eq=False)
+class Given(ItemFunction):
+    """Two elements, and whatever weights."""
+
+    name: ClassVar[str] = "given"
+    weights: ItemWeights
+    num_elements: int = 2
+
+    def as_item_weights(self) -> ItemWeights:
+        return self.weights
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.name, *self.weights.arrays)
+
 
 PAIRS = [
     (kind, rule)
@@ -84,6 +110,48 @@ def test_nothing_is_promised_or_bounded_by_what_is_not_known() -> None:
     assert wb.solve(problem, heuristic="greedy").certificate.bound is not None  # all gains together
 
 
+@pytest.mark.parametrize(
+    ("own", "says"),
+    [
+        (ItemWeights.dense(np.array([[1.0], [-1.0]])), "weights must be finite and not negative"),
+        (ItemWeights.dense(np.ones((3, 1))), "there must be weights for each element; expected 2; found 3"),
+        (
+            ItemWeights.sparse(AT_ENTRY, *csr(1, 2, 1, 0), np.array([1.0, np.inf]), 2),
+            "the weight of entry 1 must be finite and not negative",
+        ),
+        (ItemWeights.sparse(AT_ITEM, *csr(1, 2, 1, 2), np.ones(2), 2), "item of entry 1 does not exist; expected 0 to 1; found 2"),
+        (ItemWeights.sparse(AT_ITEM, *csr(2, 2, 1, 1), np.ones(2), 2), "the items of each element must ascend, none twice"),
+        (ItemWeights.sparse(AT_ITEM, *csr(1, 2, 0, 0), np.ones(3), 2), r"one weight an item; expected 2; found \(3,\)"),
+    ],
+)
+def test_weights_on_which_no_bound_can_rest_are_refused(own: ItemWeights, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        SubmodularSelection(Given(own), wb.Cardinality(1))
+
+
+@pytest.mark.parametrize(
+    ("costs", "limits", "says"),
+    [
+        ([[1.0, -1.0]], [1.0], "the coefficient of entry 1 of budget must be finite and not negative; found -1.0"),
+        ([[1.0, 1.0]], [np.inf], "the limit of row 0 of budget must be finite and not negative"),
+        ([[1.0, 1.0]], [-1.0], "the limit of row 0 of budget must be finite and not negative"),
+        ([[1.0, 1.0, 1.0]], [1.0], "the element of entry 2 of budget does not exist; expected 0 to 1; found 2"),
+        ([[1.0, 1.0], [1.0, 1.0]], [1.0], "the row of entry 2 of budget does not exist"),
+    ],
+)
+def test_rows_on_which_no_bound_can_rest_are_refused(costs: list[list[float]], limits: list[float], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        SubmodularSelection(Roots(np.ones((2, 1))), Budgets(np.array(costs), np.array(limits)))
+
+
+def test_an_entry_that_stands_twice_or_has_no_coefficient_is_refused() -> None:
+    twice = LimitRows("time", np.zeros(2, np.int64), np.zeros(2, np.int64), np.ones(2), np.ones(1))
+    with pytest.raises(InputError, match="an element stands twice in a row of time"):
+        twice.check(1)
+    with pytest.raises(InputError, match="each entry of the rows time must have a row, an element and a coefficient; found 2, 2 and 1"):
+        replace(twice, coefficient=np.ones(1)).check(1)
+
+
 def test_answers_that_break_them_are_told_so() -> None:
     f = Coverage.from_sets([[0], [1], [2]], [1.0, 1.0, 1.0])
     (fault,) = SubmodularSelection(f, Apart()).evaluate(wb.Selection((0, 1))).violations
@@ -93,7 +161,7 @@ def test_answers_that_break_them_are_told_so() -> None:
     assert problem.evaluate(wb.Selection((0, 1))).feasible
     (fault,) = problem.evaluate(wb.Selection((0, 1, 2))).violations  # 0.1 + 0.1 + 0.1 fits into 0.3
     assert fault.message == "budget no. 2: 7 where at most 6 is allowed" and fault.amount == 1.0
-    assert problem.compile("facility-location").row_name(1) == "budget[no. 2]"
+    assert problem.compile("facility-location").program.row_name(1) == "budget[no. 2]"
 
 
 def test_they_are_told_in_tables_and_refused_by_files(tmp_path) -> None:  # type: ignore[no-untyped-def]
