@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from exact_truth import every_set, excess_of
+from exact_truth import excess_of
 from numpy.typing import NDArray
 
 from waybound.formulations.evidence import Evidence
@@ -198,8 +198,12 @@ def random_problem(rng: np.random.Generator, function: str, constraint: str, mos
 
 
 def feasible_sets(problem: SubmodularSelection) -> Iterator[tuple[int, ...]]:
-    """All of them, judged by counting and adding up in exact arithmetic."""
-    return (chosen for chosen in every_set(problem) if excess_of(problem, chosen) == 0)
+    """All of them, the small ones first, judged by counting and adding up in exact arithmetic; with a set every subset is one."""
+    level: list[tuple[int, ...]] = [()]
+    while level:
+        yield from level
+        larger = ((*chosen, e) for chosen in level for e in range(chosen[-1] + 1 if chosen else 0, problem.num_elements))
+        level = [chosen for chosen in larger if excess_of(problem, chosen) == 0]
 
 
 def optimum(problem: SubmodularSelection) -> float:
