@@ -117,10 +117,11 @@ class ProgramBackend(Backend):
             said = replace(said, status=self._which(chain.program, replace(options, time_limit=left), control))
         result = self._concluded(chain.program, said, relay)
         answer = None if result.answer is None else np.asarray(chain.vector(result.answer), dtype=np.float64)
+        objective = None if answer is None else program.value(answer)
         return replace(
             result,
             answer=answer,
-            objective=None if answer is None else program.value(answer),
+            objective=objective if said.objective is None else chain.value(said.objective),
             bound=None if result.bound is None else chain.bound(result.bound),
             row_duals=None if result.row_duals is None else chain.duals(result.row_duals),
             holds=chain.exactness,
@@ -132,7 +133,8 @@ class ProgramBackend(Backend):
         """What the solver says of a program that went through ``chain``, in its units.
 
         ``answer`` may be any point that it left behind, ``status`` its own word: points are checked, objectives computed, a claim of an
-        optimum without a bound that meets it taken back, and ``infeasible_or_unbounded`` told apart by ``run``.
+        optimum without a bound that meets it taken back, and ``infeasible_or_unbounded`` told apart by ``run``. Who states ``objective``
+        vouches for status and point, which are handed on as claims.
         """
 
     def _which(self, program: Any, options: Options, control: Control) -> str:
@@ -145,27 +147,30 @@ class ProgramBackend(Backend):
     def _concluded(self, program: Any, said: RawResult, control: Control) -> RawResult:
         """What is true of the solver's last word."""
         if said.status not in ("optimal", "feasible", "unknown"):
-            return replace(said, limit="none" if said.status != "error" else said.limit, answer=None, objective=None, bound=None)
+            return replace(said, limit="none" if said.status != "error" else said.limit, answer=None, bound=None)
         status, limit, bound, message = said.status, said.limit, said.bound, said.message
         if limit == "iterations" and program.is_integer:
             limit = "nodes"
         points = (said.answer, control.answer)
         x = next((p for p in points if p is not None and program.residual(p) <= self.feasible_tolerance), None)
+        if x is None and said.objective is not None:
+            return said
         if x is None:
             if not message and (status != "unknown" or said.answer is not None):
                 message = f"{self.title or self.label} reports a point that is not feasible within {self.feasible_tolerance:g}"
             elif not message:
                 end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
                 message = f"{self.title or self.label} found no feasible point{end}"
-            return replace(said, status="unknown", limit=limit, answer=None, objective=None, message=message)
+            return replace(said, status="unknown", limit=limit, answer=None, message=message)
         value = program.value(x)
         if status == "optimal" and bound is None and not program.is_integer:
             bound = value
-        if bound is not None and abs(bound - value) <= EQUAL_TOLERANCE * max(1.0, abs(value)):
+        vouched = status == "optimal" and bound is None and said.objective is not None
+        if vouched or (bound is not None and abs(bound - value) <= EQUAL_TOLERANCE * max(1.0, abs(value))):
             status, limit = "optimal", "none"
         else:
             status, limit = "feasible", "gap" if status == "optimal" else limit
-        return replace(said, status=status, limit=limit, answer=x, objective=value, bound=bound, message=message)
+        return replace(said, status=status, limit=limit, answer=x, bound=bound, message=message)
 
 
 class _Relay(Control):
