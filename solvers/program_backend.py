@@ -64,12 +64,17 @@ class ProgramBackend(Backend):
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
         """Names of the solvers within this one, itself first, that take programs of ``features``."""
-        return (cls.name,) if takes_features(features, cls.programs, cls.only_integers) else ()
+        return (cls.name,) if cls().able(features) else ()
+
+    def able(self, features: frozenset[str]) -> bool:
+        """Whether it takes programs of ``features``, once they are reduced, as far as features tell."""
+        for reduction in self.reductions:
+            features = reduction.features(features)
+        return takes_features(features, self.programs, self.only_integers)
 
     def lacking(self, program: Program) -> frozenset[str]:
         """Features of ``program`` that the solver lacks, as far as features tell."""
-        able = takes_features(program.features(), self.programs, self.only_integers)
-        return frozenset() if able else frozenset({f"{program.kind} programs"})
+        return frozenset() if self.able(program.features()) else frozenset({f"{program.kind} programs"})
 
     def missing(self, program: Program) -> frozenset[str]:
         """What ``program`` asks for and the solver lacks, its numbers considered; empty if it can take it."""

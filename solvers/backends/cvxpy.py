@@ -8,11 +8,12 @@ from itertools import chain
 from typing import Any
 
 from ...formulations.programs.program import CONES, INTEGERS, QUADRATIC, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from ...instances.errors import MissingPackageError, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
-from ..program_backend import ProgramBackend, takes_features
+from ..program_backend import ProgramBackend
 from .highs import named_options
 
 PRECISION = 1e-9
@@ -40,7 +41,7 @@ class CVXPY(ProgramBackend):
     summary = "CVXPY: Clarabel for linear, quadratic and cone programs; SCS or HiGHS as cvxpy:NAME"
     interrupts = "shows no incumbents, and is ended without an answer when it is asked to stop"
     programs = tuple(chain.from_iterable(PROGRAMS.values()))
-    reductions = (ONE_SIDED_ROWS,)
+    reductions = (LINEAR_PRODUCTS, ONE_SIDED_ROWS)
     needs_process = True
     variants = tuple(PROGRAMS)
 
@@ -54,7 +55,7 @@ class CVXPY(ProgramBackend):
 
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
-        return tuple(f"{cls.name}:{solver}" for solver, programs in PROGRAMS.items() if takes_features(features, programs))
+        return tuple(f"{cls.name}:{solver}" for solver in PROGRAMS if cls(solver).able(features))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...formulations.programs.program import INTEGERS, QUADRATIC, Floats, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
@@ -76,6 +77,7 @@ class Highs(ProgramBackend):
     modules = ("highspy",)
     summary = "HiGHS: LP, MILP and convex QP, arrays straight into the solver"
     programs = (INTEGERS, QUADRATIC)
+    reductions = (LINEAR_PRODUCTS,)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""

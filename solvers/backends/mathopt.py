@@ -15,11 +15,13 @@ from typing import Any
 import numpy as np
 
 from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
+from ...formulations.programs.reductions.reduction import Reduction
 from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
-from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend, takes_features
+from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
 from .highs import named_options
 
 FIRST_ORDER_TOLERANCE = 1e-9
@@ -33,6 +35,11 @@ PROGRAMS = {
     "pdlp": (QUADRATIC,),
 }
 """What each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
+
+REDUCTIONS: dict[str, tuple[Reduction, ...]] = {
+    "highs": (LINEAR_PRODUCTS,),
+    "cp-sat": (LINEAR_PRODUCTS, WHOLE_VARIABLES),  # it rounds continuous variables without a word
+}
 
 REASONS = {
     "OPTIMAL": "optimal", "INFEASIBLE": "infeasible", "UNBOUNDED": "unbounded", "INFEASIBLE_OR_UNBOUNDED": "infeasible_or_unbounded",
@@ -75,13 +82,12 @@ class MathOpt(ProgramBackend):
         self.solver = chosen
         if chosen:
             self.title, self.programs, self.only_integers = chosen, PROGRAMS[chosen], chosen == "cp-sat"
-        if chosen == "cp-sat":
-            self.reductions = (WHOLE_VARIABLES,)  # it rounds continuous ones without a word
+        self.reductions = REDUCTIONS.get(chosen, ())
         self.needs_process = chosen == "highs"  # it hears no interrupt
 
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
-        return tuple(f"{cls.name}:{s}" for s, programs in PROGRAMS.items() if takes_features(features, programs, s == "cp-sat"))
+        return tuple(f"{cls.name}:{s}" for s in PROGRAMS if cls(s).able(features))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""

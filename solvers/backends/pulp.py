@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.programs.program import INTEGERS, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.minimisation import MINIMISATION
 from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from ...instances.errors import MissingPackageError, UsageError
@@ -37,13 +38,14 @@ class PuLP(ProgramBackend):
     summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
     interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME is ended without an answer"
     programs = (INTEGERS,)
+    reductions = (LINEAR_PRODUCTS,)
     variants = ("CBC", "HiGHS", "GLPK_CMD", "SCIP_CMD", "GUROBI", "CPLEX_PY")
 
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.needs_process = not self.is_cbc  # they hear no wish to stop
         self.title = "CBC" if self.is_cbc else f"{variant} through PuLP"
-        self.reductions = (MINIMISATION,) if self.is_cbc else (ONE_SIDED_ROWS,)
+        self.reductions = (*self.reductions, MINIMISATION if self.is_cbc else ONE_SIDED_ROWS)
 
     @property
     def is_cbc(self) -> bool:

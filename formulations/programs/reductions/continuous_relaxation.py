@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..exactness import Exactness
 from ..program import Program
-from .reduction import Irreducible, Step
+from .reduction import Irreducible, Reduction, Step
 
 
 class Continuous(Step):
@@ -15,7 +15,7 @@ class Continuous(Step):
     name = "continuous-relaxation"
 
 
-class ContinuousRelaxation:
+class ContinuousRelaxation(Reduction):
     """Drops integrality from linear programs."""
 
     may_refuse = True

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..program import Floats, Program
-from .reduction import Step
+from .reduction import Reduction, Step
 
 PASSES = 20
 WIDEST = 1e12
@@ -23,15 +23,13 @@ class Bounded(Step):
     name = "finite-bounds"
 
 
-class FiniteBounds:
+class FiniteBounds(Reduction):
     """Derives bounds where the given ones are infinite.
 
     A missing bound is taken from a row, whose other variables are bounded; or from the objective: a variable that costs nothing or more
     need not exceed what the rows can ever ask of it. Bounds are moved outwards by more than their rounding, those of integer variables
     to whole numbers. An infeasible program stays infeasible.
     """
-
-    may_refuse = False
 
     def apply(self, program: Program) -> tuple[Step, ...]:
         """See ``Reduction.apply``; the rows hold each column once."""

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..program import Program
-from .reduction import Irreducible, Step
+from .reduction import Irreducible, Reduction, Step
 
 
 @dataclass(frozen=True)
-class FiniteNumbers:
+class FiniteNumbers(Reduction):
     """Changes nothing, and refuses programs with finite numbers of ``infinite`` and more."""
 
     infinite: float

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..program import Floats, Program
-from .reduction import Step
+from .reduction import Reduction, Step
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -23,10 +23,8 @@ class Minimised(Step):
         return self.sign * duals
 
 
-class Minimisation:
+class Minimisation(Reduction):
     """Turns the sign of an objective to be maximised, and leaves out its constant."""
-
-    may_refuse = False
 
     def apply(self, program: Program) -> tuple[Step, ...]:
         """See ``Reduction.apply``."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..program import Floats, Indices, Program, Rows
-from .reduction import Step
+from .reduction import Reduction, Step
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,10 +22,8 @@ class OneSided(Step):
         return np.asarray(np.bincount(self.rows, duals, minlength=self.num_rows), dtype=np.float64)
 
 
-class OneSidedRows:
+class OneSidedRows(Reduction):
     """Splits rows with two different finite sides; the lower ones come last, as blocks named ``low``."""
-
-    may_refuse = False
 
     def apply(self, program: Program) -> tuple[OneSided, ...]:
         """See ``Reduction.apply``."""

@@ -5,10 +5,11 @@ Flags compose along the chain (``Exactness.then``); points, objectives, bounds a
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 from ..exactness import Exactness, Link
 from ..program import Floats, Program
@@ -62,13 +63,22 @@ class Step:
         return duals
 
 
-class Reduction(Protocol):
-    """Writes programs otherwise."""
+class Reduction(ABC):
+    """Writes programs otherwise.
 
-    @property
-    def may_refuse(self) -> bool:
-        """Whether there are programs that it cannot write."""
+    Class attributes
+    ----------------
+    may_refuse : bool
+        Whether there are programs that it cannot write.
+    """
 
+    may_refuse: bool = False
+
+    def features(self, features: frozenset[str]) -> frozenset[str]:
+        """Features of what it makes of programs with these."""
+        return features
+
+    @abstractmethod
     def apply(self, program: Program) -> tuple[Step, ...]:
         """The steps that it takes, none where there is nothing to do; raises Irreducible."""
 

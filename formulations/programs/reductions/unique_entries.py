@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..program import Program, Rows
-from .reduction import Step
+from .reduction import Reduction, Step
 
 
 class Added(Step):
@@ -16,10 +16,8 @@ class Added(Step):
     name = "unique-entries"
 
 
-class UniqueEntries:
+class UniqueEntries(Reduction):
     """Adds up what a row holds of the same column."""
-
-    may_refuse = False
 
     def apply(self, program: Program) -> tuple[Step, ...]:
         """See ``Reduction.apply``."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..program import Floats, Program
-from .reduction import Step
+from .reduction import Reduction, Step
 
 SMALLEST, LARGEST = -4, 20
 """Binary exponents of ordinary sizes: from 1/16, of which a solver's tolerance is 1.6e-5, to a million."""
@@ -94,10 +94,8 @@ def scaled(program: Program, *, always: bool = False) -> Scaled:
     return Scaled(program=made, told=told, columns=columns, rows=rows, objective=objective)
 
 
-class Units:
+class Units(Reduction):
     """Brings programs with extraordinary numbers to ordinary units."""
-
-    may_refuse = False
 
     def apply(self, program: Program) -> tuple[Step, ...]:
         """See ``Reduction.apply``."""

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ..exactness import Exactness
 from ..program import Floats, Program, Variables
 from .finite_bounds import FINITE_BOUNDS
-from .reduction import Irreducible, Step
+from .reduction import Irreducible, Reduction, Step
 
 Integers = NDArray[np.int64]
 
@@ -391,7 +391,7 @@ class Counted(Step):
         return self.program.bound(bound)  # type: ignore[no-any-return]
 
 
-class WholeNumbers:
+class WholeNumbers(Reduction):
     """Counts all variables in whole steps, with finite bounds: for solvers that know nothing else."""
 
     may_refuse = True
@@ -412,7 +412,7 @@ class Whole(Step):
     name = "whole-variables"
 
 
-class WholeVariables:
+class WholeVariables(Reduction):
     """Makes all variables integer and gives them finite bounds, where that leaves their values as they are."""
 
     may_refuse = True
