@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
 from ...instances.printable import printable
+from ...instances.routing.features import restrictions
 from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
 from ...instances.routing.travel import EXPLICIT, Travel, convention_named
 from ..evaluation import Evaluation
@@ -179,38 +180,16 @@ class RoutingProblem(Problem):
         )  # fmt: skip
 
     def features(self) -> frozenset[str]:
-        """Features a solver must support:
-
-        ``capacity, time-windows, depot-windows, service-times, max-duration, max-distance, energy:<charge>,
-        optional-sites, limited-fleet, min-vehicles, heterogeneous-fleet, multiple-depots, open-routes, fixed-cost,
-        separate-durations`` and ``objective:<term>`` for each term, ``objective:priorities``, ``objective:weights``.
-        Features every solver has (asymmetric matrices, unlimited fleets) are not listed.
+        """Features a solver must support: those of ``instances.routing.features`` that restrict routes, ``objective:<term>`` for each term,
+        ``objective:priorities`` and ``objective:weights``.
         """
-        s = self.sites
-        at = self.customers
-        found = {f"objective:{t.name}" for level in self.objective.levels() for _, t in level.terms}
         levels = self.objective.levels()
-        marks = {
-            "objective:priorities": len(levels) > 1,
-            "objective:weights": any(len(lv.terms) > 1 or lv.terms[0][0] != 1 for lv in levels),
-            "capacity": any(math.isfinite(v.capacity) for v in self.fleet) and bool(s.demand[at].any()),
-            "time-windows": bool((s.ready[at] > 0).any() or np.isfinite(s.due[at]).any()),
-            "depot-windows": bool((s.ready[s.depots] != 0).any() or np.isfinite(s.due[s.depots]).any()),
-            "service-times": bool(s.service.any()),
-            "max-duration": any(math.isfinite(v.max_duration) for v in self.fleet),
-            "max-distance": any(math.isfinite(v.max_distance) for v in self.fleet),
-            "optional-sites": not bool(s.required[at].all()),
-            "limited-fleet": self.vehicle_limit is not None,
-            "min-vehicles": self.min_vehicles > 0,
-            "heterogeneous-fleet": len(self.fleet) > 1,
-            "multiple-depots": len(s.depots) > 1,
-            "open-routes": any(v.start != v.end for v in self.fleet),
-            "fixed-cost": any(v.fixed_cost > 0 for v in self.fleet),
-            "separate-durations": self.travel.duration_matrix is not None,
-        }
-        found.update(name for name, present in marks.items() if present)
-        found.update(f"energy:{v.energy.charge}" for v in self.fleet if v.energy is not None)
-        return frozenset(found)
+        found = {f"objective:{term.name}" for level in levels for _, term in level.terms}
+        if len(levels) > 1:
+            found.add("objective:priorities")
+        if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in levels):
+            found.add("objective:weights")
+        return restrictions(self) | found
 
     # -- judging answers ---------------------------------------------------------------------------------------------
 

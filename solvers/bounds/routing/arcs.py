@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.routing.preparation import every_move, limited_resources, tightened
+from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
-from ....formulations.tolerance import LIMIT
 from ....instances.memory import fits
 from ....instances.routing.instance import VehicleType
 
@@ -111,7 +111,4 @@ def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
     cost[0, 1:][~allowed[0, 1:-1]] = cost[1:, 0][~allowed[1:-1, -1]] = cost[0, 0] = math.inf
 
     most = len(at) if problem.vehicle_limit is None else min(len(at), problem.vehicle_limit)
-    fewest = max(1, problem.min_vehicles)
-    if 0 < best.capacity < math.inf:
-        fewest = max(fewest, math.ceil(math.fsum(sites.demand[at]) / best.capacity * (1.0 - LIMIT)))
-    return Arcs(at, cost, fewest, most)
+    return Arcs(at, cost, minimum_vehicles(problem), most)
