@@ -55,12 +55,25 @@ class Form:
 FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms")
 
 
+def nearest_form(problem: Problem) -> tuple[str, frozenset[str]]:
+    """The form that lacks the fewest features of ``problem``, the best one of these, and what it lacks."""
+    forms = sorted((form for form in FORMS.values() if form.family == problem.family), key=lambda form: form.order)
+    lacking = {form.name: form.missing(problem) for form in forms}
+    return min(lacking.items(), key=lambda item: len(item[1]), default=("", frozenset({f"a form for {problem.family} problems"})))
+
+
+def no_form(problem: Problem) -> UnsupportedError:
+    """What to raise where no form can take ``problem``."""
+    name, lacking = nearest_form(problem)
+    return UnsupportedError("no form", lacking, nearest=name)
+
+
 def compile_form(problem: Problem, form: str | None = None, *, relax: bool = False) -> Program:
     """See ``Problem.compile``."""
     usable = problem.forms()
     if form is None:
         if not usable:
-            raise UnsupportedError("every form", problem.features())
+            raise no_form(problem)
         form = usable[0]
     chosen = FORMS[form]
     missing = chosen.missing(problem)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..formulations.forms import FORMS
+from ..formulations.forms import FORMS, nearest_form
 from ..formulations.problem import Problem
 from ..formulations.programs.program import Program
 from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
@@ -16,7 +16,7 @@ linear forms of the other families, then those that take nonconvex products what
 
 def default_solver(problem: Problem, given: Program | None, form: str | None, relax: bool) -> str:
     """The first installed solver that can take the problem, or the program that is meant."""
-    lacking: frozenset[str] = frozenset()
+    lacking: dict[str, frozenset[str]] = {}
     kind = given.kind if given is not None else FORMS[form].kind(problem) if form is not None else None
     if relax and (kind or "MILP").startswith("MI"):
         kind = "LP"
@@ -29,8 +29,11 @@ def default_solver(problem: Problem, given: Program | None, form: str | None, re
                 missing = frozenset() if able else frozenset({f"{kind} programs"})
             if not missing:
                 return name
-            lacking |= missing
-    raise UnsupportedError("every installed solver", lacking or {"an installed solver"})
+            lacking[name] = missing
+    if not lacking:
+        raise UsageError("no solver is installed")
+    nearest = min(lacking, key=lambda name: (f"{problem.family} problems" in lacking[name], len(lacking[name])))
+    raise UnsupportedError("no installed solver", lacking[nearest], nearest=nearest)
 
 
 def solver_named(name: str) -> Backend:
@@ -51,6 +54,8 @@ def able_solvers(problem: Problem) -> list[str]:
 
 def first_program(problem: Problem, backend: ProgramBackend, relax: bool) -> Program:
     """The problem in the best form that the solver takes; in the best of all where there is none, for the error to say so."""
+    if not problem.forms():
+        raise UnsupportedError(backend.name, nearest_form(problem)[1], able_solvers(problem))
     first: Program | None = None
     for form in problem.forms():
         if relax or FORMS[form].kind(problem) in backend.kinds:

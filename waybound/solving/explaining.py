@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..formulations.evidence import Evidence
-from ..formulations.forms import FORMS, relaxed
+from ..formulations.forms import FORMS, no_form, relaxed
 from ..formulations.problem import Problem
 from ..formulations.programs.program import Program, Rows
 from ..heuristics.heuristic import HEURISTICS
@@ -253,7 +253,11 @@ def _program_of(problem: Problem, form: str | None) -> Program:
     if form is None:
         usable = [name for name in problem.forms() if FORMS[name].exactness.infeasibility_is_valid]
         if not usable:
-            raise UnsupportedError("every form", problem.features())
+            raise (
+                UnsupportedError("explain", {"a form that has an answer wherever the problem has one"})
+                if problem.forms()
+                else no_form(problem)
+            )
         form = usable[0]
     return problem.compile(form)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..formulations.forms import FORMS
+from ..formulations.forms import FORMS, nearest_form
 from ..formulations.problem import Problem
 from ..heuristics.heuristic import HEURISTICS
 from ..solvers.backend import BACKENDS, Engine, ProgramBackend
@@ -38,16 +38,16 @@ class HeuristicInfo:
 
 
 def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple[str, ...]]:
-    """What solver ``name`` lacks for ``problem``, and the forms through which it can take it."""
+    """What solver ``name`` lacks for ``problem``, at least and in the nearest form, and the forms through which it can take it."""
     backend = BACKENDS[name]
     if issubclass(backend, Engine):
         return backend().missing(problem), ()
     assert issubclass(backend, ProgramBackend)
     forms = problem.forms()
+    if not forms:
+        return nearest_form(problem)[1], ()
     usable = tuple(f for f in forms if backend.takers(FORMS[f].kind(problem)))
-    if usable or not forms:
-        return (frozenset() if usable else frozenset({"a form for this problem"})), usable
-    return frozenset(f"{FORMS[f].kind(problem)} programs" for f in forms), ()
+    return (frozenset() if usable else frozenset({f"{FORMS[forms[0]].kind(problem)} programs"})), usable
 
 
 def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
