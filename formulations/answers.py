@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -55,20 +56,21 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
     found = read_solution_file(path, _instance(problem) if isinstance(problem, RoutingProblem) else None)
     try:
         if isinstance(found, dict):
-            return _from_json(problem, found)
+            return answer_in_json(problem, found)
     except InputError as error:
         raise error.at(file=path) from None
     _need_one_type(problem, path)
     return ReadAnswer(Routes.of(found.routes), found.cost)
 
 
-def _from_json(problem: Problem, data: dict[str, Any]) -> ReadAnswer:
+def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:
+    """The answer in the JSON of a solution or of an answer; raises InputError for anything else."""
     if "answer" not in data:
         return ReadAnswer(problem.answer_from_json(data))
     if data["answer"] is None:
         raise InputError("the file holds no answer", expected='an "answer" that is not null')
     notes = tuple(
-        f"the file was made for another {what}: {printable(data[key], 80)}, here {own}"
+        f"made for another {what}: {printable(data[key], 80)}, here {own}"
         for key, what, own in (
             ("problem", "problem", problem.problem),
             ("convention", "convention", problem.convention),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -19,6 +20,7 @@ from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, c
 from ...instances.routing.travel import EXPLICIT, Travel, convention_named
 from ..evaluation import Evaluation
 from ..problem import PROBLEMS, Problem
+from ..references import indices_of
 from .objective import Composable, LongestRoute, Objective, TotalCost
 from .routes import Route, Routes
 
@@ -232,6 +234,23 @@ class RoutingProblem(Problem):
                     raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}")
             routes.append(Route(tuple(index[str(s)] for s in entry["visits"]), types[vehicle]))
         return Routes.of(routes)
+
+    def answer_of(self, given: Any) -> Routes:
+        """``Routes``; or a list of routes, each a ``Route`` or, where all vehicles are alike, a list of site indices or ids."""
+        listed: list[Any] = list(given) if isinstance(given, Iterable) else [None]
+        if all(isinstance(route, Route) for route in listed):
+            for route in listed:
+                there = [isinstance(site, int | np.integer) and 0 <= site < len(self.sites) for site in route.visits]
+                if not all(there) or not 0 <= route.vehicle < len(self.fleet):
+                    raise UsageError(f"{printable(repr(route), 80)} has a vehicle type or a site that does not exist")
+            return Routes.of(listed)
+        if not all(isinstance(route, Sequence | np.ndarray) and not isinstance(route, str | bytes) for route in listed):
+            raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer")
+        if len(self.fleet) > 1:
+            raise UsageError(f"lists do not say which of the {len(self.fleet)} vehicle types drives a route; Route(visits, type) does")
+        sites = indices_of(itertools.chain.from_iterable(listed), self.sites.index(), "site")
+        ends = itertools.accumulate(map(len, listed), initial=0)
+        return Routes.of(sites[first:last] for first, last in itertools.pairwise(ends))
 
     def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
         """One row a visit: vehicle, position, site, arrival, begin, departure, load, distance (cumulated)."""

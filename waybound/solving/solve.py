@@ -32,6 +32,7 @@ from .choice import able_solvers, default_solver, first_program, solver_named
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
 from .search import BOUND_OVERTIME, Searched, in_time, search
+from .starts import answer_to_start_from
 
 Progress = Callable[[dict[str, Any]], None]
 
@@ -93,7 +94,9 @@ def solve(
         Budget for bounding after it: a tenth of the limit, at least 1 s, by default; 0 turns it off.
     iterations, gap, seed, threads, memory_limit
         See ``Options``.
-    start : answer or Solution, optional
+    start : answer, Solution, mapping or path, optional
+        What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
+        ``Solution``; the JSON of either; a solution file.
     progress : callable, optional
         Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
     isolate : bool
@@ -128,15 +131,14 @@ def solve(
         check_number("memory_limit", memory_limit, above=0)
     if memory_limit is not None and not isolate:
         isolate = True
-    if isinstance(start, Solution):
-        start = start.answer
     budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
-    chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, {**(options or {}), **parameters})
-
     given: Program | None = None
     if isinstance(problem, Program):
         given = problem
         problem = _problem_of(given)
+    start, told = answer_to_start_from(problem, start)
+    chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, {**(options or {}), **parameters})
+
     if heuristic is not None:
         if solver is not None or form is not None or relax:
             raise UsageError("a heuristic takes no solver, form or relaxation")
@@ -144,6 +146,7 @@ def solve(
     else:
         run = _solver_run(problem, given, solver or default_solver(problem, given, form, relax), form, relax, chosen, isolate)
 
+    run.notes.extend(told)
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
