@@ -239,10 +239,6 @@ class RoutingProblem(Problem):
         """``Routes``; or a list of routes, each a ``Route`` or, where all vehicles are alike, a list of site indices or ids."""
         listed: list[Any] = list(given) if isinstance(given, Iterable) else [None]
         if all(isinstance(route, Route) for route in listed):
-            for route in listed:
-                there = [isinstance(site, int | np.integer) and 0 <= site < len(self.sites) for site in route.visits]
-                if not all(there) or not 0 <= route.vehicle < len(self.fleet):
-                    raise UsageError(f"{printable(repr(route), 80)} has a vehicle type or a site that does not exist")
             return Routes.of(listed)
         if not all(isinstance(route, Sequence | np.ndarray) and not isinstance(route, str | bytes) for route in listed):
             raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer")

@@ -27,12 +27,12 @@ from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
 from ..solvers.backend import Control, Engine, Options, ProgramBackend, RawResult, takers
 from . import claims
+from .answers import answer_given
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_program, solver_named
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
 from .search import BOUND_OVERTIME, Searched, in_time, search
-from .starts import answer_to_start_from
 
 Progress = Callable[[dict[str, Any]], None]
 
@@ -136,7 +136,7 @@ def solve(
     if isinstance(problem, Program):
         given = problem
         problem = _problem_of(given)
-    start, told = answer_to_start_from(problem, start)
+    start, told = answer_given(problem, start, "the start")
     chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, {**(options or {}), **parameters})
 
     if heuristic is not None:

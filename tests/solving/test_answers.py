@@ -1,4 +1,4 @@
-"""``solve(start=...)`` takes whatever says clearly what it is, and refuses the rest in one line."""
+"""``solve(start=...)`` and ``check`` take whatever says clearly what it is, and refuse the rest in one line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from waybound.formulations.problem import Problem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.selection.selections import Selection
 from waybound.instances.errors import InputError, UsageError
-from waybound.solving.starts import answer_to_start_from
+from waybound.solving.answers import answer_given
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
 PAIR = (wb.VehicleType(count=2, capacity=2),)
@@ -37,7 +37,7 @@ def solution() -> wb.Solution:
 
 
 def told(problem: Problem, start: Any) -> Any:
-    answer, notes = answer_to_start_from(problem, start)
+    answer, notes = answer_given(problem, start, "the start")
     assert notes == ()
     return answer
 
@@ -79,12 +79,22 @@ def test_a_search_starts_from_what_is_given(how: dict[str, str]) -> None:
         assert found.objective <= square().evaluate(ANSWER).objective
 
 
+def test_what_may_be_started_from_may_be_checked() -> None:
+    given = [["a", "b"], ["c", "d"]]
+    assert wb.check(square(), given).objective == wb.check(square(), ANSWER).objective
+    assert wb.check(square(), {"kind": "routes", "routes": [{"visits": visits} for visits in given]}).feasible
+    assert not wb.check(square(), [[1, 2]]).feasible
+    assert not wb.check(square(), Routes.of([[9]])).feasible
+    with pytest.raises(UsageError, match="the answer cannot be read: 7 is no list of routes"):
+        wb.check(square(), 7)
+
+
 def test_a_solution_of_other_data_is_read_by_names_and_said_to_be_one(solution: wb.Solution) -> None:
     other = wb.RoutingProblem(
         wb.Sites.of("oxdcba", demand=[0, 1, 1, 1, 1, 1]), wb.Travel("euclidean", coordinates=np.vstack([XY, XY[:1]])),
         (wb.VehicleType(count=3, capacity=2),),
     )  # fmt: skip
-    answer, notes = answer_to_start_from(other, solution)
+    answer, notes = answer_given(other, solution, "the start")
     ids = solution.problem.sites.ids
     assert [[other.sites.ids[k] for k in r.visits] for r in answer] == [[ids[k] for k in r.visits] for r in solution.answer]
     assert len(notes) == 1 and notes[0].startswith("the start: made for another instance, or other settings: ")
@@ -97,7 +107,7 @@ def test_a_solution_without_an_answer_is_no_start_and_said_so(solution: wb.Solut
     tight = square(fleet=(wb.VehicleType(count=1, capacity=2),))
     nothing = wb.solve(tight, "highs", bound_time=0)
     assert nothing.answer is None
-    assert answer_to_start_from(tight, nothing) == (None, ("the start holds no answer",))
+    assert answer_given(tight, nothing, "the start") == (None, ("the start holds no answer",))
     assert "the start holds no answer" in wb.solve(square(), "highs", start=nothing, bound_time=0).message
 
 
@@ -116,9 +126,6 @@ MIXED = square(fleet=(wb.VehicleType(name="small"), wb.VehicleType(name="large")
         (square(), [["a", "z"]], "there is no site 'z'"),
         (square(), [[1, 9]], "there is no site"),
         (square(), [[1.5]], "a site is given by its name or its index, not by 1.5"),
-        (square(), Routes.of([[9]]), "a site that does not exist"),
-        (square(), [Route((1,), 3)], "a vehicle type or a site that does not exist"),
-        (square(), [Route(("a",))], "a site that does not exist"),  # type: ignore[arg-type]
         (square(), {"routes": [[1, 2]]}, "not an answer to a routing problem"),
         (square(), {"answer": None}, "holds no answer"),
         (square(), Selection.of([1]), "is no list of routes"),
