@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class RoutingProblem(Problem):
     """Visit sites with a fleet.
 
@@ -37,7 +37,7 @@ class RoutingProblem(Problem):
     sites : Sites
     travel : Travel
     fleet : sequence of VehicleType
-    objective : Objective, or one term
+    objective : Objective, term, or weighted sum of terms
         Default: total cost.
     min_vehicles : int
         Routes that must be used at least.
@@ -55,16 +55,29 @@ class RoutingProblem(Problem):
     sites: Sites
     travel: Travel
     fleet: tuple[VehicleType, ...]
-    objective: Objective = field(default_factory=Objective)
-    min_vehicles: int = 0
-    name: str = "problem"
-    problem: str = "cvrp"
-    notes: tuple[str, ...] = ()
+    objective: Objective
+    min_vehicles: int
+    name: str
+    problem: str
+    notes: tuple[str, ...]
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "fleet", tuple(self.fleet))
-        object.__setattr__(self, "objective", Objective.of(self.objective))
-        check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles)
+    def __init__(
+        self,
+        sites: Sites,
+        travel: Travel,
+        fleet: Sequence[VehicleType],
+        objective: Composable | None = None,
+        min_vehicles: int = 0,
+        name: str = "problem",
+        problem: str = "cvrp",
+        notes: Sequence[str] = (),
+    ) -> None:
+        aim = Objective() if objective is None else Objective.of(objective)
+        self.__dict__.update(
+            sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
+            notes=tuple(notes),
+        )  # fmt: skip
+        check_routing_data(sites, travel, self.fleet, min_vehicles)
 
     # -- construction ------------------------------------------------------------------------------------------------
 
