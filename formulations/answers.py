@@ -11,17 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from ..instances.atomic import atomic_write
+from ..instances.document import parse_json
 from ..instances.errors import InputError, UsageError
 from ..instances.printable import printable
-from ..instances.routing.instance import RoutingInstance
-from ..instances.routing.solution_files import read_solution_file, write_solution_file
+from ..instances.text import read_text
 from .problem import Problem
-from .routing.problem import RoutingProblem
-from .routing.routes import Routes
 from .solution import Solution
-
-SUFFIXES = (".json", ".sol", ".tour")
-"""Kinds of solution files."""
 
 
 @dataclass(frozen=True)
@@ -44,23 +39,27 @@ class ReadAnswer:
 
 
 def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
-    """The answer in a solution file (``.sol``, ``.tour`` or JSON, recognised by content).
+    """The answer in a solution file, recognised by content: JSON, or what else the problem's answers are written as.
 
     Raises
     ------
     InputError
         If the file is no solution of such a problem; with file and, where there is one, line.
     UsageError
-        If the file's format cannot say which vehicle drives a route and the fleet has several types.
+        If the file's format cannot express answers to this problem.
     """
-    found = read_solution_file(path, _instance(problem) if isinstance(problem, RoutingProblem) else None)
+    text = read_text(path)
     try:
-        if isinstance(found, dict):
-            return answer_in_json(problem, found)
+        if text.lstrip().startswith("{"):
+            data = parse_json(text)
+            if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
+                raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
+            return answer_in_json(problem, data)
+        return ReadAnswer(*problem.answer_from_text(text))
     except InputError as error:
         raise error.at(file=path) from None
-    _need_one_type(problem, path)
-    return ReadAnswer(Routes.of(found.routes), found.cost)
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
 
 
 def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:
@@ -92,22 +91,16 @@ def _values(stated: Any) -> float | list[float] | None:
 
 def check_answer_path(problem: Problem, path: str | PathLike[str]) -> None:
     """Raise UsageError unless an answer of ``problem`` can be written under the suffix of ``path``."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise UsageError(f"{path}: the suffix stands for no kind of solution file; use one of {', '.join(SUFFIXES)}")
-    if suffix == ".json":
-        return
-    if not isinstance(problem, RoutingProblem):
-        raise UsageError(f"{path}: answers to {problem.problem} problems are written as .json")
-    _need_one_type(problem, path)
-    if suffix == ".tour" and problem.vehicle_limit != 1:
-        raise UsageError(f"{path}: a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
+    try:
+        problem.check_answer_suffix(Path(path).suffix.lower())
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
 
 
 def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
     """Write the answer of ``solution`` by the suffix of ``path``, whole or not at all.
 
-    ``.json`` holds all that ``Solution.to_json`` tells, ``.sol`` and ``.tour`` the routes and their cost.
+    ``.json`` holds all that ``Solution.to_json`` tells, other files what their format can express.
 
     Raises
     ------
@@ -115,13 +108,13 @@ def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
         If the suffix cannot hold the answer, or the file cannot be written.
     """
     check_answer_path(solution.problem, path)
-    if Path(path).suffix.lower() == ".json":
-        atomic_write(path, json_text(solution.to_json()))
-        return
-    assert isinstance(solution.problem, RoutingProblem)
-    objective = solution.objective
-    cost = objective if isinstance(objective, float) else None
-    write_solution_file(path, _instance(solution.problem), [route.visits for route in solution.answer], cost)
+    suffix = Path(path).suffix.lower()
+    if suffix == ".json":
+        text = json_text(solution.to_json())
+    else:
+        objective = solution.objective if isinstance(solution.objective, float) else None
+        text = solution.problem.answer_to_text(solution.answer, suffix, objective)
+    atomic_write(path, text)
 
 
 INDENTED = 1_000_000
@@ -155,14 +148,3 @@ def finite(data: Any) -> Any:
     if isinstance(data, float) and not math.isfinite(data):
         return None
     return data
-
-
-def _need_one_type(problem: Problem, path: str | PathLike[str]) -> None:
-    if isinstance(problem, RoutingProblem) and len(problem.fleet) > 1:
-        raise UsageError(f"{path}: such a file cannot say which of the {len(problem.fleet)} vehicle types drives a route; use .json")
-
-
-def _instance(problem: RoutingProblem) -> RoutingInstance:
-    return RoutingInstance(
-        problem.name, "problem", problem.sites, problem.travel, problem.fleet, problem.problem, min_vehicles=problem.min_vehicles
-    )

@@ -13,10 +13,14 @@ from . import tolerance
 from .evaluation import Check, Evaluation, Violation
 from .evidence import CHECKERS, Evidence, Guarantee
 from .problem import Problem
-from .stated import compare_answer, compare_figures, real, stated_evidence, stated_guarantee
+from .rendering import Line, as_html, as_rich, as_text, number, percent
+from .stated import compare_answer, real, stated_evidence, stated_guarantee
 
 SCHEMA = 1
 """Version of the certificate's JSON."""
+
+SHOWN_VIOLATIONS = 10
+"""Violations that are listed one by one; the rest is counted."""
 
 
 @dataclass(frozen=True)
@@ -101,18 +105,12 @@ class Certificate:
         return data
 
     def __repr__(self) -> str:
-        from .rendering import as_text, certificate_lines, certificate_title
-
         return as_text(certificate_title(self), certificate_lines(self))
 
     def _repr_html_(self) -> str:
-        from .rendering import as_html, certificate_lines, certificate_title
-
         return as_html(certificate_title(self), certificate_lines(self))
 
     def __rich__(self) -> Any:
-        from .rendering import as_rich, certificate_lines, certificate_title
-
         return as_rich(certificate_title(self), certificate_lines(self))
 
 
@@ -261,7 +259,7 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
         _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
     for piece in evidence:
         _compare_evidence(problem, piece, made)
-    compare_figures(data, made)
+    _compare_figures(data, made)
     return replace(made, from_file=True, stated_guarantee=stated_guarantee(data))
 
 
@@ -279,3 +277,91 @@ def _compare_evidence(problem: Problem, piece: Evidence, made: Certificate) -> N
         _compare_bound(problem, piece.value, proved if proved is not None and math.isfinite(proved) else None, "a piece of evidence")
     elif piece.value == (math.inf if problem.sense == "min" else -math.inf):
         raise CheckFailedError("a piece of evidence states that there is no answer, and does not prove it")
+
+
+def _compare_figures(data: Mapping[str, Any], made: Certificate) -> None:
+    """Compare source, gap and ratio with what the evidence proves of the answer; raises as ``compare_answer`` does.
+
+    A gap or ratio that is larger than the proved one is true as far as it goes, and passes only beside a weaker bound.
+    """
+    source = data.get("bound_source")
+    if source is not None and source != made.bound_source:
+        raise CheckFailedError(f"the certificate names the source {printable(source, 80)!r}, its bound is from {made.bound_source!r}")
+    weaker = data.get("bound") is None or made.bound is None or not tolerance.same(real(data["bound"], "bound"), made.bound)
+    for key, proved in (("gap", made.gap), ("observed_ratio", made.observed_ratio)):
+        if data.get(key) is None:
+            continue
+        stated = real(data[key], key)
+        if made.feasible is None:
+            continue  # nothing to compare with
+        if proved is None or not (tolerance.same(stated, proved, 1.0) or (weaker and stated > proved)):
+            raise CheckFailedError(f"the certificate states the {key} {stated!r}, what it proves is {proved!r}")
+
+
+# -- for people ------------------------------------------------------------------------------------------------------------
+
+
+def certificate_title(certificate: Certificate) -> str:
+    """Heading of a certificate."""
+    return f"Certificate: {certificate.problem}, {certificate.sense}, convention {certificate.convention}"
+
+
+def certificate_lines(certificate: Certificate) -> list[Line]:
+    """What a certificate says, one fact a line."""
+    return [*answer_lines(certificate), *_bound_lines(certificate)]
+
+
+def answer_lines(c: Certificate) -> list[Line]:
+    """What was found of the answer."""
+    if c.feasible is None:
+        return [Line("answer", "none", "quiet")]
+    if c.feasible:
+        lines = [Line("answer", f"feasible: all {len(c.checks)} checks hold", "good")]
+    else:
+        broken = len(c.violations)
+        lines = [Line("answer", f"infeasible: {broken} violation{'s' if broken != 1 else ''}", "bad")]
+    for check in c.checks:
+        if check.tested:
+            text = f"{check.tested} tested, largest residual {check.residual:.3g}"
+            lines.append(Line(f"  {check.name}", text if check.passed else f"broken: {text}", "quiet" if check.passed else "bad"))
+        else:
+            lines.append(Line(f"  {check.name}", "nothing to test", "quiet"))
+    lines += [
+        Line("  !", v.message if v.amount == float("inf") else f"{v.message} (by {v.amount:.6g})", "bad")
+        for v in c.violations[:SHOWN_VIOLATIONS]
+    ]
+    if len(c.violations) > SHOWN_VIOLATIONS:
+        lines.append(Line("  !", f"and {len(c.violations) - SHOWN_VIOLATIONS} more", "bad"))
+    lines.append(Line("objective", f"{number(c.objective)}, recomputed from the data"))
+    return lines
+
+
+def _bound_lines(c: Certificate) -> list[Line]:
+    lines = [
+        Line("bound", "none verified", "quiet") if c.bound is None else Line("bound", f"{number(c.bound)}, verified: {_source(c)}", "good")
+    ]
+    if c.gap is not None:
+        lines.append(Line("gap", percent(c.gap)))
+    return [*lines, *ratio_lines(c)]
+
+
+def _source(c: Certificate) -> str:
+    """What proves the bound: a file's own name for it stands in quotes, behind the kind of evidence that was multiplied out."""
+    return f"{c.evidence[0].kind}, in the file {printable(c.bound_source, 200)!r}" if c.from_file and c.evidence else str(c.bound_source)
+
+
+def ratio_lines(c: Certificate) -> list[Line]:
+    """What ratio is guaranteed, and what was observed."""
+    lines = []
+    if c.guarantee is not None:
+        text = f"ratio {number(c.guarantee.ratio)}: {c.guarantee.statement} ({c.guarantee.source})"
+        if c.guarantee.assumptions:
+            text += f"; checked on this instance: {', '.join(c.guarantee.assumptions)}"
+        lines.append(Line("guarantee", text))
+    if c.stated_guarantee is not None:
+        g = c.stated_guarantee
+        text = f"ratio {number(g.ratio)}: {printable(g.statement, 300)!r} ({printable(g.source, 300)!r})"
+        lines.append(Line("guarantee", f"stated in the file, not verified: {text}", "quiet"))
+    if c.observed_ratio is not None:
+        lines.append(Line("ratio", f"at most {c.observed_ratio:.6g}, observed against the verified bound"))
+    return lines

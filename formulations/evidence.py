@@ -52,7 +52,33 @@ class EvidenceChecker(Protocol):
     def __call__(self, problem: Any, data: Mapping[str, Any]) -> float: ...
 
 
-CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.*.checking")
+CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.*.checking", group="waybound.checkers")
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a problem has no answer, or one part of it.
+
+    Parameters
+    ----------
+    kind : str
+        What is to blame: ``site``, ``fleet``, ``row`` (of a form), or another word of the problem's.
+    where : str
+        Its name.
+    message : str
+        One line in the problem's words.
+    evidence : Evidence, optional
+        Proves by itself that there is no answer, as its checker confirmed; None for rows.
+    """
+
+    kind: str
+    where: str
+    message: str
+    evidence: Evidence | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        evidence = None if self.evidence is None else self.evidence.to_json()
+        return {"kind": self.kind, "where": self.where, "message": self.message, "evidence": evidence}
 
 
 @dataclass(frozen=True)

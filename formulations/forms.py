@@ -4,13 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 from ..instances.errors import UnsupportedError, UsageError
 from ..instances.registry import Registry
-from .problem import Problem
+from .programs.compiled import Compiled
 from .programs.exactness import Exactness
-from .programs.program import Program
+from .programs.program import INTEGERS
+
+
+class Asked(Protocol):
+    """What a form looks at in a problem before it is asked to write it down."""
+
+    @property
+    def family(self) -> str: ...
+    @property
+    def problem(self) -> str: ...
+
+    def features(self) -> frozenset[str]: ...
+
+    def forms(self) -> list[str]: ...
 
 
 @dataclass(frozen=True)
@@ -26,12 +39,12 @@ class Form:
     features : frozenset of str
         Features of the problem that it can express.
     build : callable
-        From the problem to its program. Its docstring is the mathematics.
+        From the problem to its program, compiled. Its docstring is the mathematics.
     exactness : Exactness
     refuses : callable, optional
         Further reasons why it cannot take a problem, as feature names.
-    kind : callable, optional
-        Kind of the program that it makes of a problem (``LP, MILP, QP, MIQP``).
+    makes : callable, optional
+        Features of the program that it makes of a problem (see ``Program.features``); integers by default.
     order : int
         Forms of lower order come first; the first that can take a problem is its default, so this ranks by measured speed.
     """
@@ -39,56 +52,55 @@ class Form:
     name: str
     family: str
     features: frozenset[str]
-    build: Callable[[Any], Program]
+    build: Callable[[Any], Compiled]
     exactness: Exactness = Exactness.EXACT
     refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
-    kind: Callable[[Any], str] = lambda problem: "MILP"
+    makes: Callable[[Any], frozenset[str]] = lambda problem: INTEGERS
     order: int = 0
 
-    def missing(self, problem: Problem) -> frozenset[str]:
+    def missing(self, problem: Asked) -> frozenset[str]:
         """Features of ``problem`` that the form lacks; empty if it can take it."""
         if problem.family != self.family:
             return frozenset({f"{problem.family} problems"})
         return (problem.features() - self.features) | self.refuses(problem)
 
 
-FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms")
+FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms", group="waybound.forms")
 
 
-def nearest_form(problem: Problem) -> tuple[str, frozenset[str]]:
+def nearest_form(problem: Asked) -> tuple[str, frozenset[str]]:
     """The form that lacks the fewest features of ``problem``, the best one of these, and what it lacks."""
     forms = sorted((form for form in FORMS.values() if form.family == problem.family), key=lambda form: form.order)
     lacking = {form.name: form.missing(problem) for form in forms}
     return min(lacking.items(), key=lambda item: len(item[1]), default=("", frozenset({f"a form for {problem.family} problems"})))
 
 
-def no_form(problem: Problem) -> UnsupportedError:
-    """What to raise where no form can take ``problem``."""
-    name, lacking = nearest_form(problem)
-    return UnsupportedError("no form", lacking, nearest=name)
+def default_form(problem: Asked) -> str:
+    """The first exact form of ``problem``: others are taken where they are named, never by default.
 
-
-def compile_form(problem: Problem, form: str | None = None, *, relax: bool = False) -> Program:
-    """See ``Problem.compile``."""
+    Raises
+    ------
+    UsageError
+        If it has inexact forms alone.
+    UnsupportedError
+        If it has none; names the nearest and what that one lacks.
+    """
     usable = problem.forms()
-    if form is None:
-        if not usable:
-            raise no_form(problem)
-        form = usable[0]
-    chosen = FORMS[form]
+    exact = [name for name in usable if FORMS[name].exactness is Exactness.EXACT]
+    if exact:
+        return exact[0]
+    if usable:
+        raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}")
+    name, lacking = nearest_form(problem)
+    raise UnsupportedError("no form", lacking, nearest=name)
+
+
+def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False) -> Compiled:
+    """See ``Problem.compile``."""
+    chosen = FORMS[default_form(problem) if form is None else form]
     missing = chosen.missing(problem)
     if missing:
-        raise UnsupportedError(f"form {form}", missing, usable)
-    program = chosen.build(problem)
-    return relaxed(program) if relax else program
-
-
-def relaxed(program: Program) -> Program:
-    """The program without integrality: a relaxation."""
-    if program.quadratic is not None or program.cones:
-        raise UsageError(f"form {program.form} is not linear; only linear programs are relaxed")
-    return replace(
-        program,
-        variables=tuple(replace(b, integer=False) for b in program.variables),
-        exactness=program.exactness.then(Exactness.RELAXATION),
-    )
+        raise UnsupportedError(f"form {form}", missing, problem.forms())
+    made = chosen.build(problem)
+    made = replace(made, exactness=chosen.exactness.then(made.exactness))
+    return made.relaxed() if relax else made

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from ..instances.errors import InputError, UsageError
 from ..instances.registry import Registry
+from ..instances.text import shown
 from .evaluation import Evaluation
+from .evidence import Evidence, Reason
+from .forms import FORMS, compile_form
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from ..instances.instance import Instance
-    from .evidence import Evidence
-    from .programs.program import Program
+    from .programs.compiled import Compiled
 
 
 class Problem(ABC):
@@ -23,7 +26,9 @@ class Problem(ABC):
     Attributes
     ----------
     family : str
-        Class of answers and forms: ``routing``, later ``sensing``, ``risk``, ``auction``.
+        Class of answers, forms, plots and tables: ``routing``, ``max-min``, ``selection``, ``arrays``, or one of another package.
+    answer_suffixes : tuple of str
+        Of solution files that are no JSON.
     name : str
         Of the instance.
     problem : str
@@ -35,6 +40,7 @@ class Problem(ABC):
     """
 
     family: ClassVar[str]
+    answer_suffixes: ClassVar[tuple[str, ...]] = ()
     name: str
     problem: str
     notes: tuple[str, ...]
@@ -72,6 +78,25 @@ class Problem(ABC):
         """
         return 0.0
 
+    def facts(self) -> dict[str, Any]:
+        """What is worth knowing of the data beside name, features and the like: plain JSON values by name, for ``waybound info``.
+
+        ``objective``, a text, is shown beside the sense.
+        """
+        return {}
+
+    def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
+        """Reasons from the data alone why there is no answer, each with evidence that its checker confirmed.
+
+        Parameters
+        ----------
+        stopped : callable
+            Asked now and then whether to give up.
+        """
+        return iter(())
+
+    # -- answers as files and tables ---------------------------------------------------------------------------------
+
     @abstractmethod
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         """The answer with the file's own ids."""
@@ -88,19 +113,40 @@ class Problem(ABC):
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """The answer as a table."""
 
+    def check_answer_suffix(self, suffix: str) -> None:
+        """Raise UsageError unless solution files of ``suffix`` can hold an answer to this problem."""
+        known = (".json", *self.answer_suffixes)
+        if suffix not in known:
+            raise UsageError(f"answers to {self.problem} problems are written as {', '.join(known)}, not under the suffix {suffix!r}")
+
+    def answer_to_text(self, answer: Any, suffix: str, objective: float | None = None) -> str:
+        """Text of a solution file of ``suffix``, one of ``answer_suffixes``; ``objective`` is for formats that state it."""
+        raise NotImplementedError(f"{type(self).__name__} does not say how {suffix} files are written")
+
+    def answer_from_text(self, text: str) -> tuple[Any, float | None]:
+        """The answer in a solution file that is no JSON, and the objective that it states.
+
+        Raises
+        ------
+        InputError
+            For anything else, with the line.
+        UsageError
+            If the format cannot express answers to this problem.
+        """
+        found = shown(text.strip().split("\n")[0])
+        raise InputError(f"is no solution file of {self.problem} problems", line=1, expected="JSON", found=found)
+
     def forms(self) -> list[str]:
         """Names of the forms that can write this problem down, the best one first."""
-        from .forms import FORMS
-
         return [form.name for form in sorted(FORMS.values(), key=lambda form: form.order) if not form.missing(self)]
 
-    def compile(self, form: str | None = None, *, relax: bool = False) -> Program:
+    def compile(self, form: str | None = None, *, relax: bool = False) -> Compiled:
         """Write the problem down as arrays.
 
         Parameters
         ----------
         form : str, optional
-            A name of ``forms()``; the first of them by default.
+            A name of ``forms()``; by default the first of them that is exact.
         relax : bool
             Drop integrality.
 
@@ -109,8 +155,6 @@ class Problem(ABC):
         UnsupportedError
             If the form lacks a feature of the problem.
         """
-        from .forms import compile_form
-
         return compile_form(self, form, relax=relax)
 
 
@@ -123,4 +167,6 @@ def problem_from_instance(instance: Instance, problem: str | None = None, **sett
     return PROBLEMS[name](instance, name, settings)
 
 
-PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry("problem", "waybound.formulations.*")
+PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry(
+    "problem", "waybound.formulations.*", group="waybound.problems"
+)

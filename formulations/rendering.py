@@ -1,21 +1,14 @@
-"""Certificates and solutions for people: the same lines as plain text, as HTML for notebooks, and as a rich table."""
+"""Facts for people: the same lines as plain text, as HTML for notebooks, and as a rich table."""
 
 from __future__ import annotations
 
 import html
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..instances.printable import printable
 from .tolerance import EQUAL
-
-if TYPE_CHECKING:
-    from .certificate import Certificate
-    from .solution import Solution
-
-SHOWN_VIOLATIONS = 10
-"""Violations that are listed one by one; the rest is counted."""
 
 SHOWN_LABEL = 80
 """Characters of a label that are shown."""
@@ -53,126 +46,6 @@ def percent(gap: float | None) -> str:
     return "0 %" if gap <= EQUAL else f"{100.0 * gap:.3g} %"
 
 
-def certificate_lines(certificate: Certificate) -> list[Line]:
-    """What a certificate says, one fact a line."""
-    return [*_answer_lines(certificate), *_bound_lines(certificate)]
-
-
-def _answer_lines(c: Certificate) -> list[Line]:
-    if c.feasible is None:
-        return [Line("answer", "none", "quiet")]
-    if c.feasible:
-        lines = [Line("answer", f"feasible: all {len(c.checks)} checks hold", "good")]
-    else:
-        lines = [Line("answer", f"infeasible: {_count(len(c.violations), 'violation')}", "bad")]
-    for check in c.checks:
-        if check.tested:
-            text = f"{check.tested} tested, largest residual {check.residual:.3g}"
-            lines.append(Line(f"  {check.name}", text if check.passed else f"broken: {text}", "quiet" if check.passed else "bad"))
-        else:
-            lines.append(Line(f"  {check.name}", "nothing to test", "quiet"))
-    lines += [
-        Line("  !", v.message if v.amount == float("inf") else f"{v.message} (by {v.amount:.6g})", "bad")
-        for v in c.violations[:SHOWN_VIOLATIONS]
-    ]
-    if len(c.violations) > SHOWN_VIOLATIONS:
-        lines.append(Line("  !", f"and {len(c.violations) - SHOWN_VIOLATIONS} more", "bad"))
-    lines.append(Line("objective", f"{number(c.objective)}, recomputed from the data"))
-    return lines
-
-
-def _bound_lines(c: Certificate) -> list[Line]:
-    lines = [
-        Line("bound", "none verified", "quiet") if c.bound is None else Line("bound", f"{number(c.bound)}, verified: {_source(c)}", "good")
-    ]
-    if c.gap is not None:
-        lines.append(Line("gap", percent(c.gap)))
-    return [*lines, *_ratio_lines(c)]
-
-
-def _source(c: Certificate) -> str:
-    """What proves the bound: a file's own name for it stands in quotes, behind the kind of evidence that was multiplied out."""
-    return f"{c.evidence[0].kind}, in the file {printable(c.bound_source, 200)!r}" if c.from_file and c.evidence else str(c.bound_source)
-
-
-def _ratio_lines(c: Certificate) -> list[Line]:
-    lines = []
-    if c.guarantee is not None:
-        text = f"ratio {number(c.guarantee.ratio)}: {c.guarantee.statement} ({c.guarantee.source})"
-        if c.guarantee.assumptions:
-            text += f"; checked on this instance: {', '.join(c.guarantee.assumptions)}"
-        lines.append(Line("guarantee", text))
-    if c.stated_guarantee is not None:
-        g = c.stated_guarantee
-        text = f"ratio {number(g.ratio)}: {printable(g.statement, 300)!r} ({printable(g.source, 300)!r})"
-        lines.append(Line("guarantee", f"stated in the file, not verified: {text}", "quiet"))
-    if c.observed_ratio is not None:
-        lines.append(Line("ratio", f"at most {c.observed_ratio:.6g}, observed against the verified bound"))
-    return lines
-
-
-def status_line(solution: Solution) -> Line:
-    """How a run ended, and on whose word."""
-    s = solution
-    stopped = "" if s.limit == "none" else f"; stopped by {_LIMIT_WORDS.get(s.limit, s.limit)}"
-    if s.status == "optimal":
-        precision = EQUAL if s.evaluation is None else s.evaluation.precision
-        if s.bound_kind == "verified" and s.gap is not None and s.gap <= precision:
-            return Line("status", "optimal: the verified bound meets the objective", "good")
-        return Line("status", f"optimal according to {s.solver}{stopped}", "good")
-    if s.status == "feasible":
-        return Line("status", f"feasible{stopped}")
-    if s.status == "infeasible" and s.certificate.infeasible:
-        return Line("status", f"infeasible, verified: {s.certificate.bound_source}", "bad")
-    if s.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
-        return Line("status", f"{s.status.replace('_', ' ')} according to {s.solver}", "bad")
-    return Line("status", f"no answer{stopped}" if s.status == "unknown" else f"{s.status}{stopped}", "bad")
-
-
-_LIMIT_WORDS = {
-    "time": "the time limit",
-    "iterations": "the limit on iterations",
-    "gap": "the gap asked for",
-    "nodes": "the limit on nodes",
-    "memory": "the memory limit",
-    "interrupt": "an interrupt",
-}
-
-
-def solution_lines(solution: Solution) -> list[Line]:
-    """How a run ended and what its certificate says; a claimed bound is told apart from a verified one."""
-    s, c = solution, solution.certificate
-    lines = [status_line(s), *(Line("fault", fault, "bad") for fault in s.faults), *_answer_lines(c)]
-    if s.bound_kind == "claimed":
-        lines.append(Line("bound", f"{number(s.bound)}, claimed by {s.bound_source} (its own figure, no evidence)"))
-        if c.bound is not None:
-            lines.append(Line("", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
-    elif c.bound is not None:
-        lines.append(Line("bound", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
-    else:
-        lines.append(Line("bound", "none", "quiet"))
-    if s.gap is not None:
-        against = f", against the {s.bound_kind} bound" if s.bound_kind else ""
-        lines.append(Line("gap", percent(s.gap) + against))
-    lines += _ratio_lines(c)
-    lines.append(Line("seconds", ", ".join(f"{name} {spent:.2f}" for name, spent in s.seconds.items()), "quiet"))
-    if s.message:
-        lines.append(Line("message", s.message))
-    return lines
-
-
-def certificate_title(certificate: Certificate) -> str:
-    """Heading of a certificate."""
-    return f"Certificate: {certificate.problem}, {certificate.sense}, convention {certificate.convention}"
-
-
-def solution_title(solution: Solution) -> str:
-    """Heading of a solution."""
-    by = f"{solution.solver} ({solution.form})" if solution.form else solution.solver
-    p = solution.problem
-    return f"{p.name}: {p.problem}, {p.sense}, convention {p.convention}, by {by}"
-
-
 def as_text(title: str, lines: Sequence[Line]) -> str:
     """Plain text, labels in a column of their own."""
     width = max((len(line.label) for line in lines), default=0)
@@ -204,7 +77,3 @@ def as_rich(title: str, lines: Sequence[Line]) -> Any:
     for line in lines:
         grid.add_row(Text(line.label, style="red" if line.label.strip() == "!" else "bold cyan"), Text(line.text, style=_STYLES[line.tone]))
     return Group(Text(printable(title), style="bold"), grid)
-
-
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}" if n == 1 else f"{n} {what}s"

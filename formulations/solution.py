@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from .certificate import Certificate
+from . import plotting
+from .certificate import Certificate, answer_lines, ratio_lines
 from .evaluation import Evaluation
 from .problem import Problem
+from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .tolerance import EQUAL, gap, same
 
 if TYPE_CHECKING:
@@ -19,8 +21,14 @@ Value = float | list[float] | list[float | None]
 SCHEMA = 1
 """Version of the JSON written by ``Solution.to_json``."""
 
-PLOTTERS: dict[str, Callable[..., Any]] = {}
-"""Plot functions by problem family; filled by the floor above."""
+_LIMIT_WORDS = {
+    "time": "the time limit",
+    "iterations": "the limit on iterations",
+    "gap": "the gap asked for",
+    "nodes": "the limit on nodes",
+    "memory": "the memory limit",
+    "interrupt": "an interrupt",
+}
 
 
 def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[float] = (), precision: float = EQUAL) -> float | None:
@@ -97,14 +105,31 @@ class Solution:
         self._need_answer()
         return self.problem.answer_to_frame(self.answer)
 
-    def plot(self, **options: Any) -> Any:
-        """Draw the answer; returns matplotlib axes."""
-        self._need_answer()
-        if self.problem.family not in PLOTTERS:
-            import importlib
+    def plot(self, *, ax: Any = None, title: str | None = None, **options: Any) -> Any:
+        """Draw the answer.
 
-            importlib.import_module("waybound.reports.plots.routing")  # the floor above registers its plotters on import
-        return PLOTTERS[self.problem.family](self.problem, self.answer, **{"solution": self, **options})
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            New ones by default: of pyplot in a notebook or where pyplot is in use, else without any display.
+        title : str, optional
+            Instead of the one made.
+        **options
+            What else the plot of the problem's family takes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        NoAnswerError
+            If there is no answer.
+        UsageError
+            If answers of this family cannot be drawn.
+        """
+        self._need_answer()
+        return plotting.draw(self, ax=ax, title=title, **options)
 
     def _need_answer(self) -> None:
         from ..instances.errors import NoAnswerError
@@ -113,7 +138,7 @@ class Solution:
             raise NoAnswerError(f"{self.solver} found no answer to {self.problem.name}: status {self.status}")
 
     def to_json(self) -> Mapping[str, Any]:
-        """The keys that others may rely on (design, "JSON of solve"), with a schema version."""
+        """The keys that others may rely on, with a schema version."""
         return {
             "schema": SCHEMA,
             "instance": self.problem.name,
@@ -146,16 +171,60 @@ class Solution:
         return f"<Solution of {self.problem.name} by {self.solver}: {self.status}, objective {self.objective}, {bound}{faults}>"
 
     def __str__(self) -> str:
-        from .rendering import as_text, solution_lines, solution_title
-
         return as_text(solution_title(self), solution_lines(self))
 
     def _repr_html_(self) -> str:
-        from .rendering import as_html, solution_lines, solution_title
-
         return as_html(solution_title(self), solution_lines(self))
 
     def __rich__(self) -> Any:
-        from .rendering import as_rich, solution_lines, solution_title
-
         return as_rich(solution_title(self), solution_lines(self))
+
+
+# -- for people ------------------------------------------------------------------------------------------------------------
+
+
+def solution_title(solution: Solution) -> str:
+    """Heading of a solution."""
+    by = f"{solution.solver} ({solution.form})" if solution.form else solution.solver
+    p = solution.problem
+    return f"{p.name}: {p.problem}, {p.sense}, convention {p.convention}, by {by}"
+
+
+def status_line(solution: Solution) -> Line:
+    """How a run ended, and on whose word."""
+    s = solution
+    stopped = "" if s.limit == "none" else f"; stopped by {_LIMIT_WORDS.get(s.limit, s.limit)}"
+    if s.status == "optimal":
+        precision = EQUAL if s.evaluation is None else s.evaluation.precision
+        if s.bound_kind == "verified" and s.gap is not None and s.gap <= precision:
+            return Line("status", "optimal: the verified bound meets the objective", "good")
+        return Line("status", f"optimal according to {s.solver}{stopped}", "good")
+    if s.status == "feasible":
+        return Line("status", f"feasible{stopped}")
+    if s.status == "infeasible" and s.certificate.infeasible:
+        return Line("status", f"infeasible, verified: {s.certificate.bound_source}", "bad")
+    if s.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
+        return Line("status", f"{s.status.replace('_', ' ')} according to {s.solver}", "bad")
+    return Line("status", f"no answer{stopped}" if s.status == "unknown" else f"{s.status}{stopped}", "bad")
+
+
+def solution_lines(solution: Solution) -> list[Line]:
+    """How a run ended and what its certificate says; a claimed bound is told apart from a verified one."""
+    s, c = solution, solution.certificate
+    lines = [status_line(s), *(Line("fault", fault, "bad") for fault in s.faults), *answer_lines(c)]
+    if s.bound_kind == "claimed":
+        lines.append(Line("bound", f"{number(s.bound)}, claimed by {s.bound_source} (its own figure, no evidence)"))
+        if c.bound is not None:
+            lines.append(Line("", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
+    elif c.bound is not None:
+        lines.append(Line("bound", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
+    else:
+        lines.append(Line("bound", "none", "quiet"))
+    if s.gap is not None:
+        against = f", against the {s.bound_kind} bound" if s.bound_kind else ""
+        lines.append(Line("gap", percent(s.gap) + against))
+    lines += ratio_lines(c)
+    lines.append(Line("seconds", ", ".join(f"{name} {spent:.2f}" for name, spent in s.seconds.items()), "quiet"))
+    if s.message:
+        lines.append(Line("message", s.message))
+    return lines

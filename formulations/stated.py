@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..instances.errors import CheckFailedError, InputError
 from ..instances.printable import printable
 from .evaluation import Evaluation
 from .evidence import Evidence, Guarantee
 from .tolerance import same
-
-if TYPE_CHECKING:
-    from .certificate import Certificate
 
 MOST_EVIDENCE = 100
 """More pieces of evidence than this are refused: each is multiplied out."""
@@ -132,25 +129,6 @@ def _same(stated: Mapping[str, Any], own: Mapping[str, Any], size: float) -> boo
         elif key != "message" and (type(given) is not type(value) or given != value):
             return False
     return True
-
-
-def compare_figures(data: Mapping[str, Any], made: Certificate) -> None:
-    """Compare source, gap and ratio with what the evidence proves of the answer; raises as ``compare_answer`` does.
-
-    A gap or ratio that is larger than the proved one is true as far as it goes, and passes only beside a weaker bound.
-    """
-    source = data.get("bound_source")
-    if source is not None and source != made.bound_source:
-        raise CheckFailedError(f"the certificate names the source {printable(source, 80)!r}, its bound is from {made.bound_source!r}")
-    weaker = data.get("bound") is None or made.bound is None or not same(real(data["bound"], "bound"), made.bound)
-    for key, proved in (("gap", made.gap), ("observed_ratio", made.observed_ratio)):
-        if data.get(key) is None:
-            continue
-        stated = real(data[key], key)
-        if made.feasible is None:
-            continue  # nothing to compare with
-        if proved is None or not (same(stated, proved, 1.0) or (weaker and stated > proved)):
-            raise CheckFailedError(f"the certificate states the {key} {stated!r}, what it proves is {proved!r}")
 
 
 def stated_guarantee(data: Mapping[str, Any]) -> Guarantee | None:

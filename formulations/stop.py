@@ -6,6 +6,8 @@ import math
 import threading
 import time
 import weakref
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +50,15 @@ class Stop:
         made._wish = self._wish
         return made
 
+    @contextmanager
+    def telling(self, end: Callable[[], None]) -> Iterator[None]:
+        """Within the block a wish to end is passed on by calling ``end``, from whichever thread asks, at once if somebody did."""
+        self._wish.add(end)
+        try:
+            yield
+        finally:
+            self._wish.remove(end)
+
     @property
     def seconds_left(self) -> float:
         return max(0.0, self._end - time.perf_counter())
@@ -85,12 +96,27 @@ class _Wish:
         self.asked = False
         self._lock = threading.Lock()
         self._flags: list[weakref.ref[Flag]] = []
+        self._listeners: list[Callable[[], None]] = []
 
     def ask(self) -> None:
         with self._lock:
             self.asked = True
             for flag in self._flags:
                 _set(flag)
+            listeners = list(self._listeners)
+        for end in listeners:
+            end()
+
+    def add(self, end: Callable[[], None]) -> None:
+        with self._lock:
+            self._listeners.append(end)
+            late = self.asked
+        if late:
+            end()
+
+    def remove(self, end: Callable[[], None]) -> None:
+        with self._lock:
+            self._listeners.remove(end)
 
     def tell(self, flag: Flag) -> None:
         with self._lock:

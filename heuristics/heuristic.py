@@ -5,15 +5,18 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
+from ..formulations.programs.exactness import Exactness
 from ..formulations.stop import Stop
 from ..instances.errors import UsageError
 from ..instances.registry import Registry
+from ..solvers.backend import Control, Options, RawResult
+from ..solvers.linear_programs import LinearPrograms
 
 
 @dataclass(frozen=True)
@@ -31,9 +34,8 @@ class Setting:
         ``publish(answer)`` reports a better answer.
     stop : Stop
         The wish to end; ``setting.begin()`` adds the time.
-    solve_program : callable
-        ``solve_program(program, seconds)`` solves a small program and returns its ``RawResult``: the solver is handed
-        in, because heuristics lie below solvers.
+    linear : LinearPrograms
+        Who solves the linear programs that it meets.
     """
 
     rng: np.random.Generator
@@ -41,7 +43,7 @@ class Setting:
     start: Any
     publish: Callable[[Any], None]
     stop: Stop
-    solve_program: Callable[..., Any]
+    linear: LinearPrograms
 
     def begin(self) -> Stop:
         """When a heuristic that starts now has to end: its time is up, or it is asked to."""
@@ -83,6 +85,8 @@ class Heuristic:
         The guarantee in words, or "no guarantee".
     refuses : callable, optional
         Further reasons why it cannot take a problem, as feature names.
+    honours : frozenset of str
+        See ``Backend.honours``.
     """
 
     name: str
@@ -92,6 +96,7 @@ class Heuristic:
     summary: str
     stated: str = "no guarantee"
     refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
+    honours: frozenset[str] = frozenset()
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """Features of ``problem`` that it lacks; empty if it can take it."""
@@ -112,4 +117,35 @@ class Heuristic:
                 raise UsageError(f"{self.name} has no option {name!r}; it takes {', '.join(known) or 'none'}")
 
 
-HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*")
+HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*", group="waybound.heuristics")
+
+
+@dataclass(frozen=True)
+class HeuristicWork:
+    """A heuristic at its work: picklable, and called with a ``Control``.
+
+    Parameters
+    ----------
+    name : str
+    problem : Problem
+    options : Options
+    """
+
+    name: str
+    problem: Problem
+    options: Options
+
+    modules: ClassVar[tuple[str, ...]] = ("numba",)
+
+    def __call__(self, control: Control) -> RawResult:
+        o, stop = self.options, Stop()
+        control.on_stop(stop.ask)
+        setting = Setting(
+            rng=np.random.default_rng(o.seed), seconds=o.time_limit, start=o.start, publish=control.publish, stop=stop,
+            linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
+        )  # fmt: skip
+        found = HEURISTICS[self.name].run(self.problem, setting, **o.extra)
+        return RawResult(
+            "unknown", found.limit, found.answer, statistics=found.statistics, message=found.message, evidence=found.evidence,
+            holds=Exactness.NEITHER, guarantee=found.guarantee,
+        )  # fmt: skip

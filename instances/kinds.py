@@ -29,4 +29,4 @@ class Kind:
     decode: Callable[[dict[str, Any]], Instance]
 
 
-KINDS: Registry[Kind] = Registry("kind", "waybound.instances.*.json_kind")
+KINDS: Registry[Kind] = Registry("kind", "waybound.instances.*.json_kind", group="waybound.kinds")

@@ -13,6 +13,7 @@ MOST: dict[str, float] = {
     "memory_limit": 1e9,  # MB: a petabyte
     "gap": 1e9,
     "iterations": 2**31 - 1,  # what solvers count in
+    "no_improvement": 2**31 - 1,
     "steps": 2**31 - 1,
     "instances": 2**31 - 1,
     "seed": 2**63 - 1,

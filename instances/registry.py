@@ -5,11 +5,16 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import pkgutil
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Generic, TypeVar
+from types import ModuleType
+from typing import TYPE_CHECKING, Generic, TypeVar
 
-from .errors import UsageError
+from .errors import UsageError, in_words
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 T = TypeVar("T")
 
@@ -25,10 +30,17 @@ class Registry(Generic[T]):
         Full names of packages, or of single modules, in which ``*`` stands for any one subpackage: ``waybound.formulations.*.forms``.
         A new public module in one of them is all that a new entry takes; modules whose names begin with ``_`` or end with ``_kernels``
         are left alone.
+    group : str
+        Group of entry points through which installed packages add entries: each names a module that registers itself, or the entry.
+
+    Warns
+    -----
+    RuntimeWarning
+        For each entry point that cannot be loaded; all others are there all the same.
     """
 
-    def __init__(self, what: str, *places: str) -> None:
-        self.what, self.places = what, places
+    def __init__(self, what: str, *places: str, group: str = "") -> None:
+        self.what, self.places, self.group = what, places, group
         self._entries: dict[str, T] = {}
         self._complete = False
 
@@ -61,6 +73,20 @@ class Registry(Generic[T]):
             for place in self.places:
                 for module in _modules_at(place):
                     importlib.import_module(module)
+            if self.group:
+                from importlib.metadata import entry_points
+
+                for point in entry_points(group=self.group):
+                    self._load(point)
+
+    def _load(self, point: EntryPoint) -> None:
+        try:
+            found = point.load()
+            if not isinstance(found, ModuleType):
+                self.add(point.name, found)
+        except Exception as fault:
+            owner = "" if point.dist is None else f" of {point.dist.name}"
+            warnings.warn(f"{self.what} {point.name}{owner} cannot be loaded: {in_words(fault)}", RuntimeWarning, stacklevel=2)
 
     def __getitem__(self, name: str) -> T:
         self._discover()

@@ -7,22 +7,27 @@ import threading
 import time
 import weakref
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.evidence import Evidence
+from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
-from ..formulations.programs.program import Program
+from ..formulations.programs.exactness import Exactness
+from ..formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
 from ..formulations.programs.scaling import Scaled, scaled
-from ..instances.errors import UsageError
+from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..instances.registry import Registry
 
 STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unbounded", "unknown", "error")
 LIMITS = ("none", "time", "iterations", "gap", "nodes", "memory", "interrupt")
+
+LP_SOLVER = "highs"
+"""Who solves the linear programs met on the way where the user names nobody: vertices, interior points and first-order steps by one
+library, which can be interrupted."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,10 @@ class Options:
         Where to start from.
     memory_limit : float, MB, optional
         Kept by ``isolate``.
+    no_improvement : int, optional
+        Iterations without a better answer after which a search ends.
+    lp_solver : str
+        Who solves the linear programs that an engine meets on its way.
     extra : dict
         The solver's own options (``--option KEY=VALUE``); unknown ones raise UsageError.
     """
@@ -54,7 +63,14 @@ class Options:
     seed: int = 1
     start: Any = None
     memory_limit: float | None = None
+    no_improvement: int | None = None
+    lp_solver: str = LP_SOLVER
     extra: dict[str, Any] = field(default_factory=dict)
+
+    def asked(self) -> dict[str, Any]:
+        """What a method may not honour and is asked for, by name."""
+        given = {"iterations": self.iterations, "no_improvement": self.no_improvement, "gap": self.gap or None}
+        return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -76,7 +92,12 @@ class RawResult:
     message : str
         What the user should read, such as why nothing was found.
     evidence : tuple of Evidence
-        What proves bounds, for the checker to verify (engines). Where any proves something, other methods do not bound again.
+        What proves bounds, for the checker to verify (engines, heuristics). Where any proves something, other methods do not bound again.
+    holds : Exactness
+        For what status, objective and bound are claimed, as seen from what the method was given: engines that round data say
+        ``RESTRICTION``, heuristics ``NEITHER``.
+    guarantee : Guarantee, optional
+        What a heuristic guarantees for its answer on this instance.
     """
 
     status: str
@@ -88,6 +109,8 @@ class RawResult:
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
     evidence: tuple[Evidence, ...] = ()
+    holds: Exactness = Exactness.EXACT
+    guarantee: Guarantee | None = None
 
 
 class Control:
@@ -187,6 +210,10 @@ class Backend(ABC):
         What the engine does on an interrupt, where a user should know.
     needs_process : bool
         Whether it can only be stopped in a process of its own.
+    honours : frozenset of str
+        Of ``iterations, no_improvement, gap`` those that it keeps to; ``solve`` refuses the others by name.
+    one_thread : bool
+        Whether it searches on one thread, whatever it is given.
     variants : tuple of str
         Examples of solvers within it, named as ``pulp:HiGHS``; empty if it has none.
     """
@@ -198,6 +225,8 @@ class Backend(ABC):
     interrupts: ClassVar[str] = ""
     takes: ClassVar[str]
     needs_process: bool = False
+    honours: ClassVar[frozenset[str]] = frozenset({"iterations", "gap"})
+    one_thread: ClassVar[bool] = False
     variants: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, variant: str = "") -> None:
@@ -222,19 +251,29 @@ class Backend(ABC):
 
 
 class ProgramBackend(Backend):
-    """Solves programs of the kinds it declares (``LP, MILP, QP, MIQP``)."""
+    """Solves programs of the features it declares.
+
+    Class attributes
+    ----------------
+    programs : tuple of sets of features
+        What it takes together (see ``Program.features``): a program's features must be among those of one set.
+    only_integers : bool
+        Whether it takes no program without integers.
+    """
 
     takes = "program"
-    kinds: frozenset[str]
+    programs: tuple[frozenset[str], ...] = (LINEAR,)
+    only_integers: bool = False
 
     @classmethod
-    def takers(cls, kind: str) -> tuple[str, ...]:
-        """Names of the solvers within this one, itself first, that take programs of ``kind``."""
-        return (cls.name,) if kind in cls.kinds else ()
+    def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
+        """Names of the solvers within this one, itself first, that take programs of ``features``."""
+        return (cls.name,) if takes_features(features, cls.programs, cls.only_integers) else ()
 
-    def lacks(self, program: Program) -> frozenset[str]:
-        """Features of ``program``, beyond its kind, that the solver lacks; empty if it can take it."""
-        return frozenset()
+    def missing(self, program: Program) -> frozenset[str]:
+        """What ``program`` asks for and the solver lacks; empty if it can take it."""
+        able = takes_features(program.features(), self.programs, self.only_integers)
+        return frozenset() if able else frozenset({f"{program.kind} programs"})
 
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """Search, with the program's numbers brought to ordinary sizes first and all results back to its own units.
@@ -243,6 +282,10 @@ class ProgramBackend(Backend):
         """
         from .sanity import prepared
 
+        lacking = ProgramBackend.missing(self, program)  # what else it lacks, ``search`` finds
+        if lacking:
+            name = f"{self.name}:{self.variant}" if self.variant else self.name
+            raise UnsupportedError(name, lacking, takers(program.features(), name))
         made = scaled(program := prepared(program))
         if made.program is program:
             return self.search(program, options, control)
@@ -279,11 +322,36 @@ class Engine(Backend):
         """Search. ``RawResult.answer`` is the problem's answer; ``options.start`` is one too."""
 
 
-def takers(kind: str, but: str = "") -> list[str]:
-    """Installed solvers that take programs of ``kind``, other than ``but``."""
+def solver_named(name: str) -> Backend:
+    """The solver of that name, ready to run; raises UsageError or MissingPackageError where there is none."""
+    base, colon, variant = name.partition(":")
+    kind = BACKENDS[base]
+    if colon and not variant:
+        raise UsageError(f"{name!r} names no solver within {base}; write {base} or {base}:NAME")
+    if not kind.installed():
+        raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.package}")
+    return kind(variant) if variant else kind()
+
+
+def takes_features(features: frozenset[str], programs: Iterable[frozenset[str]], only_integers: bool = False) -> bool:
+    """Whether ``features`` are among those of one of ``programs``."""
+    return any(features <= most for most in programs) and (not only_integers or features >= INTEGERS)
+
+
+def kinds_of(backend: type[ProgramBackend]) -> list[str]:
+    """What it takes, in the usual words: ``LP``, ``MILP``, ..."""
+    cones = [LINEAR, *(frozenset({cone}) for cone in CONES)]
+    asked = (f | cone for f in (LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC) for cone in cones)
+    return sorted({described(f) for f in asked if backend.takers(f)})
+
+
+def takers(features: frozenset[str], but: str = "") -> list[str]:
+    """Installed solvers that take programs of ``features``, other than ``but``."""
     backends = [BACKENDS[name] for name in BACKENDS]
-    found = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(kind)]
+    found = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(features)]
     return [name for name in found if name != but]
 
 
-BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines")
+BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry(
+    "solver", "waybound.solvers.backends", "waybound.solvers.engines", group="waybound.solvers"
+)

@@ -27,7 +27,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.program import Program
 from ..instances import errors
 from ..instances.errors import UsageError, WayboundError
-from .backend import BACKENDS, Control, Options, RawResult
+from .backend import Control, Options, RawResult, solver_named
 from .children import child, scratch
 from .interrupts import CHILD_GRACE
 
@@ -44,33 +44,62 @@ _MEGABYTE = 2**20
 _TICK = 0.05
 
 
-def run_isolated(solver: str, target: Problem | Program, options: Options, control: Control) -> RawResult:
-    """Run a backend in a process of its own.
+@dataclass(frozen=True)
+class SolverWork:
+    """A solver at its work: picklable, and called with a ``Control``.
 
     Parameters
     ----------
     solver : str
         Its name, with the variant where there is one: ``pulp:HiGHS``.
     target : Problem or Program
-        What the backend takes. A program travels as arrays; its vectors are decoded by the caller.
     options : Options
-        ``memory_limit`` counts megabytes on top of an idle process that has loaded the solver; kept on Linux only.
+    """
+
+    solver: str
+    target: Problem | Program
+    options: Options
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """What is loaded before time and memory are counted."""
+        return solver_named(self.solver).modules
+
+    def __call__(self, control: Control) -> RawResult:
+        return solver_named(self.solver).run(self.target, self.options, control)  # type: ignore[attr-defined,no-any-return]
+
+
+def run_isolated(solver: str, target: Problem | Program, options: Options, control: Control) -> RawResult:
+    """Run a solver in a process of its own; see ``run_in_process``."""
+    return run_in_process(SolverWork(solver, target, options), options, control)
+
+
+def run_in_process(work: Any, options: Options, control: Control) -> RawResult:
+    """Run ``work(control)`` in a process of its own.
+
+    Parameters
+    ----------
+    work : callable
+        Picklable, with ``modules``: names of what is loaded before time and memory are counted, as a library's own size is nobody's
+        choice.
+    options : Options
+        ``memory_limit`` counts megabytes on top of an idle process that has loaded the modules; kept on Linux only.
     control : Control
 
     Returns
     -------
     RawResult
-        The backend's own; after a crash, a kill or a lack of memory one made from the incumbents it had published, or of
+        That of ``work``; after a crash, a kill or a lack of memory one made from the incumbents it had published, or of
         status ``error`` if there are none and nobody asked for its end.
 
     Raises
     ------
     WayboundError
-        What the backend raised about its input or options.
+        What it raised about its input or options.
     UsageError
         If the problem cannot be sent to another process.
     """
-    payload = _payload(solver, target, options)
+    payload = _payload(work, options)
     mine, theirs = Pipe()
     code = f"import sys; sys.path[:] = {sys.path!r}; from waybound.solvers.isolation import serve; serve({theirs.fileno()})"
     with mine, tempfile.TemporaryFile() as output, scratch() as folder, child(
@@ -81,17 +110,11 @@ def run_isolated(solver: str, target: Problem | Program, options: Options, contr
         return _Child(process, mine, payload, options, control, output).watch()
 
 
-def _payload(solver: str, target: Problem | Program, options: Options) -> bytes:
-    if isinstance(target, Program):
-        target = replace(target, decode=_as_is, encode=None, dual_evidence=None, problem=None)
+def _payload(work: Any, options: Options) -> bytes:
     try:
-        return pickle.dumps((solver, target, options))
+        return pickle.dumps((work, options))
     except (pickle.PicklingError, TypeError, AttributeError) as fault:
         raise UsageError(f"this problem cannot be sent to a process of its own: {fault}") from None
-
-
-def _as_is(x: Any) -> Any:
-    return x
 
 
 class _Child:
@@ -218,17 +241,14 @@ def serve(descriptor: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     connection = Connection(descriptor)
     relay = _Relay(connection)
-    solver, target, options = pickle.loads(connection.recv_bytes())
+    work, options = pickle.loads(connection.recv_bytes())
     threading.Thread(target=relay.listen, daemon=True).start()
     try:
-        name, _, variant = solver.partition(":")
-        kind: Any = BACKENDS[name]
-        backend = kind(variant) if variant else kind()
-        for module in backend.modules:
-            importlib.import_module(module)  # before the limit: a library's own size is nobody's choice
+        for module in work.modules:
+            importlib.import_module(module)
         enforced = options.memory_limit is None or _limit_memory(options.memory_limit)
         relay.send("searching")
-        result = backend.run(target, options, relay)
+        result = work(relay)
         if not enforced:
             result = replace(result, statistics={**result.statistics, "memory_limit": "not enforced on this system"})
         relay.send("done", result)

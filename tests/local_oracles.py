@@ -239,7 +239,7 @@ class ExactLocal:
 # -- instances -----------------------------------------------------------------------------------------------------------
 
 FIGURE_33: Robots = [[{1: 1}, {2: 1}], [{2: 1, 3: 1}, {3: 1}], [{3: 1}, {1: 1}]]
-"""Figure 3.3 of Sung (2019); digest S1."""
+"""Figure 3.3 of Sung (2019), case S1 of docs/formulations/sensing.md."""
 
 
 def random_graph(rng: np.random.Generator, *, most_robots: int = 8, most_actions: int = 4, weights: str = "any") -> SensingGraph:

@@ -152,22 +152,23 @@ def solved(program: Program) -> tuple[str, float, Any]:
 
 def agrees(problem: RoutingProblem, form: str, expected: float | None) -> None:
     """``form`` finds ``expected`` (None: no answer); its answer passes the judge, and can be written back as a point of the program."""
-    program = problem.compile(form)
+    made = problem.compile(form)
+    program = made.program
     status, value, x = solved(program)
     if expected is None:
-        assert status == "infeasible", (form, value, program.decode(x))
+        assert status == "infeasible", (form, value, made.decode(x))
         return
     assert status == "optimal", (form, expected)
     assert value == pytest.approx(expected, abs=1e-6), form
-    answer = program.decode(x)
+    answer = made.decode(x)
     verdict = problem.evaluate(answer)
     assert verdict.feasible, verdict.violations
     assert verdict.values[0] == pytest.approx(expected, abs=1e-6)
-    assert program.encode is not None
-    back = program.encode(answer)
+    assert made.encode is not None
+    back = made.encode(answer)
     assert program.residual(back) <= 1e-7
     assert program.value(back) == pytest.approx(expected, abs=1e-6)
-    assert program.decode(back).canonical() == answer.canonical()
+    assert made.decode(back).canonical() == answer.canonical()
 
 
 # -- instances -------------------------------------------------------------------------------------------------------

@@ -1,15 +1,20 @@
-"""Programs from small dense arrays."""
+"""Programs from small dense arrays, and who solves them in place of a solver."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 
 from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.stop import NEVER, Stop
+from waybound.solvers.backend import Control, Options, ProgramBackend, RawResult
+from waybound.solvers.backends.highs import Highs
+from waybound.solvers.linear_programs import LinearPrograms, Suits
 
 INF = math.inf
 
@@ -29,3 +34,38 @@ def program(
     )
     rows = Rows("row", indptr=a.indptr, indices=a.indices, data=a.data, lower=spread(low, a.shape[0]), upper=spread(high, a.shape[0]))
     return Program("test", sense, columns, (rows,), offset, None if quadratic is None else sp.csr_matrix(np.asarray(quadratic, float)))
+
+
+class AnsweredBy(LinearPrograms):
+    """Linear programs of which a function of program and seconds gives the row duals, or None."""
+
+    def __init__(self, duals: Callable[[Program, float], Any]) -> None:
+        super().__init__()
+        self.answer = duals
+
+    def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
+        return RawResult("unknown", row_duals=self.answer(program, stop.seconds_left))
+
+
+class Patient(ProgramBackend):
+    """Waits until it is asked to stop, or for its time; ``told`` keeps the options that were given to any of this class."""
+
+    name, package, modules, summary = "patient", "numpy", ("json",), "waits"
+    told: ClassVar[list[Options]] = []
+
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        self.told.append(options)
+        asked = threading.Event()
+        control.on_stop(asked.set)
+        return RawResult("unknown", "interrupt" if asked.wait(min(options.time_limit, 30.0)) else "time")
+
+
+class Counting(Highs):
+    """HiGHS under another name; ``told`` keeps the programs and options that were given to any of this class."""
+
+    name = "counting"
+    told: ClassVar[list[tuple[Program, Options]]] = []
+
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        self.told.append((program, options))
+        return super().search(program, options, control)

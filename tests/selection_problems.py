@@ -23,6 +23,7 @@ from waybound.instances.selection.instance import (
     PartitionMatroid,
     SetFunction,
 )
+from waybound.solvers.linear_programs import LinearPrograms
 
 KINDS = ("coverage", "facility-location", "dense", "dense32", "user")
 CONSTRAINTS = ("cardinality", "partition", "knapsack")
@@ -30,7 +31,7 @@ CONSTRAINTS = ("cardinality", "partition", "knapsack")
 
 def setting(seed: int = 1, seconds: float = 60.0) -> Setting:
     """What a heuristic gets when nobody listens to it and no solver is at hand."""
-    return Setting(np.random.default_rng(seed), seconds, None, lambda a: None, NEVER, lambda *a: None)
+    return Setting(np.random.default_rng(seed), seconds, None, lambda a: None, NEVER, LinearPrograms())
 
 
 def run(name: str, problem: Problem, seed: int = 1, **options: object) -> Outcome:

@@ -8,8 +8,10 @@ import subprocess
 import sys
 
 import pytest
+from programs import Counting
 
 import waybound as wb
+from waybound.solvers.backend import BACKENDS
 
 HEAVY = ("highspy", "ortools", "pulp", "cvxpy", "pyvrp", "pandas", "scipy", "numba", "matplotlib", "networkx")
 
@@ -41,7 +43,7 @@ def test_an_unknown_name_is_an_attribute_error():
 
 
 @pytest.mark.parametrize("before", ["", "import waybound.solving.solve", "import waybound.heuristics.heuristic, waybound.solvers"])
-@pytest.mark.parametrize("after", ["", "import waybound.solvers.backend; import waybound.heuristics.methods"])
+@pytest.mark.parametrize("after", ["", "import waybound.solvers.backend; import waybound.heuristics.routing.savings"])
 def test_solvers_and_heuristics_are_callable_whatever_was_imported_first(before, after):
     code = f"{before}\nimport waybound as wb\nwb.solvers\n{after}\nprint(len(wb.solvers()), len(wb.heuristics()), wb.solvers.__name__)"
     solvers, heuristics, name = in_fresh_process(code).split()
@@ -122,6 +124,20 @@ def test_bound_is_a_certificate_without_an_answer(solved):
     assert made.feasible is None
     assert made.bound is not None
     assert made.bound <= solution.objective + 1e-6
+
+
+def test_bounding_is_told_who_solves_linear_programs_and_with_what(registered):
+    registered(BACKENDS, "counting", Counting)
+    Counting.told.clear()
+    problem = wb.read("sata-s3")
+    own, named = wb.bound(problem, seconds=20.0), wb.bound(problem, seconds=20.0, lp_solver="counting", seed=9, threads=2)
+    assert own.bound is not None and named.bound == pytest.approx(own.bound)
+    assert {(options.seed, options.threads) for _, options in Counting.told} == {(9, 2)}
+    with pytest.raises(wb.UsageError, match="unknown solver 'hihgs'"):
+        wb.bound(problem, lp_solver="hihgs")
+    for wrong in ({"seed": -1}, {"threads": 0}):
+        with pytest.raises(wb.UsageError, match="must be a whole number"):
+            wb.bound(problem, **wrong)
 
 
 @pytest.mark.parametrize("call", [lambda p: wb.bound(p), lambda p: wb.explain(p), lambda p: wb.check(p, wb.Routes.of([[1]]))])

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from waybound.formulations.answers import read_answer
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.routing.judge import schedule
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.solution_files import SolutionFile, read_solution_file
 
 FAMILIES = ("cvrp", "vrptw-solomon", "vrptw-homberger")
 CONVENTIONS = {"tsplib-nint": "file", "euclidean-double": "exact", "dimacs-trunc1": "trunc1"}
@@ -68,9 +68,9 @@ def problem_of(instance: Path, convention: str, settings: tuple[tuple[str, str],
 
 def load(row: Row) -> tuple[RoutingProblem, Routes]:
     problem = problem_of(row.instance, row.convention, row.settings)
-    read = read_solution_file(row.solution, read_instance(row.instance))
-    assert isinstance(read, SolutionFile)
-    return problem, Routes.of(read.routes)
+    answer = read_answer(problem, row.solution).answer
+    assert isinstance(answer, Routes)
+    return problem, answer
 
 
 def without_first_visit(answer: Routes) -> Routes:

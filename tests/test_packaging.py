@@ -18,7 +18,7 @@ FLOORS = ("formulations", "heuristics", "instances", "reports", "solvers")
 
 def packages_in_tree() -> set[str]:
     found = {"waybound"}
-    for top in (*FLOORS, "waybound/cli"):
+    for top in (*FLOORS, "waybound/cli", "waybound/solving"):
         for init in (ROOT / top).rglob("__init__.py"):
             relative = init.parent.relative_to(ROOT).as_posix()
             found.add("waybound." + relative.removeprefix("waybound/").replace("/", "."))

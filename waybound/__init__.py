@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ._version import __version__ as __version__
+from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from .formulations.max_min.bottleneck_sata import BottleneckSATA
     from .formulations.max_min.max_min_lp import MaxMinLP
     from .formulations.problem import Problem
+    from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
     from .formulations.routing.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
@@ -70,6 +72,7 @@ _MODULES = {
     "formulations.routing.problem": ("RoutingProblem",),
     "formulations.selection.submodular_selection": ("SubmodularSelection", "UserFunction"),
     "formulations.selection.winner_takes_all_sata": ("WinnerTakesAllSATA",),
+    "formulations.programs.compiled": ("Compiled",),
     "formulations.programs.program": ("Program", "Rows", "Variables"),
     "formulations.routing.routes": ("Route", "Routes"),
     "formulations.selection.selections": ("Selection",),
@@ -111,6 +114,7 @@ __all__ = [
     "Certificate",
     "Check",
     "CheckFailedError",
+    "Compiled",
     "Coverage",
     "DenseFacilityLocation",
     "Energy",
@@ -186,6 +190,15 @@ class _Face(ModuleType):
 
 
 sys.modules[__name__].__class__ = _Face
+
+
+def _draw(solution: Solution, **options: Any) -> Any:
+    from .reports.plots import plot_solution
+
+    return plot_solution(solution, **options)
+
+
+plotting.draw = _draw
 
 
 def __getattr__(name: str) -> Any:

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .instances.errors import InputError, UsageError
-from .instances.limits import check_number
+from .instances.limits import check_number, check_whole
 
 if TYPE_CHECKING:
     from .formulations.certificate import Certificate
     from .formulations.problem import Problem
+    from .formulations.programs.compiled import Compiled
     from .formulations.programs.program import Program
     from .instances.instance import Instance
     from .solving.explaining import Explanation
@@ -159,7 +160,7 @@ def read_certificate(path: Source) -> Mapping[str, Any]:
     return data
 
 
-def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
+def bound(problem: Problem, *, seconds: float = 60.0, seed: int = 1, threads: int = 1, lp_solver: str | None = None) -> Certificate:
     """The best verified bound that ``seconds`` allow, as a certificate without an answer.
 
     Parameters
@@ -167,11 +168,19 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
     problem : Problem
     seconds : float
         Budget of all methods together.
+    seed, threads : int
+    lp_solver : str, optional
+        A name of ``solvers()``: who solves the linear programs that methods meet on their way; HiGHS by default.
 
     Returns
     -------
     Certificate
         ``bound`` is None where no method proves one.
+
+    Raises
+    ------
+    UsageError, MissingPackageError, UnsupportedError
+        For an ``lp_solver`` that does not exist, is not installed, or takes no linear programs.
 
     Warns
     -----
@@ -181,18 +190,22 @@ def bound(problem: Problem, *, seconds: float = 60.0) -> Certificate:
     import warnings
 
     from .formulations.certificate import certify
+    from .solvers.linear_programs import linear_programs
     from .solving.bounding import find_bounds
 
     _refuse_path("bound", problem)
     check_number("bound_time", seconds, above=0, option="the time for bounding")
+    check_whole("seed", seed)
+    check_whole("threads", threads, least=1)
     unable: list[str] = []
-    made = certify(problem, None, find_bounds(problem, seconds, unable=unable), unproved=unable)
+    found = find_bounds(problem, seconds, unable=unable, linear=linear_programs(lp_solver, seed, threads))
+    made = certify(problem, None, found, unproved=unable)
     for line in unable:
         warnings.warn(line, RuntimeWarning, stacklevel=2)
     return made
 
 
-def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
+def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
     """Why a problem has no answer, in its own words; see ``waybound.solving.explaining.explain``."""
     from .solving.explaining import explain as by_filter
 

@@ -48,7 +48,7 @@ class ArrayProblem(Problem):
         _check_shapes(program)
         refuse_numbers(program)
         self.program = program
-        self.name = name or program.form
+        self.name = name or program.name
         self.problem = "arrays"
 
     @property
@@ -75,6 +75,11 @@ class ArrayProblem(Problem):
         p = self.program
         marks = {"integer": p.is_integer, "quadratic": p.quadratic is not None, "cones": bool(p.cones)}
         return frozenset({"LP", *(name for name, present in marks.items() if present)})
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes of the program."""
+        p = self.program
+        return {"variables": p.num_variables, "rows": p.num_rows, "entries": len(p.data)}
 
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute the objective and every row, bound, cone and integrality of the vector ``answer`` of shape (variables,).

@@ -42,7 +42,7 @@ class BottleneckSATA(Problem):
 
     Notes
     -----
-    Source: Sung (2019), (3.1), (3.2) and (3.5); digest 2.2. A target that nobody sees makes the value 0.
+    Source: Sung (2019), (3.1), (3.2) and (3.5); docs/formulations/bottleneck.md#problem. A target that nobody sees makes the value 0.
     """
 
     family: ClassVar[str] = "max-min"
@@ -68,6 +68,10 @@ class BottleneckSATA(Problem):
     def features(self) -> frozenset[str]:
         """``sensing`` always, ``whole-actions`` unless fractional."""
         return frozenset({"sensing"} if self.fractional else {"sensing", "whole-actions"})
+
+    def facts(self) -> dict[str, Any]:
+        """Those of the sensing graph."""
+        return {"graph": self.graph.facts()}
 
     def coverage(self, shares: Floats) -> Floats:
         """Summed weight that each target gets, from shares of shape (actions,)."""

@@ -43,7 +43,8 @@ class MaxMinLP(Problem):
     Notes
     -----
     Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Local approximability of max-min and min-max linear
-    programs. The bottleneck problem of robots is the member with one packing row a variable.
+    programs; docs/formulations/bottleneck.md#max-min-and-min-max-linear-programs. The bottleneck problem of robots is the member with one
+    packing row a variable.
     """
 
     family: ClassVar[str] = "max-min"
@@ -88,6 +89,15 @@ class MaxMinLP(Problem):
         """``packing-covering`` always; ``min-max`` and ``several-packing-rows`` where it is or has them."""
         marks = {"min-max": self.sense == "min", "several-packing-rows": not self.one_packing_row}
         return frozenset({"packing-covering", *(name for name, present in marks.items() if present)})
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes of the two matrices, and whether each variable stands in one packing row."""
+        return {
+            "variables": self.num_variables,
+            "packing": self.packing.facts(),
+            "covering": self.covering.facts(),
+            "one_packing_row": self.one_packing_row,
+        }
 
     def variable_name(self, variable: int) -> str:
         names = self.instance.variable_names

@@ -38,7 +38,7 @@ def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
 
     Notes
     -----
-    Source: Sung (2019), section 3.4.1 and (3.5); digest 2.2.
+    Source: Sung (2019), section 3.4.1 and (3.5); docs/formulations/bottleneck.md#one-packing-row-a-variable.
     """
     missing = problem.features() & {"min-max", "several-packing-rows"}
     if missing:

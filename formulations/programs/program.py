@@ -1,9 +1,9 @@
-"""A mathematical program as plain arrays: blocks of variables and of rows, and the way back to an answer."""
+"""A mathematical program as plain arrays: blocks of variables and of rows."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -12,19 +12,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evidence import Evidence
 from .cones import Cones
-from .exactness import Exactness
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
-
-    from ..problem import Problem
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 INFINITY = math.inf
+
+LINEAR: frozenset[str] = frozenset()
+INTEGERS = frozenset({"integers"})
+QUADRATIC = frozenset({"quadratic-objective"})
+CONES = frozenset({"second-order-cones", "exponential-cones"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +86,12 @@ class Rows(Block):
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """minimise or maximise ``cost x + x' quadratic x / 2 + offset`` over rows, bounds and integrality.
+    """minimise or maximise ``cost x + x' quadratic x / 2 + offset`` over rows, bounds and integrality: arrays and nothing else.
 
     Parameters
     ----------
-    form : str
-        Name of the form that made it.
+    name : str
+        For models and error messages; that of the form, where a form made it.
     sense : str
         ``min`` or ``max``.
     variables, rows : tuples of blocks
@@ -99,33 +100,15 @@ class Program:
         Symmetric.
     cones : tuple of Cones
         Blocks of second-order and exponential cones, for backends that take them.
-    exactness : Exactness
-        How its optimum relates to that of ``problem``.
-    problem : Problem, optional
-        What it was compiled from.
-    decode : callable
-        From a vector to the problem's answer.
-    encode : callable, optional
-        From an answer to a vector (warm starts).
-    dual_evidence : callable, optional
-        From row duals (d objective / d right side) to evidence that the checker can multiply out.
-    advice : dict
-        What suits this program: ``{"highs": {"solver": "ipm"}}``.
     """
 
-    form: str
+    name: str
     sense: str
     variables: tuple[Variables, ...]
     rows: tuple[Rows, ...]
     offset: float = 0.0
     quadratic: sp.csr_matrix | None = None
     cones: tuple[Cones, ...] = ()
-    exactness: Exactness = Exactness.EXACT
-    problem: Problem | None = None
-    decode: Callable[[Floats], Any] = lambda x: x
-    encode: Callable[[Any], Floats] | None = None
-    dual_evidence: Callable[[Floats], Evidence] | None = None
-    advice: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     # -- the whole, as arrays ----------------------------------------------------------------------------------------
 
@@ -186,10 +169,15 @@ class Program:
     def is_integer(self) -> bool:
         return any(b.integer and b.size for b in self.variables)
 
+    def features(self) -> frozenset[str]:
+        """What a solver must be able to take, beyond linear programs: ``INTEGERS``, ``QUADRATIC`` and of ``CONES``."""
+        marks = (INTEGERS if self.is_integer else LINEAR) | (QUADRATIC if self.quadratic is not None else LINEAR)
+        return marks | {f"{block.kind}-cones" for block in self.cones}
+
     @property
     def kind(self) -> str:
-        """``LP, MILP, QP, MIQP``, or ``cone`` forms of them."""
-        return ("cone " if self.cones else "") + ("MI" if self.is_integer else "") + ("QP" if self.quadratic is not None else "LP")
+        """``described(features())``."""
+        return described(self.features())
 
     # -- names -------------------------------------------------------------------------------------------------------
 
@@ -252,10 +240,13 @@ class Program:
         return to_mathopt(self)
 
     def __repr__(self) -> str:
-        return (
-            f"<Program {self.form}: {self.kind}, {self.num_variables} variables, {self.num_rows} rows, "
-            f"{len(self.data)} nonzeros, {self.exactness.value}>"
-        )
+        return f"<Program {self.name}: {self.kind}, {self.num_variables} variables, {self.num_rows} rows, {len(self.data)} nonzeros>"
+
+
+def described(features: frozenset[str]) -> str:
+    """Features in the usual words: ``LP``, ``MILP``, ``QP``, ``MIQP``, and ``cone`` before them where there are cones."""
+    cones, integer = "cone " if features & CONES else "", "MI" if features >= INTEGERS else ""
+    return cones + integer + ("QP" if features >= QUADRATIC else "LP")
 
 
 def _joined(parts: Sequence[NDArray[Any]], dtype: Any) -> NDArray[Any]:

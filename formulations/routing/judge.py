@@ -98,10 +98,9 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     used = np.zeros(len(fleet), dtype=np.int64)
     cost, rewards, longest, makespan, distance, waiting = [], [], 0.0, 0.0, [], 0.0
 
-    for number, route in enumerate(answer):
+    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
         if not route.visits:
             continue  # a vehicle that stays at home drives no route, costs nothing and does not count
-        name = problem.vehicle_name(number, route.vehicle)
         if not 0 <= route.vehicle < len(fleet) or any(not 0 <= i < len(sites) for i in route.visits):
             judge.test("visits", 1.0, f"{name} has a vehicle type or a site that does not exist", vehicle=name)
             continue

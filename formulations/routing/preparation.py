@@ -6,7 +6,8 @@ move i -> j and a range [lower_i, upper_i] of its level at each node. Ranges are
 are left, never by direct moves, which would cut off optimal routes where the triangle inequality fails; a move is dropped if
 lower_i + w_ij > upper_j for some resource. Both are repeated until nothing changes.
 
-Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4; digest 2.0, with s_i + d_ij for d_ij in every time row.
+Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4; docs/formulations/routing.md#preparation has the case that direct moves get
+wrong.
 """
 
 from __future__ import annotations
@@ -93,6 +94,8 @@ class Preparation:
         By name; ``time`` always, the others where they are limited.
     fleet : int
         Largest number of routes.
+    whole : bool
+        Whether all moves that some route can make are there; with fewer, programs are restrictions.
     """
 
     vehicle: int
@@ -108,6 +111,7 @@ class Preparation:
     service: Floats
     resources: dict[str, Resource]
     fleet: int
+    whole: bool = True
 
     @property
     def customers(self) -> int:

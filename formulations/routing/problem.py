@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -17,11 +18,16 @@ from ...instances.instance import digest
 from ...instances.printable import printable
 from ...instances.routing.features import restrictions
 from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
+from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
 from ...instances.routing.travel import EXPLICIT, Travel, convention_named
 from ..evaluation import Evaluation
+from ..evidence import Evidence, Reason
 from ..problem import PROBLEMS, Problem
 from ..references import indices_of
+from .fleet_need import fleet_conflicts, none
+from .judge import evaluate_routes, schedule
 from .objective import Composable, LongestRoute, Objective, TotalCost
+from .reachability import unreachable
 from .routes import Route, Routes
 
 if TYPE_CHECKING:
@@ -52,6 +58,7 @@ class RoutingProblem(Problem):
     """
 
     family: ClassVar[str] = "routing"
+    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour")
     sites: Sites
     travel: Travel
     fleet: tuple[VehicleType, ...]
@@ -206,20 +213,61 @@ class RoutingProblem(Problem):
             found.add("objective:weights")
         return restrictions(self) | found
 
+    def facts(self) -> dict[str, Any]:
+        """Objective, sites, demand, service, windows, travel and fleet."""
+        s, at = self.sites, self.customers
+        due = s.due[at][np.isfinite(s.due[at])]
+        return {
+            "objective": str(self.objective),
+            "sites": {
+                "depots": [s.ids[i] for i in s.depots],
+                "customers": len(at),
+                "optional": int((~s.required[at]).sum()),
+                "unreachable": len(unreachable(self)),
+            },
+            "demand": _spread(s.demand[at]),
+            "service": _spread(s.service[at]),
+            "windows": {
+                "sites": int(((s.ready[at] > 0) | np.isfinite(s.due[at])).sum()),
+                "earliest": float(s.ready[at].min(initial=math.inf)),
+                "latest": float(due.max()) if len(due) else None,
+                "depot": [[float(s.ready[i]), float(s.due[i])] for i in s.depots],
+            },
+            "travel": {
+                "metric": self.travel.metric,
+                "coordinates": s.coordinates is not None,
+                "own_durations": self.travel.duration_matrix is not None,
+            },
+            "fleet": [{"name": v.name, **dataclasses.asdict(v), "start": s.ids[v.start], "end": s.ids[v.end]} for v in self.fleet],
+            "min_vehicles": self.min_vehicles,
+        }
+
     # -- judging answers ---------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Routes) -> Evaluation:
         """Recompute everything from the data: visits, loads, windows with waiting and service, durations, distances,
         energy, fleet size, objective."""
-        from .judge import evaluate_routes
-
         if not isinstance(answer, Routes):
             raise UsageError(f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one")
         return evaluate_routes(self, answer)
 
-    def vehicle_name(self, position: int, kind: int = 0) -> str:
-        """Name of the vehicle of type ``kind`` that drives route number ``position`` (counted from 0)."""
-        return f"{self.fleet[kind if 0 <= kind < len(self.fleet) else 0].name} {position + 1}"
+    def vehicle_names(self, answer: Routes) -> list[str]:
+        """Name of the vehicle of each route: that of its type, and a number from 1 within the type."""
+        numbers = [itertools.count(1) for _ in self.fleet]
+        kinds = (route.vehicle if 0 <= route.vehicle < len(self.fleet) else 0 for route in answer)
+        return [f"{self.fleet[kind].name} {next(numbers[kind])}" for kind in kinds]
+
+    def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
+        """Required sites that no vehicle can serve, or else proofs that the fleet is too small."""
+        ids, sites = self.sites.ids, [(k, why) for k, why in unreachable(self).items() if self.sites.required[k]]
+        for k, why in sites:
+            yield Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(self), {"site": ids[k]}))
+        if not sites and not stopped():
+            for found in fleet_conflicts(self, stopped):
+                site = found.data.get("site")
+                yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
+
+    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Routes) -> dict[str, Any]:
         ids = self.sites.ids
@@ -265,21 +313,46 @@ class RoutingProblem(Problem):
         """One row a visit: vehicle, position, site, arrival, begin, departure, load, distance (cumulated)."""
         import pandas as pd
 
-        from .judge import schedule
-
         rows = []
-        for number, route in enumerate(answer):
+        for name, route in zip(self.vehicle_names(answer), answer, strict=True):
             plan = schedule(self, route)
             for k, site in enumerate(route.visits):
                 rows.append(
                     {
-                        "vehicle": self.vehicle_name(number, route.vehicle), "position": k + 1, "site": self.sites.ids[site],
+                        "vehicle": name, "position": k + 1, "site": self.sites.ids[site],
                         "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.begin[k] + self.sites.service[site],
                         "load": float(plan.load[k]), "distance": float(plan.distance[k]),
                     }
                 )  # fmt: skip
         columns = ["vehicle", "position", "site", "arrival", "begin", "departure", "load", "distance"]
         return pd.DataFrame(rows, columns=columns)
+
+    def check_answer_suffix(self, suffix: str) -> None:
+        super().check_answer_suffix(suffix)
+        if suffix != ".json":
+            self._need_one_type()
+        if suffix == ".tour" and self.vehicle_limit != 1:
+            raise UsageError("a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
+
+    def answer_to_text(self, answer: Routes, suffix: str, objective: float | None = None) -> str:
+        """CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        routes = [route.visits for route in answer]
+        return sol_text(self.sites, routes, objective) if suffix == ".sol" else tour_text(self.sites, routes, objective, self.name)
+
+    def answer_from_text(self, text: str) -> tuple[Routes, float | None]:
+        """From CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        found = routes_from_text(text, self.sites)
+        self._need_one_type()
+        return Routes.of(found.routes), found.cost
+
+    def _need_one_type(self) -> None:
+        if len(self.fleet) > 1:
+            raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
+
+
+def _spread(values: NDArray[np.float64]) -> dict[str, float]:
+    some = values if len(values) else np.zeros(1)
+    return {"total": math.fsum(some), "least": float(some.min()), "largest": float(some.max())}
 
 
 def _whole(name: str, value: Any) -> int:

@@ -47,7 +47,7 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
 
     Notes
     -----
-    Source: digest 2.0, step 3.
+    The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # sums that overflow are for the checker to judge
         verdicts = [_reasons(problem, kind) for kind in problem.fleet]

@@ -1,9 +1,9 @@
-"""Answers of selection and assignment problems: chosen elements, in the order in which they were chosen."""
+"""Answers of selection and assignment problems: chosen elements."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -22,13 +22,16 @@ class Selection:
     Parameters
     ----------
     elements : tuple of int
-        In the order in which they were chosen; the value does not depend on it.
+        The value does not depend on their order.
     winners : tuple of int, optional
         Winner takes all: the robot that is credited with each target, -1 for nobody. Without it, the best credit is meant.
+    in_order : bool
+        Whether ``elements`` stand in the order in which a method chose them one after the other; equal answers may differ in it.
     """
 
     elements: tuple[int, ...] = ()
     winners: tuple[int, ...] | None = None
+    in_order: bool = field(default=False, compare=False)
 
     @classmethod
     def of(cls, elements: Iterable[int], winners: Iterable[int] | None = None) -> Selection:

@@ -81,6 +81,10 @@ class UserFunction:
             raise InputError(f"the set function {self.label} must return finite numbers", found=str(found[~np.isfinite(found)][0]))
         return found
 
+    def facts(self) -> dict[str, Any]:
+        """Kind and size, as plain JSON values."""
+        return {"kind": self.name, "elements": self.num_elements}
+
     def parts(self) -> tuple[Any, ...]:
         """What the digest covers: the function itself cannot be hashed."""
         return (self.name, self.label, self.num_elements, self.monotone, self.submodular)
@@ -148,6 +152,10 @@ class SubmodularSelection(Problem):
         """``function:coverage``, ``function:facility-location`` or ``function:user``, and ``constraint:cardinality``,
         ``constraint:partition`` or ``constraint:knapsack``."""
         return frozenset({f"function:{self.function.name}", f"constraint:{self.constraint.name}"})
+
+    def facts(self) -> dict[str, Any]:
+        """Function and constraint."""
+        return {"function": self.function.facts(), "constraint": self.constraint.facts()}
 
     def value(self, elements: ArrayLike) -> float:
         """f of a set of elements, from the data."""
@@ -246,7 +254,7 @@ class SubmodularSelection(Problem):
         return selection_of(given, lambda: {self.element_name(e): e for e in range(self.num_elements)}, "element")
 
     def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
-        """One row an element in the order of choice: element, gain, value after it."""
+        """One row an element, as the answer lists them: element, gain, value after it."""
         import pandas as pd
 
         gains = self.gains(answer.elements)

@@ -34,7 +34,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
 
     Notes
     -----
-    Source: Sung (2019), (3.3), (3.4) and appendix A.2; digest 2.3.
+    Source: Sung (2019), (3.3), (3.4) and appendix A.2; docs/formulations/winner-takes-all.md#problem.
     """
 
     def __init__(self, graph: SensingGraph) -> None:
@@ -47,6 +47,10 @@ class WinnerTakesAllSATA(SubmodularSelection):
 
     def digest(self) -> str:
         return self.graph.digest()
+
+    def facts(self) -> dict[str, Any]:
+        """Those of the sensing graph."""
+        return {"graph": self.graph.facts()}
 
     def element_name(self, element: int) -> str:
         return self.graph.action_name(element)

@@ -87,7 +87,8 @@ def local(
 
     Notes
     -----
-    Source: Floréen et al. (2011); Sung (2019), 3.4.1, Algorithm 2 and Theorem 1; digest 2.5. The guarantee is one of shares, for
+    Source: Floréen et al. (2011); Sung (2019), 3.4.1, Algorithm 2 and Theorem 1; proved in
+    docs/formulations/bottleneck.md#the-local-algorithm. The guarantee is one of shares, for
     ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``; the additive search has the eps that its step amounts to.
     """
     layers = _heights(h, heights)
@@ -266,9 +267,7 @@ def _bound(task: _Task, coverage: Floats, setting: Setting, stop: Stop) -> tuple
         return ()
     from ...solvers.bounds.max_min.ball import ball_evidence
 
-    found = ball_evidence(
-        task.problem, coverage, lambda program, limit: setting.solve_program(program, limit).row_duals, stop.seconds_left, stop
-    )
+    found = ball_evidence(task.problem, coverage, stop, setting.linear)
     return () if found is None else (task.translate(found),)
 
 

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Evidence
 from ...formulations.forms import FORMS
 from ...formulations.problem import Problem
+from ...formulations.programs.exactness import Exactness
+from ...formulations.programs.program import INTEGERS
 from ...formulations.programs.scaling import scaled
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
@@ -47,18 +49,19 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
 
     Notes
     -----
-    Source: Sung (2019), 3.4.1; digest 2.2 (rounding), case S6 of 4.1 (failure).
+    Source: Sung (2019), 3.4.1; where it fails: docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
     if ties not in ("last", "first"):
         raise UsageError(f"ties must be last or first, not {ties!r}")
     stop = setting.begin()
-    linear = [form for form in problem.forms() if FORMS[form].kind(problem) in ("LP", "MILP")]
+    linear = [f for f in problem.forms() if FORMS[f].exactness is Exactness.EXACT and FORMS[f].makes(problem) <= INTEGERS]
     if not linear:
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
-    program = problem.compile(linear[0], relax=True)
+    made = problem.compile(linear[0], relax=True)
+    program = made.program
     units = scaled(program, always=True)  # the same optimum in any unit, where there are several
-    result = setting.solve_program(units.program, stop.seconds_left)
-    statistics = {"form": program.form, "lp_status": result.status}
+    result = setting.linear.solve(units.program, stop)
+    statistics: dict[str, Any] = {"form": made.form, "lp_status": result.status}
     if result.answer is None or result.status != "optimal":
         message = f"the LP was not solved in time: {result.message or result.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
@@ -69,8 +72,8 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     answer = Selection(tuple(_rounded(problem, shares, ties)))
     setting.publish(answer)  # which outlives a fault in its evidence
     evidence: tuple[Evidence, ...] = ()
-    if result.row_duals is not None and program.dual_evidence is not None:
-        evidence = (program.dual_evidence(units.duals(result.row_duals)),)
+    if result.row_duals is not None and made.dual_evidence is not None:
+        evidence = (made.dual_evidence(units.duals(result.row_duals)),)
     return Outcome(answer, evidence=evidence, statistics=statistics)
 
 

@@ -68,10 +68,10 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
 
     Notes
     -----
-    Clarke and Wright, Operations Research 12 (1964) 568-581. Without windows and with symmetric data routes are joined
-    at either end (reversed where needed), else last to first only. While there are more routes than vehicles, joins that save
-    nothing are taken too, the least loss first. O(n^2 log n) up to ``ALL_PAIRS`` sites; with more, joins are tried between the
-    ``NEIGHBOURS`` nearest sites, then between the nearest ends of the routes that are left, until little changes.
+    Source: Clarke and Wright (1964), Operations Research 12, 568-581; docs/formulations/routing.md#savings. Without windows and with
+    symmetric data routes are joined at either end (reversed where needed), else last to first only. While there are more routes than
+    vehicles, joins that save nothing are taken too, the least loss first. O(n^2 log n) up to ``ALL_PAIRS`` sites; with more, joins are
+    tried between the ``NEIGHBOURS`` nearest sites, then between the nearest ends of the routes that are left, until little changes.
     """
     if not (isinstance(shape, int | float) and 0 < shape <= 1e6):
         raise UsageError(f"shape must be a positive number of at most 1e6, not {shape!r}")

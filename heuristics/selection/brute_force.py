@@ -87,7 +87,7 @@ def brute_force(problem: Problem, setting: Setting) -> Outcome:
     holds, _ = assumptions(problem)
     chosen = picks.tolist() if knapsack else _filled(picks.tolist(), limits)
     guarantee, message = (_optimal(total, holds), "") if whole else (None, _cut(looked, "sets"))
-    return concluded(problem, stop, chosen, holds, guarantee, statistics, message, whole=bool(whole))
+    return concluded(problem, stop, chosen, holds, guarantee, statistics, message, whole=bool(whole), in_order=False)
 
 
 def _filled(picks: list[int], limits: Limits) -> list[int]:
@@ -197,7 +197,7 @@ def _of_user(problem: SubmodularSelection, f: UserFunction, stop: Stop) -> Outco
             break
     holds, message = assumptions(problem)
     guarantee = _optimal(total, ("monotone as declared by the user: only full sets are tried",) if f.monotone else ()) if whole else None
-    outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole)
+    outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole, in_order=False)
     said = "" if whole else "; ".join(m for m in (outcome.message, _cut(looked, "sets")) if m)
     return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said, outcome.limit)
 

@@ -98,7 +98,7 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     statement += f"1 - 1/e less {loss:.2g} for steps of 1/{steps}"
     guarantee = Guarantee(1.0 / share, statement, (*holds, f"{problem.constraint.name} constraint", f"all {steps} steps were made"), SOURCE)
     statistics = {"steps": int(steps), "evaluations": evaluations, "fractional_value": expected, "trades": trades}
-    return concluded(problem, stop, picks, holds, guarantee, statistics)
+    return concluded(problem, stop, picks, holds, guarantee, statistics, in_order=False)
 
 
 def _by_item(
@@ -131,7 +131,7 @@ def _of_counts(
     picks = limits.first(np.lexsort((np.arange(len(count)), -count))).tolist()
     statistics = {"steps": done, "evaluations": evaluations}
     message = f"{CUT_SHORT} after {done} of {steps} steps; the largest probabilities were taken"
-    return concluded(problem, stop, picks, assumptions(problem)[0], None, statistics, message, whole=False)
+    return concluded(problem, stop, picks, assumptions(problem)[0], None, statistics, message, whole=False, in_order=False)
 
 
 def _sparse(f: DenseFacilityLocation) -> FacilityLocation:

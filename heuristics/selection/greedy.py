@@ -42,9 +42,9 @@ def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: 
 
     Notes
     -----
-    Ties go to the smallest index. Selection: Nemhauser, Wolsey and Fisher (1978); threshold ``eps``: CMU-RI-TR-20-52, algorithm 1,
-    digest 2.10. Bottleneck: robots in their order, each the action with the best worst target so far; it can be arbitrarily bad
-    (Sung 2019, appendix A.3, corrected in digest 3.1).
+    Ties go to the smallest index. Selection: Nemhauser, Wolsey and Fisher (1978); threshold ``eps``: Mitchell (2020),
+    algorithm 1, corrected in docs/selection.md#errata. Bottleneck: robots in their order, each the action with the best worst target
+    so far; it can be arbitrarily bad (Sung 2019, appendix A.3, corrected in docs/formulations/bottleneck.md#errata).
     """
     check_threshold(eps)
     if isinstance(problem, BottleneckSATA):

@@ -90,7 +90,7 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
             starts += int(np.searchsorted(usable, hi) - np.searchsorted(usable, lo))
             if len(found):
                 best, picks = value, found
-                setting.publish(Selection((*free, *picks)))
+                setting.publish(Selection((*free, *picks), in_order=True))
             if stop.reached():
                 break
         else:

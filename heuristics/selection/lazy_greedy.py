@@ -39,9 +39,9 @@ def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 
 
     Notes
     -----
-    Minoux (1978), Accelerated greedy algorithms for maximizing submodular set functions; algorithm 5 of CMU-RI-TR-20-52, corrected in
-    digest 2.10: bounds are kept per element, the best of a round is reset, gains are over all that is chosen. Ties go to the smallest
-    index, so that an old gain equal to the best new one is evaluated only where its element comes first.
+    Minoux (1978), Accelerated greedy algorithms for maximizing submodular set functions; algorithm 5 of Mitchell (2020), corrected
+    (docs/selection.md#errata): bounds are kept per element, the best of a round is reset, gains are over all that is chosen. Ties go to the
+    smallest index, so that an old gain equal to the best new one is evaluated only where its element comes first.
     """
     check_threshold(eps)
     begun = chosen_elements("base", base, problem)

@@ -32,7 +32,7 @@ def random(problem: Problem, setting: Setting) -> Outcome:
 
     Notes
     -----
-    Source: the baseline of Sung (2019), 3.5.1; digest 2.6.
+    Source: the baseline of Sung (2019), 3.5.1.
     """
     assert isinstance(problem, SubmodularSelection | BottleneckSATA)
     if isinstance(problem, SubmodularSelection) and isinstance(problem.constraint, Knapsack):

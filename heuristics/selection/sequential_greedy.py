@@ -44,9 +44,9 @@ def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: 
 
     Notes
     -----
-    Algorithm 3 and theorem 2 of Sung (2019), with the repairs of digest 2.4: the credit goes to the robot that brings most, and to
-    nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978). With picks g_i in turn
-    and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2 F(G).
+    Algorithm 3 and theorem 2 of Sung (2019), corrected (docs/formulations/winner-takes-all.md#errata): the credit goes to the robot that
+    brings most, and to nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978). With
+    picks g_i in turn and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2 F(G).
     """
     stop, limits = setting.begin(), Limits.of(problem)
     turns = _turns(problem, order, len(limits.room))

@@ -141,7 +141,7 @@ def check_submodular(
     Notes
     -----
     Half of the triples have B = A and one more element, half any larger set. Source of the warning example (Cauchy-Schwarz quadratic
-    mutual information, CSQMI): CMU-RI-TR-20-52, ch. 3; digest 3.5.
+    mutual information, CSQMI): Mitchell (2020), chapter 3; docs/selection.md#is-it-submodular.
     """
     if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or samples < 1:
         raise UsageError(f"samples must be a whole number of at least 1, not {samples!r}")

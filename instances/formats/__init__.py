@@ -59,4 +59,4 @@ class Format:
     kinds: tuple[str, ...] = ("routing",)
 
 
-FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats", "waybound.instances.*.formats")
+FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats", "waybound.instances.*.formats", group="waybound.formats")

@@ -44,4 +44,4 @@ class Generator:
         return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in self.settings.items()}
 
 
-GENERATORS: Registry[Generator] = Registry("generator", "waybound.instances.*.generators")
+GENERATORS: Registry[Generator] = Registry("generator", "waybound.instances.*.generators", group="waybound.generators")

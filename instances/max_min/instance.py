@@ -52,6 +52,10 @@ class SparseMatrix:
             k = int(np.argmax(~np.isfinite(self.data) | (self.data <= 0)))
             raise InputError("coefficients must be positive and finite; zeros are left out", found=str(self.data[k]))
 
+    def facts(self) -> dict[str, Any]:
+        """Sizes, as plain JSON values."""
+        return {"rows": self.rows, "entries": len(self.data), "longest_row": int(np.diff(self.indptr).max(initial=0))}
+
     def __repr__(self) -> str:
         return f"<SparseMatrix: {self.rows} rows, {self.columns} columns, {len(self.data)} entries>"
 

@@ -167,12 +167,12 @@ class Energy:
     charge : str
         What a route is charged for, from loosest to strictest: ``travel`` (time on the move; waiting and service are
         free), ``elapsed`` (from departure to return, departing as late as possible), ``elapsed-fixed-start`` (the same,
-        departing when the depot opens), ``windows`` (each move i -> j at max(s_i + d_ij, a_j - a_i): the thesis' row (3.14),
+        departing when the depot opens), ``windows`` (each move i -> j at max(s_i + d_ij, a_j - a_i): row (3.14) of the source,
         conservative).
 
     Notes
     -----
-    Source: CMU-RI-TR-20-52, section 3.2; modes as corrected in the digest, section 2.3.
+    Source: Mitchell (2020), section 3.2 and (3.14); the four modes compared: docs/formulations/routing.md#energy.
     """
 
     capacity: float

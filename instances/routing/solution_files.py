@@ -1,4 +1,4 @@
-"""Solution files: CVRPLIB ``.sol``, TSPLIB ``.tour``, and waybound's JSON.
+"""Solution files of routes: CVRPLIB ``.sol`` and TSPLIB ``.tour``.
 
 Numbering: a ``.sol`` counts customers from 1 in the order of the instance's file, depots left out, and 0 is the depot. Where
 the depot comes first, as in all common benchmark files, that is the row number counted from 0; it is not the node number of a
@@ -11,15 +11,10 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from os import PathLike
-from pathlib import Path
-from typing import Any
 
-from ..atomic import atomic_write
-from ..document import parse_json
 from ..errors import InputError, UsageError
-from ..text import lines_of, number, plain, read_text, shown, whole
-from .instance import RoutingInstance
+from ..text import lines_of, number, plain, shown, whole
+from .instance import Sites
 
 _ROUTE = re.compile(r"route\s*#?\s*(\d*)\s*:(.*)\Z", re.I)
 _COST = re.compile(r"cost\s*:?\s*(.*)\Z", re.I)
@@ -44,45 +39,30 @@ class SolutionFile:
     cost: float | None = None
 
 
-def read_solution_file(path: str | PathLike[str], instance: RoutingInstance | None) -> SolutionFile | dict[str, Any]:
-    """The answer in a file, recognised by its content.
+def routes_from_text(text: str, sites: Sites) -> SolutionFile:
+    """The routes in the text of a ``.sol`` or ``.tour`` file, recognised by its content.
 
     Parameters
     ----------
-    path : path-like
-    instance : RoutingInstance or None
-        What the numbers refer to; only JSON is read without it.
-
-    Returns
-    -------
-    SolutionFile, or dict
-        The parsed object of a JSON file, whose meaning belongs to the problem.
+    text : str
+    sites : Sites
+        What the numbers refer to.
 
     Raises
     ------
     InputError
-        If the file is neither, or names a customer that does not exist; with file and line.
+        If it is neither, or names a customer that does not exist; with the line.
     """
-    text = read_text(path)
-    try:
-        if text.lstrip().startswith("{"):
-            data = parse_json(text)
-            if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
-                raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
-            return data
-        tour = re.search(r"^[ \t]*TOUR_SECTION", text, re.I | re.M)
-        if not tour and not re.search(r"^[ \t]*route\s*#?\s*\d*\s*:", text, re.I | re.M):
-            found = text.split("\n")[0].strip()
-            raise InputError("is no solution file", line=1, expected="Route #1: ..., TOUR_SECTION, or JSON", found=shown(found))
-        if instance is None:
-            raise InputError("holds routes, which this instance cannot have")
-        return _read_tour(text, instance) if tour else _read_sol(text, instance)
-    except InputError as error:
-        raise error.at(file=path) from None
+    if re.search(r"^[ \t]*TOUR_SECTION", text, re.I | re.M):
+        return _read_tour(text, sites)
+    if not re.search(r"^[ \t]*route\s*#?\s*\d*\s*:", text, re.I | re.M):
+        found = text.split("\n")[0].strip()
+        raise InputError("is no solution file", line=1, expected="Route #1: ..., TOUR_SECTION, or JSON", found=shown(found))
+    return _read_sol(text, sites)
 
 
-def _read_sol(text: str, instance: RoutingInstance) -> SolutionFile:
-    customers = instance.sites.customers.tolist()
+def _read_sol(text: str, sites: Sites) -> SolutionFile:
+    customers = sites.customers.tolist()
     routes: list[tuple[int, ...]] = []
     cost: float | None = None
     for line, row in lines_of(text):
@@ -107,8 +87,7 @@ def _read_sol(text: str, instance: RoutingInstance) -> SolutionFile:
     return SolutionFile(tuple(route for route in routes if route), cost)
 
 
-def _read_tour(text: str, instance: RoutingInstance) -> SolutionFile:
-    sites = instance.sites
+def _read_tour(text: str, sites: Sites) -> SolutionFile:
     nodes: list[int] = []
     inside = ended = False
     last = 1
@@ -140,37 +119,17 @@ def _read_tour(text: str, instance: RoutingInstance) -> SolutionFile:
     return SolutionFile((tuple(rotated),) if rotated else (), None)
 
 
-def write_solution_file(
-    path: str | PathLike[str], instance: RoutingInstance, routes: Iterable[Sequence[int]], cost: float | None = None
-) -> None:
-    """Write routes as ``.sol`` or ``.tour``, by the suffix of ``path``, whole or not at all.
+def sol_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None = None) -> str:
+    """Text of a CVRPLIB solution file.
 
     Parameters
     ----------
-    path : path-like
-    instance : RoutingInstance
+    sites : Sites
     routes : iterable of sequences of int
         Site indices without depots; empty routes are left out.
     cost : float, optional
-
-    Raises
-    ------
-    UsageError
-        If the suffix is another, or the routes are not one tour through one depot (``.tour``).
-    InputError
-        If the file cannot be written.
     """
-    given = [tuple(int(i) for i in route) for route in routes]
-    texts = {".sol": sol_text, ".tour": tour_text}
-    suffix = Path(path).suffix.lower()
-    if suffix not in texts:
-        raise UsageError(f"{path}: the suffix stands for no kind of solution file; use one of {', '.join(texts)}")
-    atomic_write(path, texts[suffix](instance, given, cost))
-
-
-def sol_text(instance: RoutingInstance, routes: Sequence[Sequence[int]], cost: float | None = None) -> str:
-    """Text of a CVRPLIB solution file."""
-    rank = {site: k for k, site in enumerate(instance.sites.customers.tolist(), start=1)}
+    rank = {site: k for k, site in enumerate(sites.customers.tolist(), start=1)}
     kept = [route for route in routes if len(route)]
     out = [f"Route #{k}: {' '.join(str(rank[i]) for i in route)}" for k, route in enumerate(kept, start=1)]
     if cost is not None and math.isfinite(cost):
@@ -178,14 +137,20 @@ def sol_text(instance: RoutingInstance, routes: Sequence[Sequence[int]], cost: f
     return "\n".join(out) + "\n"
 
 
-def tour_text(instance: RoutingInstance, routes: Sequence[Sequence[int]], cost: float | None = None) -> str:
-    """Text of a TSPLIB tour file, from the depot on."""
+def tour_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None = None, name: str = "") -> str:
+    """Text of a TSPLIB tour file, from the depot on; see ``sol_text``.
+
+    Raises
+    ------
+    UsageError
+        If the routes are not one tour through one depot.
+    """
     kept = [route for route in routes if len(route)]
-    depots = instance.sites.depots.tolist()
+    depots = sites.depots.tolist()
     if len(kept) > 1 or len(depots) != 1:
-        raise UsageError(f"{instance.name}: {len(kept)} routes from {len(depots)} depots are no tour; write a .sol file")
+        raise UsageError(f"{name}: {len(kept)} routes from {len(depots)} depots are no tour; write a .sol file")
     nodes = [depots[0] + 1, *(i + 1 for i in (kept[0] if kept else ()))]
-    head = [f"NAME : {instance.name}", "TYPE : TOUR", f"DIMENSION : {len(nodes)}"]
+    head = [f"NAME : {name}", "TYPE : TOUR", f"DIMENSION : {len(nodes)}"]
     if cost is not None and math.isfinite(cost):
         head.append(f"COMMENT : length {plain(cost)}")
     return "\n".join([*head, "TOUR_SECTION", *map(str, nodes), "-1", "EOF"]) + "\n"

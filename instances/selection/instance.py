@@ -64,6 +64,10 @@ class Coverage:
         """Weight of the item at each entry of ``indices``: coverage is facility location with these."""
         return self.item_weights[self.indices]
 
+    def facts(self) -> dict[str, Any]:
+        """Kind and sizes, as plain JSON values."""
+        return {"kind": self.name, "elements": self.num_elements, "items": self.num_items, "entries": len(self.indices)}
+
     def __repr__(self) -> str:
         return f"<Coverage: {self.num_elements} elements, {self.num_items} items>"
 
@@ -108,6 +112,10 @@ class FacilityLocation:
     def edge_weights(self) -> Floats:
         return self.weights
 
+    def facts(self) -> dict[str, Any]:
+        """Kind and sizes, as plain JSON values."""
+        return {"kind": self.name, "elements": self.num_elements, "items": self.num_items, "entries": len(self.indices)}
+
     def __repr__(self) -> str:
         return f"<FacilityLocation: {self.num_elements} elements, {self.num_items} items, {len(self.indices)} weights>"
 
@@ -147,6 +155,10 @@ class DenseFacilityLocation:
     def num_items(self) -> int:
         return int(self.matrix.shape[1])
 
+    def facts(self) -> dict[str, Any]:
+        """Kind and sizes, as plain JSON values."""
+        return {"kind": self.name, "elements": self.num_elements, "items": self.num_items, "entries": self.matrix.size}
+
     def __repr__(self) -> str:
         return f"<DenseFacilityLocation: {self.num_elements} elements, {self.num_items} items>"
 
@@ -166,6 +178,10 @@ class Cardinality:
         if isinstance(self.limit, bool) or not isinstance(self.limit, int | np.integer) or self.limit < 1:
             raise InputError("the number of elements to choose must be a whole number of at least 1", found=repr(self.limit)[:40])
         object.__setattr__(self, "limit", int(self.limit))
+
+    def facts(self) -> dict[str, Any]:
+        """Kind and limit, as plain JSON values."""
+        return {"kind": self.name, "limit": self.limit}
 
     def parts(self) -> tuple[Any, ...]:
         return (self.name, self.limit)
@@ -205,6 +221,11 @@ class PartitionMatroid:
             k = int(np.argmax(self.limits < 0))
             raise InputError(f"the limit of group {k} must not be negative", found=str(self.limits[k]))
 
+    def facts(self) -> dict[str, Any]:
+        """Kind, groups, their different limits, and the most elements that can be chosen together, as plain JSON values."""
+        rank = np.minimum(np.bincount(self.groups, minlength=len(self.limits)), self.limits).sum()
+        return {"kind": self.name, "groups": len(self.limits), "limits": sorted(set(self.limits.tolist())), "rank": int(rank)}
+
     def __repr__(self) -> str:
         return f"<PartitionMatroid: {len(self.groups)} elements in {len(self.limits)} groups>"
 
@@ -233,6 +254,10 @@ class Knapsack:
         if budget.ndim or not 0 <= float(budget) < math.inf:
             raise InputError("the budget must be a finite number, not negative", found=repr(self.budget)[:40])
         object.__setattr__(self, "budget", float(budget))
+
+    def facts(self) -> dict[str, Any]:
+        """Kind, budget, and the cost of all elements together, as plain JSON values."""
+        return {"kind": self.name, "budget": self.budget, "cost": float(self.costs.sum())}
 
     def __repr__(self) -> str:
         return f"<Knapsack: {len(self.costs)} elements, budget {self.budget:g}>"

@@ -62,7 +62,8 @@ class SensingGraph:
 
     Notes
     -----
-    Source: Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, section 3.3; digest 2.1.
+    Source: Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, section 3.3;
+    docs/formulations/sensing.md#model.
     """
 
     kind: ClassVar[str] = "sensing"
@@ -303,6 +304,29 @@ class SensingGraph:
         return digest(
             "sensing", self.num_robots, self.num_targets, self.robot_of_action, self.indptr, self.indices, self.weights
         )  # fmt: skip
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes, degrees and what is idle or unseen, as plain JSON values.
+
+        ``delta_r`` and ``delta_t`` are those of the cleaned graph: actions that see nothing do not count.
+        """
+        degree = np.diff(self.indptr)
+        own = np.bincount(self.robot_of_action, minlength=self.num_robots)
+        return {
+            "robots": self.num_robots,
+            "actions": self.num_actions,
+            "actions_of_a_robot": [int(own.min()), int(own.max())],
+            "seeing_actions": int((degree > 0).sum()),
+            "targets": self.num_targets,
+            "edges": self.num_edges,
+            "phi": self.density,
+            "delta_r": int(np.bincount(self.robot_of_action[degree > 0], minlength=1).max()),
+            "delta_t": int(np.bincount(self.indices, minlength=1).max()),
+            "weights": [float(self.weights.min()), float(self.weights.max())] if self.num_edges else None,
+            "positions": self.action_positions is not None and self.target_positions is not None,
+            "idle_robots": [self.robot_name(int(r)) for r in self.idle_robots],
+            "unseen_targets": [self.target_name(int(t)) for t in self.unseen_targets],
+        }
 
     def __repr__(self) -> str:
         return (

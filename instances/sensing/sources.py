@@ -273,7 +273,7 @@ def graph_from_positions(
 
     Notes
     -----
-    Source: Sung (2019), section 3.3, with the cap that inverse distances need as the distance vanishes; digest 2.1.
+    Source: Sung (2019), section 3.3, with the cap that inverse distances need as the distance vanishes; docs/formulations/sensing.md#model.
     """
     from scipy.spatial import cKDTree
 

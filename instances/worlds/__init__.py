@@ -107,4 +107,4 @@ def make_world(kind: str, seed: int, **settings: Any) -> World:
     return recipe.make(np.random.Generator(np.random.PCG64(int(seed))), setting_values(kind, recipe.settings, settings))
 
 
-WORLDS: Registry[WorldKind] = Registry("world", "waybound.instances.worlds")
+WORLDS: Registry[WorldKind] = Registry("world", "waybound.instances.worlds", group="waybound.worlds")

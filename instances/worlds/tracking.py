@@ -35,7 +35,7 @@ SCENARIOS: dict[str, dict[str, Any]] = {
         "turn-every": 0, "turn-chance": 0.1, "sensing": 3.0, "communication": 6.0, "noise": 0.0,
     },
 }  # fmt: skip
-"""The experiments of Sung (2019), chapter 3. What the source leaves open is listed in docs/missions.md."""
+"""The experiments of Sung (2019), chapter 3. What the source leaves open is listed in docs/missions.md#tracking."""
 
 
 @dataclass(frozen=True)
@@ -153,8 +153,8 @@ class TrackingWorld(World):
 
     Notes
     -----
-    Source: Sung (2019), section 3.5; digest 2.1 and 2.8. A target whose next move would cross a wall draws headings until one
-    leads inside. The targets' way depends on the seed, the rules and their numbers alone.
+    Source: Sung (2019), section 3.5; what it leaves open: docs/missions.md#tracking. A target whose next move would cross a wall
+    draws headings until one leads inside. The targets' way depends on the seed, the rules and their numbers alone.
     """
 
     def __init__(

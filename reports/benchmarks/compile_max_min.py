@@ -99,7 +99,7 @@ def report(actions: int, seed: int, repeats: int) -> str:
             for which, found in runs.items():
                 if which != "pulp" or number < 3:
                     found.append(in_a_fresh_process(module, "--actions", actions, "--seed", seed, "--once", which, "--folder", folder))
-        program = BottleneckSATA(generate(actions, seed), fractional=True).compile()
+        program = BottleneckSATA(generate(actions, seed), fractional=True).compile().program
         same_model(program, folder / "max_min.mps")
 
     def median(which: str, clock: str) -> float:

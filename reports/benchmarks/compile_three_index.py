@@ -145,7 +145,7 @@ def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[
     with_waybound(generate(2, 1, size[2], size[3]))  # loads the modules
     if which == "waybound":
         return timed(partial(with_waybound, problem))
-    program = problem.compile("three-index")
+    program = problem.compile("three-index").program
     for name in ("cost", "lower", "upper", "integer", "row_lower", "row_upper", "indptr", "indices", "data"):
         getattr(program, name)  # made on first use
     return timed(partial(with_bare_highs, program))
@@ -154,7 +154,7 @@ def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[
 def report(customers: int, vehicles: int, windows: str, seed: int, repeats: int) -> str:
     """Measure, and say what came out."""
     size = (customers, vehicles, windows, seed)
-    program = generate(*size).compile("three-index")
+    program = generate(*size).compile("three-index").program
     unfiltered = (customers * (customers - 1) + 2 * customers + 1) * vehicles
     time_rows = sum(b.size for b in program.rows if b.name == "time")
     module = __spec__.name if __spec__ else __name__

@@ -30,6 +30,7 @@ from waybound.heuristics.heuristic import HEURISTICS, Setting
 from waybound.heuristics.selection.greedy_steps.limits import Limits
 from waybound.heuristics.selection.greedy_steps.picking import pick
 from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation
+from waybound.solvers.linear_programs import LinearPrograms
 
 ITEMS_OF_ELEMENT, ITEMS, CLIENTS = 20, 2000, 500
 TARGETS = {"coverage": 10.0, "facility location": 3.0}
@@ -37,7 +38,7 @@ TARGET_EVALUATIONS = 0.05
 
 
 def setting() -> Setting:
-    return Setting(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, lambda *a: None)
+    return Setting(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, LinearPrograms())
 
 
 def generate(what: str, elements: int, picks: int, seed: int) -> SubmodularSelection:

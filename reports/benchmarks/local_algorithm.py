@@ -61,9 +61,9 @@ def local_memory(graph: SensingGraph, h: int) -> int:
 
 def highs_seconds(graph: SensingGraph, advised: bool) -> tuple[float, float | None]:
     """CPU seconds of HiGHS on the compiled program, and the optimum."""
-    program = BottleneckSATA(graph, fractional=True).compile("max-min")
+    program = BottleneckSATA(graph, fractional=True).compile("max-min").program
     if not advised:
-        program = replace(program, advice={})
+        program = replace(program, name="unknown")
     backend = BACKENDS["highs"]()
     assert isinstance(backend, ProgramBackend)
     began = time.process_time()

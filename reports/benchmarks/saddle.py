@@ -117,11 +117,11 @@ def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
 
 def highs(graph: SensingGraph, method: str, limit: float) -> str:
     """HiGHS on the compiled program: CPU seconds and optimum, or that it was given up."""
-    program = replace(BottleneckSATA(graph, fractional=True).compile("max-min"), advice={"highs": {"solver": method}})
+    program = replace(BottleneckSATA(graph, fractional=True).compile("max-min").program, name="unknown")
     backend = BACKENDS["highs"]()
     assert isinstance(backend, ProgramBackend)
     began = time.process_time()
-    result = backend.run(program, Options(time_limit=limit), Control())
+    result = backend.run(program, Options(time_limit=limit, extra={"solver": method}), Control())
     seconds = time.process_time() - began
     if result.status != "optimal":
         return f"{method} given up after {seconds:.1f} s"

@@ -47,10 +47,11 @@ def run(problem: WinnerTakesAllSATA, form: str, solver: str, limit: float) -> tu
     backend = BACKENDS[base](variant) if variant else BACKENDS[base]()
     assert isinstance(backend, ProgramBackend)
     began = time.process_time()
-    program = problem.compile(form)
+    made = problem.compile(form)
+    program = made.program
     result = backend.run(program, Options(time_limit=limit), Control())
     seconds = time.process_time() - began
-    judged = problem.evaluate(program.decode(result.answer))
+    judged = problem.evaluate(made.decode(result.answer))
     assert judged.feasible, judged.violations
     return seconds, result, judged.values[0]
 
@@ -82,7 +83,7 @@ def report(seeds: int, weights: str, limit: float, **size: int) -> str:
                 f"{form} by {solver}: {value}, known optimum {optima[k]}"
             )
         medians[form, solver] = statistics.median(seconds)
-        program = problems[0].compile(form)
+        program = problems[0].compile(form).program
         lines.append(
             f"{form:22} {solver:14} {proven:>3}/{seeds:<2} {medians[form, solver]:>8.3f} {max(seconds):>8.3f}   {program.num_variables:>7} "
             f"{program.num_rows:>6} {len(program.data):>7}   {100 * statistics.median(gaps):.1f} % (median)"

@@ -73,7 +73,7 @@ def forces(observation: TrackingObservation, rules: ForceRules | None = None) ->
     Notes
     -----
     Source: Parker (2002), "Distributed algorithms for multi-robot observation of multiple moving targets", Autonomous Robots 12,
-    in the form of digest 2.6. Two things at one place exert no force on each other: they have no direction.
+    in formulas: docs/missions.md#force-vectors. Two things at one place exert no force on each other: they have no direction.
     """
     r, o = rules or ForceRules(), observation
     s = o.rules.sensing

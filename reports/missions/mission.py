@@ -134,4 +134,4 @@ class Mission(ABC):
         return type(self).scene is not Mission.scene
 
 
-MISSIONS: Registry[Callable[[], Mission]] = Registry("mission", "waybound.reports.missions")
+MISSIONS: Registry[Callable[[], Mission]] = Registry("mission", "waybound.reports.missions", group="waybound.missions")

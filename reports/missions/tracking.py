@@ -46,7 +46,7 @@ class Tracking(Mission):
 
     Notes
     -----
-    Source: Sung (2019), chapter 3; digest 2.1, 2.6 and 2.8. Readings of what it leaves open: docs/missions.md.
+    Source: Sung (2019), chapter 3. Readings of what it leaves open: docs/missions.md#tracking.
     """
 
     name: ClassVar[str] = "tracking"

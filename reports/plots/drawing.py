@@ -1,9 +1,12 @@
-"""What plots share: axes, colours and captions."""
+"""What plots share: axes, colours, captions and bars."""
 
 from __future__ import annotations
 
 import sys
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...formulations.problem import Problem
 from ...formulations.rendering import number, percent
@@ -15,9 +18,15 @@ if TYPE_CHECKING:
 COLOURS = ("#332288", "#DDAA33", "#117733", "#CC3377", "#33AADD", "#882255", "#44AA99", "#EE7733", "#777777")
 """Distinct for all common kinds of colour vision, after Tol (2021), "Colour schemes"; cycled with line styles."""
 
+INK, QUIET, ALARM = "#222222", "#C9C9C9", "#B42318"
 
 SHOWN_TEXT = 120
 """Characters of a line that are shown."""
+
+LABELLED_BARS = 60
+"""Up to this many bars are named."""
+
+Floats = NDArray[np.float64]
 
 
 def new_axes() -> Any:
@@ -27,6 +36,11 @@ def new_axes() -> Any:
         import matplotlib.pyplot as plt
 
         return plt.subplots(figsize=(8.0, 6.4), layout="constrained")[1]
+    return axes_without_display()
+
+
+def axes_without_display() -> Any:
+    """Axes of a figure that pyplot knows nothing of."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -78,3 +92,41 @@ def bare(ax: Any) -> None:
     ax.set_yticks([])
     for side in ax.spines.values():
         side.set_visible(False)
+
+
+def entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, title: str | None, what: str) -> Any:
+    """The axes, under the problem's name and solver (or ``title``), its figures, and ``what`` is shown."""
+    by = "" if solution is None else f" by {solution.solver}"
+    head = f"{problem.name}: {problem.problem}{by}" if title is None else title
+    entitle(ax, head, f"{problem.sense} {figures_of(problem, answer, solution)}\n{what}" if title is None else "")
+    return ax
+
+
+def bars(ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0]) -> None:
+    """One bar each in the order of the instance while they can be named, else from the least to the largest."""
+    named = len(values) <= LABELLED_BARS
+    order = np.arange(len(values)) if named else np.argsort(values, kind="stable")
+    if not isinstance(colours, str):
+        colours = [colours[k] for k in order.tolist()]
+    ax.bar(np.arange(len(values)), values[order], width=0.8 if named else 1.0, color=colours, zorder=2)
+    if worst is not None:
+        ax.axhline(worst, color=ALARM, linewidth=1.0, zorder=3)
+        ax.annotate(f"{worst:.4g}", (1.0, worst), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
+                    color=ALARM, fontsize=9, va="center")  # fmt: skip
+    if named:
+        ax.set_xticks(np.arange(len(values)), names, fontsize=7.5, rotation=90 if len(values) > 20 else 0)
+    else:
+        ax.set_xticks([])
+    ax.set_xlabel(f"{what}s" + ("" if named else f", {len(values)} of them in ascending order"), fontsize=9, color="#555555")
+    margin = max(0.6, (8 - len(values)) / 2)  # few bars stay slender
+    ax.set_xlim(-margin, len(values) - 1 + margin)
+    chart_axes(ax)
+
+
+def chart_axes(ax: Any) -> None:
+    """A chart: no frame above and to the right, quiet ticks."""
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+    ax.tick_params(labelsize=8, colors="#555555")
+    ax.grid(axis="y", color="#EEEEEE", zorder=0)
+    ax.set_axisbelow(True)

@@ -1,11 +1,8 @@
-"""Maps of routes. Importing this module registers all plotters that ``solution.plot()`` uses."""
+"""Maps of routes."""
 
 from __future__ import annotations
 
-import io
 import math
-from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,9 +10,8 @@ from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
-from ...formulations.solution import PLOTTERS
-from ...instances.atomic import atomic_write
 from ...instances.errors import UsageError
+from . import PLOTS
 from .drawing import COLOURS, bare, entitle, figures_of, literal, new_axes
 
 if TYPE_CHECKING:
@@ -61,9 +57,9 @@ def plot_routes(
     scaling: I. Theory and method", Psychometrika 17); the title says so.
     """
     where, placed = site_positions(problem)
-    ax = new_axes() if ax is None else ax
+    ax, names = new_axes() if ax is None else ax, problem.vehicle_names(answer)
     for rank, k in enumerate(_around_the_depot(problem, answer, where)):
-        _draw_route(ax, problem, answer, where, rank, k)
+        _draw_route(ax, problem, answer, where, rank, k, names[k])
     _draw_sites(ax, problem, answer, where)
     bare(ax)
     entitle(ax, *(_title(problem, answer, solution, placed) if title is None else (title, "")))
@@ -103,34 +99,6 @@ def scaled_positions(distances: Floats) -> Floats:
     return np.asarray(placed * np.where(signs == 0, 1.0, signs))
 
 
-def save_plot(solution: Solution, path: str | PathLike[str]) -> None:
-    """Draw ``solution`` into a PNG, SVG or PDF file, whole or not at all; needs no display.
-
-    Raises
-    ------
-    UsageError
-        If the suffix is another, or answers of this family cannot be drawn.
-    """
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    suffix = Path(path).suffix.lower().removeprefix(".")
-    if suffix not in ("png", "svg", "pdf"):
-        raise UsageError(f"{path}: a plot is written as .png, .svg or .pdf")
-    if solution.problem.family not in PLOTTERS:
-        raise UsageError(f"answers to {solution.problem.problem} problems cannot be drawn")
-    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    PLOTTERS[solution.problem.family](solution.problem, solution.answer, ax=figure.add_subplot(), solution=solution)
-    buffer = io.BytesIO()
-    # No dates and no random ids: the same answer gives the same file.
-    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix, {})
-    with rc_context({"svg.hashsalt": "waybound"}):
-        figure.savefig(buffer, format=suffix, dpi=160, metadata=dates)
-    atomic_write(path, buffer.getvalue())
-
-
 def _around_the_depot(problem: RoutingProblem, answer: Routes, where: Floats) -> list[int]:
     """Routes by the angle of their centre seen from their depot, so that neighbours on the map differ in colour."""
     angles = []
@@ -140,7 +108,7 @@ def _around_the_depot(problem: RoutingProblem, answer: Routes, where: Floats) ->
     return [int(k) for k in np.argsort(angles, kind="stable")]
 
 
-def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats, rank: int, number_of: int) -> None:
+def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats, rank: int, number_of: int, name: str) -> None:
     """One route; ``rank`` chooses its colour. On crowded maps lines are thin, and solid, because dashes would not be told apart."""
     route, count = answer.routes[number_of], len(answer)
     vehicle = problem.fleet[route.vehicle]
@@ -158,7 +126,7 @@ def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats,
         )  # fmt: skip
     ax.plot(
         inner[:, 0], inner[:, 1], color=colour, linestyle=style, linewidth=width, zorder=2, gid=str(number_of),
-        label=f"{problem.vehicle_name(number_of)}: {len(route)} visits", solid_capstyle="round", solid_joinstyle="round",
+        label=f"{name}: {len(route)} visits", solid_capstyle="round", solid_joinstyle="round",
     )  # fmt: skip
     ax.scatter(inner[:, 0], inner[:, 1], s=_dot_sizes(problem, visits), color=colour, edgecolors="white", linewidths=0.35 * width, zorder=3)
 
@@ -202,4 +170,4 @@ def _title(problem: RoutingProblem, answer: Routes, solution: Solution | None, p
     return head, detail
 
 
-PLOTTERS["routing"] = plot_routes
+PLOTS.add("routing", plot_routes)

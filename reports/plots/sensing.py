@@ -1,127 +1,48 @@
-"""Pictures of answers over sensing graphs, of selections and of max-min programs."""
+"""Sensing graphs as maps, or in two columns: what the plots of the families over them share."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.max_min.max_min_lp import MaxMinLP
-from ...formulations.problem import Problem
-from ...formulations.selection.submodular_selection import SubmodularSelection
-from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from ...formulations.solution import PLOTTERS
 from ...instances.sensing.graph import SensingGraph
-from .drawing import COLOURS, bare, entitle, figures_of, new_axes
-
-if TYPE_CHECKING:
-    from ...formulations.solution import Solution
+from .drawing import ALARM, COLOURS, INK, QUIET, bare
 
 Floats = NDArray[np.float64]
 
 BIPARTITE_NODES = 40
 """Up to this many actions and as many targets are drawn as nodes; larger graphs without positions as a chart of their targets."""
 
-LABELLED_TARGETS = 60
-"""Up to this many targets or rows are named under their bars."""
-
 MAP_EDGES = 3000
 """More edges than this are left out of a map: they would hide it."""
 
-INK, QUIET, LEFT = "#222222", "#C9C9C9", "#B42318"
 
-
-def plot_max_min(
-    problem: BottleneckSATA | MaxMinLP, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """A bottleneck answer as a map, a bipartite graph or a chart of the targets' coverage; a max-min program as a chart of its rows.
-
-    Parameters
-    ----------
-    problem : BottleneckSATA or MaxMinLP
-    answer : Selection, or array of shares or values
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    ax = new_axes() if ax is None else ax
-    if isinstance(problem, MaxMinLP):
-        x = np.asarray(answer, dtype=np.float64)
-        matrix, what = (problem.covering, "covering row") if problem.sense == "max" else (problem.packing, "packing row")
-        values = np.asarray(matrix.scipy @ x, dtype=np.float64)
-        worst = float(values.min() if problem.sense == "max" else values.max())
-        _bars(ax, values, [str(k + 1) for k in range(matrix.rows)], what, worst=worst)
-        return _entitled(ax, problem, answer, solution, title, f"value of each {what}")
-    graph = problem.graph
-    shares = np.zeros(graph.num_actions)
-    if problem.fractional:
-        shares[:] = answer
-    else:
-        shares[list(answer.elements)] = 1.0
-    covered = problem.coverage(shares)
-    drawn = _graph_or_map(ax, graph, shares, covered, None)
-    if not drawn:
-        _bars(ax, covered, _target_names(graph), "target", worst=float(covered.min()))
-    return _entitled(ax, problem, answer, solution, title, drawn or "coverage of each target")
-
-
-def plot_selection(
-    problem: SubmodularSelection, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """Winner takes all as a map, a bipartite graph or a chart of the targets' credit; other selections as value after each choice.
-
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    answer : Selection
-    ax, solution, title
-        See ``plot_max_min``.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    ax = new_axes() if ax is None else ax
-    if not isinstance(problem, WinnerTakesAllSATA):
-        _climb(ax, problem, answer, solution)
-        return _entitled(ax, problem, answer, solution, title, "value after each choice, in their order")
-    graph = problem.graph
-    shares = np.zeros(graph.num_actions)
-    shares[list(answer.elements)] = 1.0
-    winner = problem.winners(answer.elements)[0] if answer.winners is None else np.asarray(answer.winners)
-    credit = problem.credited(answer)
-    drawn = _graph_or_map(ax, graph, shares, credit, winner)
-    if not drawn:
-        colours = [QUIET if robot < 0 else COLOURS[robot % len(COLOURS)] for robot in winner.tolist()]
-        _bars(ax, credit, _target_names(graph), "target", colours=colours)
-    return _entitled(ax, problem, answer, solution, title, drawn or "weight that each target brings, in the colour of its robot")
-
-
-def _entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, title: str | None, what: str) -> Any:
-    by = "" if solution is None else f" by {solution.solver}"
-    head = f"{problem.name}: {problem.problem}{by}" if title is None else title
-    entitle(ax, head, f"{problem.sense} {figures_of(problem, answer, solution)}\n{what}" if title is None else "")
-    return ax
-
-
-def _target_names(graph: SensingGraph) -> list[str]:
+def target_names(graph: SensingGraph) -> list[str]:
+    """Names of all targets."""
     return [graph.target_name(t) for t in range(graph.num_targets)]
 
 
-# -- graphs ----------------------------------------------------------------------------------------------------------------
+def draw_graph(ax: Any, graph: SensingGraph, shares: Floats, covered: Floats, winner: Any) -> str:
+    """Draw a graph that has positions or is small enough.
 
+    Parameters
+    ----------
+    ax : matplotlib axes
+    graph : SensingGraph
+    shares : array of shape (actions,)
+        How far each action is taken.
+    covered : array of shape (targets,)
+        What each target gets.
+    winner : array of shape (targets,), or None
+        The robot that is credited with each target, -1 for nobody; None where all that see it count.
 
-def _graph_or_map(ax: Any, graph: SensingGraph, shares: Floats, covered: Floats, winner: Any) -> str:
-    """Draws a graph that has positions or is small enough; returns what is shown, "" if nothing was drawn."""
+    Returns
+    -------
+    str
+        What is shown, "" if nothing was drawn.
+    """
     if graph.action_positions is not None and graph.target_positions is not None:
         _draw(ax, graph, graph.action_positions, graph.target_positions, shares, covered, winner)
         bare(ax)
@@ -144,7 +65,7 @@ def _graph_or_map(ax: Any, graph: SensingGraph, shares: Floats, covered: Floats,
             ax.text(-0.2, middle, graph.robot_name(robot), ha="right", va="center", fontsize=9, fontweight="bold", color=colour)
     for t in range(graph.num_targets):
         text = f"{graph.target_name(t)}  {covered[t]:.4g}"
-        ax.text(1.04, there[t, 1], text, ha="left", va="center", fontsize=8, color=INK if covered[t] > 0 else LEFT)
+        ax.text(1.04, there[t, 1], text, ha="left", va="center", fontsize=8, color=INK if covered[t] > 0 else ALARM)
     ax.set_xlim(-0.35, 1.25)
     ax.axis("off")
     return "actions, the chosen ones filled, and what each target gets"
@@ -180,11 +101,11 @@ def _draw(ax: Any, graph: SensingGraph, here: Floats, there: Floats, shares: Flo
     seen = covered > 0
     if winner is None:
         worst = covered <= covered.min(initial=0.0 if not len(covered) else np.inf) * (1 + 1e-9)
-        colour = np.where(worst, LEFT, "#444444")
+        colour = np.where(worst, ALARM, "#444444")
     else:
         colour = np.array([*COLOURS, QUIET])[np.where(winner >= 0, winner % len(COLOURS), len(COLOURS))]
     ax.scatter(there[seen, 0], there[seen, 1], s=size, color=colour[seen], edgecolors="white", linewidths=0.5, zorder=5)
-    ax.scatter(there[~seen, 0], there[~seen, 1], s=size, facecolors="white", edgecolors=LEFT, linewidths=1.1, zorder=5)
+    ax.scatter(there[~seen, 0], there[~seen, 1], s=size, facecolors="white", edgecolors=ALARM, linewidths=1.1, zorder=5)
     ax.autoscale_view()
 
 
@@ -204,55 +125,3 @@ def _draw_actions(ax: Any, graph: SensingGraph, here: Floats, shares: Floats) ->
 def _area(count: int) -> float:
     """Area of a mark, smaller on crowded maps."""
     return float(np.clip(5000.0 / max(count, 1), 9.0, 75.0))
-
-
-# -- charts ----------------------------------------------------------------------------------------------------------------
-
-
-def _bars(ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0]) -> None:
-    """One bar each in the order of the instance while they can be named, else from the least to the largest."""
-    named = len(values) <= LABELLED_TARGETS
-    order = np.arange(len(values)) if named else np.argsort(values, kind="stable")
-    if not isinstance(colours, str):
-        colours = [colours[k] for k in order.tolist()]
-    ax.bar(np.arange(len(values)), values[order], width=0.8 if named else 1.0, color=colours, zorder=2)
-    if worst is not None:
-        ax.axhline(worst, color=LEFT, linewidth=1.0, zorder=3)
-        ax.annotate(f"{worst:.4g}", (1.0, worst), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
-                    color=LEFT, fontsize=9, va="center")  # fmt: skip
-    if named:
-        ax.set_xticks(np.arange(len(values)), names, fontsize=7.5, rotation=90 if len(values) > 20 else 0)
-    else:
-        ax.set_xticks([])
-    ax.set_xlabel(f"{what}s" + ("" if named else f", {len(values)} of them in ascending order"), fontsize=9, color="#555555")
-    margin = max(0.6, (8 - len(values)) / 2)  # few bars stay slender
-    ax.set_xlim(-margin, len(values) - 1 + margin)
-    _plain(ax)
-
-
-def _climb(ax: Any, problem: SubmodularSelection, answer: Any, solution: Solution | None) -> None:
-    values = np.concatenate([[0.0], np.cumsum(problem.gains(answer.elements))])
-    places = np.arange(len(values))
-    ax.bar(places[1:], np.diff(values), width=0.7, color=QUIET, zorder=1, label="gain of the choice")
-    ax.plot(places, values, color=COLOURS[0], linewidth=1.8, marker="o" if len(values) <= 60 else "", markersize=4, zorder=3, label="value")
-    if solution is not None and isinstance(solution.bound, float):
-        ax.axhline(solution.bound, color=LEFT, linewidth=1.2, linestyle=(0, (5, 2)), zorder=2, label=f"bound ({solution.bound_kind})")
-    if len(values) <= 31:
-        ax.set_xticks(places[1:], [problem.element_name(e) for e in answer.elements], fontsize=8, rotation=90 if len(values) > 16 else 0)
-        ax.set_xlabel("elements in the order of choice", fontsize=9, color="#555555")
-    else:
-        ax.set_xlabel("number of elements", fontsize=9, color="#555555")
-    ax.legend(loc="upper left", bbox_to_anchor=(0.0, 0.93), frameon=False, fontsize=9)
-    _plain(ax)
-
-
-def _plain(ax: Any) -> None:
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
-    ax.tick_params(labelsize=8, colors="#555555")
-    ax.grid(axis="y", color="#EEEEEE", zorder=0)
-    ax.set_axisbelow(True)
-
-
-PLOTTERS["max-min"] = plot_max_min
-PLOTTERS["selection"] = plot_selection

@@ -13,7 +13,7 @@ from ...formulations.problem import Problem
 from ...instances.errors import CheckFailedError, UsageError
 from ...instances.generating import generate
 from ...instances.sensing.graph import SensingGraph
-from ..tables.routing import Column, Table
+from ..tables.table import Column, Table
 from .figures import sweep_figure
 from .judging import TOLERANCE
 from .optimum import Optimum

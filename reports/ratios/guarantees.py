@@ -11,7 +11,7 @@ import numpy as np
 
 from ...formulations.problem import Problem
 from ...instances.errors import CheckFailedError
-from ..tables.routing import Column, Table
+from ..tables.table import Column, Table
 from .families import Family
 from .judging import Configuration, Run, audit, judge, ratio_of, run_heuristic
 from .study import STUDIES, Fault, Report, Study, StudySetting, thinned

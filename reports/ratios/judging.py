@@ -14,10 +14,10 @@ from ...formulations.answers import json_text
 from ...formulations.certificate import better_bound, check_certificate, verified_bound
 from ...formulations.evidence import Guarantee
 from ...formulations.problem import Problem
-from ...formulations.programs.program import Program
 from ...formulations.stop import NEVER
 from ...heuristics.heuristic import HEURISTICS, Outcome, Setting
 from ...instances.errors import CheckFailedError, InputError
+from ...solvers.linear_programs import LinearPrograms
 from .optimum import Optimum, optimum
 
 TOLERANCE = 1e-6
@@ -115,18 +115,9 @@ def run_heuristic(problem: Problem, name: str, options: Mapping[str, Any], seed:
     """The heuristic alone, without the search around it: what ``solve`` runs, with the same random draws."""
     setting = Setting(
         rng=np.random.default_rng(seed), seconds=SECONDS, start=None, publish=lambda answer: None, stop=NEVER,
-        solve_program=_solve_program,
+        linear=LinearPrograms(seed=seed),
     )  # fmt: skip
     return HEURISTICS[name].run(problem, setting, **options)
-
-
-def _solve_program(program: Program, seconds: float) -> Any:
-    from ...solvers.backend import BACKENDS, Control, ProgramBackend
-    from ...solvers.backend import Options as SolverOptions
-
-    backend = BACKENDS["highs"]()
-    assert isinstance(backend, ProgramBackend)
-    return backend.run(program, SolverOptions(time_limit=seconds), Control())
 
 
 def judge(

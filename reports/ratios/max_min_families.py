@@ -150,7 +150,7 @@ REFERENCES: dict[str, tuple[list[list[Sees]], float]] = {
     "S8": ([[[0, 1], [1]]], 1.0),
     "S10": ([[{0: 4.0, 1: 2.0}, {2: 5.0}], [{0: 4.0}, {1: 3.0}], [{0: 3.0, 2: 1.0}, {1: 5.0}]], 4.661764705882353),
 }
-"""Small graphs with their optima: cases A to G, and S1 to S10 of digest 4.1."""
+"""Small graphs with their optima: cases A to G, and S1w to S10 of docs/formulations/sensing.md#reference-cases; A is S1."""
 
 
 def references() -> Family:

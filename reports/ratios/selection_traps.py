@@ -34,7 +34,7 @@ def geometric_cover(k: int, bribe: float = BRIBE) -> tuple[Coverage, Selection, 
     Notes
     -----
     Source: Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions I, the tight
-    case of theorem 4.2; digest of CMU-RI-TR-20-52, 4.3, COVER-TIGHT is its member of k = 2.
+    case of theorem 4.2; COVER-TIGHT of docs/selection.md#reference-cases is its member of k = 2.
     """
     shrink = 1.0 - 1.0 / k
     row = np.append(shrink ** np.arange(k) / k**2, shrink**k / k)
@@ -93,7 +93,7 @@ def copies(problem: WinnerTakesAllSATA, count: int) -> WinnerTakesAllSATA:
 
 
 def _half(e: float, count: int, reverse: bool) -> Case:
-    """Two robots, of which the one with a choice takes what the other could have had: (1 + e) / (2 + e); digest 4.1, S2."""
+    """Two robots, of which the one with a choice takes what the other could have had: (1 + e) / (2 + e); case S2."""
     choice, fixed = [[1.0 + e + e * e, 0.0], [0.0, 1.0]], [[1.0 + e, 0.0]]
     one = robots([fixed, choice] if reverse else [choice, fixed], f"half-{e:g}")
     problem = copies(one, count)
@@ -121,7 +121,7 @@ def halves() -> Family:
 
 
 def order_matters() -> Family:
-    """S10 of digest 4.1: 9 or 14, by the order of the robots; and the same with its robots permuted."""
+    """S10 of docs/formulations/sensing.md#reference-cases: 9 or 14, by the order of the robots; and the same with its robots permuted."""
     rows = [[[4, 2, 0], [0, 0, 5]], [[4, 0, 0], [0, 3, 0]], [[3, 0, 1], [0, 5, 0]]]
     orders = [(0, 1, 2), (2, 1, 0), (1, 0, 2), (0, 2, 1), (1, 2, 0), (2, 0, 1)]
     cases = [functools.partial(_small, [rows[i] for i in order], f"S10-{''.join(str(i + 1) for i in order)}") for order in orders]

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...instances.instance import Instance
 from ...instances.registry import Registry
-from ..tables.routing import Table
+from ..tables.table import Table
 
 Told = Callable[[int, int, str], None]
 """``told(done, total, what)`` hears how far a study is."""
@@ -166,4 +166,4 @@ class Study:
         return self.run(replace(setting or StudySetting(self.instances), **changes))
 
 
-STUDIES: Registry[Study] = Registry("study", "waybound.reports.ratios.studies")
+STUDIES: Registry[Study] = Registry("study", "waybound.reports.ratios.studies", group="waybound.studies")

@@ -10,7 +10,7 @@ from typing import Any
 
 from ...instances.atomic import atomic_write
 from ...instances.errors import UsageError
-from ..tables.routing import Table
+from ..tables.table import Table
 from .study import Figure, Report
 
 

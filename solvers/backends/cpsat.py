@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import Program
+from ...formulations.programs.program import INTEGERS, QUADRATIC, Program
 from ...formulations.programs.scaling import scaled
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
@@ -58,20 +58,21 @@ class CpSat(ProgramBackend):
     package = "ortools"
     modules = ("ortools",)
     summary = "OR-Tools CP-SAT: integer programs, products of variables included, counted in 64 bits"
-    kinds = frozenset({"MILP", "MIQP"})
+    programs = (INTEGERS | QUADRATIC,)
+    only_integers = True
 
-    def lacks(self, program: Program) -> frozenset[str]:
-        """See ``ProgramBackend.lacks``: what cannot be counted."""
+    def missing(self, program: Program) -> frozenset[str]:
+        """See ``ProgramBackend.missing``: what cannot be counted, too."""
+        lacking = super().missing(program)
         try:
-            integer_program(scaled(prepared(program)).program)
+            if not lacking:
+                integer_program(scaled(prepared(program)).program)
         except Uncountable as fault:
             return frozenset({str(fault)})
-        return frozenset()
+        return lacking
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        if program.kind not in self.kinds:
-            raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
         result = settled(program)
         if result is not None:
             return result
@@ -80,7 +81,7 @@ class CpSat(ProgramBackend):
         try:
             counted = integer_program(program)
         except Uncountable as fault:
-            raise UnsupportedError(self.name, {str(fault)}, takers(program.kind, self.name)) from None
+            raise UnsupportedError(self.name, {str(fault)}, takers(program.features(), self.name)) from None
         solver = cp_model.CpSolver()
         _configure(solver.parameters, options)
         if (counted.lower > counted.upper).any():
@@ -93,7 +94,7 @@ class CpSat(ProgramBackend):
         wrong = model.validate()
         if wrong:
             lacking = f"programs that 64 bits do not hold ({wrong.splitlines()[0]})"
-            raise UnsupportedError(self.name, {lacking}, takers(program.kind, self.name))
+            raise UnsupportedError(self.name, {lacking}, takers(program.features(), self.name))
         began = time.perf_counter()
         response = _search(solver, model, program, counted, control)
         return _result(response, program, counted, options, control, time.perf_counter() - began)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 import warnings
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import Program
-from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
+from ...formulations.programs.program import CONES, INTEGERS, QUADRATIC, Program
+from ...instances.errors import MissingPackageError, UsageError
+from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takes_features
 from ..sanity import settled
 from .highs import EQUAL_TOLERANCE, OWN_OPTIONS, set_option
 
@@ -21,10 +22,10 @@ FEASIBLE_TOLERANCE = 1e-5
 PRECISION = 1e-9
 """Asked of first-order and interior-point solvers, whose own of 1e-5 to 1e-8 leaves rows broken by more than the checks let pass."""
 
-KINDS = {
-    "CLARABEL": frozenset({"LP", "QP", "cone LP", "cone QP"}),
-    "SCS": frozenset({"LP", "QP", "cone LP", "cone QP"}),
-    "HIGHS": frozenset({"LP", "MILP", "QP"}),
+PROGRAMS = {
+    "CLARABEL": (QUADRATIC | CONES,),
+    "SCS": (QUADRATIC | CONES,),
+    "HIGHS": (INTEGERS, QUADRATIC),
 }
 
 
@@ -42,26 +43,24 @@ class CVXPY(ProgramBackend):
     modules = ("cvxpy",)
     summary = "CVXPY: Clarabel for linear, quadratic and cone programs; SCS or HiGHS as cvxpy:NAME"
     interrupts = "shows no incumbents, and is ended without an answer when it is asked to stop"
-    kinds = frozenset().union(*KINDS.values())
+    programs = tuple(chain.from_iterable(PROGRAMS.values()))
     needs_process = True
-    variants = tuple(KINDS)
+    variants = tuple(PROGRAMS)
 
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.solver = variant.upper()
-        if self.solver and self.solver not in KINDS:
-            raise UsageError(f"waybound uses {', '.join(KINDS)} through CVXPY, not {variant!r}")
+        if self.solver and self.solver not in PROGRAMS:
+            raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}")
         if self.solver:
-            self.kinds = KINDS[self.solver]
+            self.programs = PROGRAMS[self.solver]
 
     @classmethod
-    def takers(cls, kind: str) -> tuple[str, ...]:
-        return tuple(f"{cls.name}:{solver}" for solver, kinds in KINDS.items() if kind in kinds)
+    def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
+        return tuple(f"{cls.name}:{solver}" for solver, programs in PROGRAMS.items() if takes_features(features, programs))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        if program.kind not in self.kinds:
-            raise UnsupportedError(f"cvxpy:{self.solver}" if self.solver else "cvxpy", {f"{program.kind} programs"}, takers(program.kind))
         result = settled(program)
         if result is not None:
             return result

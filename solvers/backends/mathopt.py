@@ -8,15 +8,16 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import Floats, Program, Variables
+from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program, Variables
 from ...formulations.programs.scaling import scaled
 from ...instances.errors import UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
+from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers, takes_features
 from ..integer_program import Uncountable, integer_program
 from ..sanity import prepared, settled
 
@@ -27,12 +28,12 @@ EQUAL_TOLERANCE = 1e-6
 FIRST_ORDER_TOLERANCE = 1e-9
 """PDLP's own is 1e-6, relative, which leaves rows broken by more than the checks let pass."""
 
-KINDS = {
-    "highs": frozenset({"LP", "MILP"}),
-    "gscip": frozenset({"LP", "MILP", "QP", "MIQP"}),
-    "glop": frozenset({"LP"}),
-    "cp-sat": frozenset({"MILP"}),
-    "pdlp": frozenset({"LP", "QP"}),
+PROGRAMS = {
+    "highs": (INTEGERS,),
+    "gscip": (INTEGERS | QUADRATIC,),
+    "glop": (LINEAR,),
+    "cp-sat": (INTEGERS,),
+    "pdlp": (QUADRATIC,),
 }
 """What each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
 
@@ -66,42 +67,41 @@ class MathOpt(ProgramBackend):
     modules = ("ortools",)
     summary = "OR-Tools MathOpt: SCIP (nonconvex quadratics too) and GLOP, others as mathopt:NAME"
     interrupts = "mathopt:highs shows no incumbents, and is ended without an answer when it is asked to stop"
-    kinds = frozenset().union(*KINDS.values())
-    variants = tuple(KINDS)
+    programs = tuple(chain.from_iterable(PROGRAMS.values()))
+    variants = tuple(PROGRAMS)
 
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         chosen = {"scip": "gscip", "cpsat": "cp-sat", "cp_sat": "cp-sat"}.get(variant.lower(), variant.lower())
-        if chosen and chosen not in KINDS:
-            raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(KINDS)}")
+        if chosen and chosen not in PROGRAMS:
+            raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}")
         self.solver = chosen
         if chosen:
-            self.kinds = KINDS[chosen]
+            self.programs, self.only_integers = PROGRAMS[chosen], chosen == "cp-sat"
         self.needs_process = chosen == "highs"  # it hears no interrupt
 
     @classmethod
-    def takers(cls, kind: str) -> tuple[str, ...]:
-        return tuple(f"{cls.name}:{solver}" for solver, kinds in KINDS.items() if kind in kinds)
+    def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
+        return tuple(f"{cls.name}:{s}" for s, programs in PROGRAMS.items() if takes_features(features, programs, s == "cp-sat"))
 
-    def lacks(self, program: Program) -> frozenset[str]:
-        """See ``ProgramBackend.lacks``: MathOpt's CP-SAT takes whole variables only."""
+    def missing(self, program: Program) -> frozenset[str]:
+        """See ``ProgramBackend.missing``: MathOpt's CP-SAT takes whole variables only."""
+        lacking = super().missing(program)
         try:
-            if self.solver == "cp-sat":
+            if self.solver == "cp-sat" and not lacking:
                 self._whole(scaled(prepared(program)).program)
         except UnsupportedError as fault:
             return frozenset(fault.missing)
-        return frozenset()
+        return lacking
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        if program.kind not in self.kinds:
-            raise UnsupportedError(self._label, {f"{program.kind} programs"}, takers(program.kind))
         result = settled(program)
         if result is not None:
             return result
         import ortools.math_opt.python.mathopt  # noqa: F401 - loading it is not counted against the limit
 
-        solver = self.solver or ("glop" if program.kind == "LP" else "gscip")
+        solver = self.solver or ("glop" if program.features() == LINEAR else "gscip")
         asked = program
         if solver == "cp-sat":
             program = self._whole(program)
@@ -117,7 +117,7 @@ class MathOpt(ProgramBackend):
         except _Refused as fault:
             text = str(fault)
             if "support" in text or "UNIMPLEMENTED" in text or "finite range" in text:
-                raise UnsupportedError(self._label, {text}, takers(program.kind, self._label)) from None
+                raise UnsupportedError(self._label, {text}, takers(program.features(), self._label)) from None
             return RawResult("error", message=f"MathOpt ended with an error: {text}")
 
     @property
@@ -129,9 +129,9 @@ class MathOpt(ProgramBackend):
         try:
             counted = integer_program(program)
         except Uncountable as fault:
-            raise UnsupportedError(self._label, {str(fault)}, takers(program.kind, self._label)) from None
+            raise UnsupportedError(self._label, {str(fault)}, takers(program.features(), self._label)) from None
         if not ((counted.unit == 1.0).all() and (counted.shift == np.round(counted.shift)).all()):
-            raise UnsupportedError(self._label, {"continuous variables"}, takers(program.kind, self._label))
+            raise UnsupportedError(self._label, {"continuous variables"}, takers(program.features(), self._label))
         low, high = counted.vector(counted.lower), counted.vector(counted.upper)
         return replace(program, variables=(Variables("x", lower=low, upper=high, cost=program.cost, integer=True),))
 

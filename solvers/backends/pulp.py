@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.programs.program import Program
-from ...instances.errors import MissingPackageError, UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
+from ...formulations.programs.program import INTEGERS, Program
+from ...instances.errors import MissingPackageError, UsageError
+from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
 from ..children import scratch
 from ..sanity import settled
 from .cbc import find_cbc, run_cbc
@@ -37,7 +37,7 @@ class PuLP(ProgramBackend):
     modules = ("pulp",)
     summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
     interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME is ended without an answer"
-    kinds = frozenset({"LP", "MILP"})
+    programs = (INTEGERS,)
     variants = ("CBC", "HiGHS", "GLPK_CMD", "SCIP_CMD", "GUROBI", "CPLEX_PY")
 
     def __init__(self, variant: str = "") -> None:
@@ -51,8 +51,6 @@ class PuLP(ProgramBackend):
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        if program.kind not in self.kinds:
-            raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
         if self.is_cbc:
             cbc = find_cbc()
             with scratch() as folder:

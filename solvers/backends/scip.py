@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import Floats, Program
+from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
 from ...formulations.programs.scaling import scaled
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
@@ -50,26 +50,24 @@ class Scip(ProgramBackend):
     package = "pyscipopt"
     modules = ("pyscipopt",)
     summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"
-    kinds = frozenset({"LP", "MILP", "QP", "MIQP"})
+    programs = (INTEGERS | QUADRATIC,)
 
-    def lacks(self, program: Program) -> frozenset[str]:
-        """See ``ProgramBackend.lacks``: numbers that SCIP takes for infinite."""
+    def missing(self, program: Program) -> frozenset[str]:
+        """See ``ProgramBackend.missing``: numbers that SCIP takes for infinite, too."""
         program = scaled(prepared(program)).program
         parts = [program.cost, program.data, program.lower, program.upper, program.row_lower, program.row_upper]
         if program.quadratic is not None:
             parts.append(program.quadratic.data)
         large = any((np.isfinite(part) & (np.abs(part) >= INFINITE)).any() for part in parts)
-        return frozenset({f"numbers of {INFINITE:g} and more"}) if large else frozenset()
+        return frozenset({f"numbers of {INFINITE:g} and more"}) if large else super().missing(program)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        if program.kind not in self.kinds:
-            raise UnsupportedError(self.name, {f"{program.kind} programs"}, takers(program.kind))
-        if options.iterations is not None and program.kind == "LP":
+        if options.iterations is not None and program.features() == LINEAR:
             raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
-        lacking = self.lacks(program)
+        lacking = self.missing(program)
         if lacking:
-            raise UnsupportedError(self.name, lacking, takers(program.kind, self.name))
+            raise UnsupportedError(self.name, lacking, takers(program.features(), self.name))
         result = settled(program)
         if result is not None:
             return result
@@ -98,7 +96,7 @@ class _Search:
         import pyscipopt
 
         self.program, self.options, self.control = program, options, control
-        self.model = model = pyscipopt.Model(program.form)
+        self.model = model = pyscipopt.Model(program.name)
         model.hideOutput()
         model.setParam("misc/catchctrlc", False)  # Ctrl-C is Python's to hear
         model.setParam("limits/gap", float(options.gap))
@@ -106,7 +104,7 @@ class _Search:
         model.setParam("randomization/randomseedshift", int(options.seed) % (2**31 - 1))
         if options.iterations is not None:
             model.setParam("limits/nodes", int(options.iterations))
-        if program.kind == "LP":
+        if program.features() == LINEAR:
             # Duals are those of the program only where presolving left it as it was.
             model.setPresolve(pyscipopt.SCIP_PARAMSETTING.OFF)
             model.setHeuristics(pyscipopt.SCIP_PARAMSETTING.OFF)
@@ -204,7 +202,7 @@ class _Search:
             message = f"SCIP found no feasible point{end}" if said != "optimal" else "SCIP's optimum is not feasible within 1e-5"
             return RawResult("unknown", limit, None, None, bound, None, statistics, message)
         if bound is not None and abs(bound - objective) <= EQUAL_TOLERANCE * max(1.0, abs(objective)):
-            if program.kind == "LP":
+            if program.features() == LINEAR:
                 duals = _row_duals(program, self.model, self.constraints, answer)
             return RawResult("optimal", "none", answer, objective, bound, duals, statistics)
         return RawResult("feasible", limit, answer, objective, bound, None, statistics)

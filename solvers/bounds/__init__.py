@@ -10,6 +10,7 @@ from ... import _guard as _guard
 from ...formulations.evidence import Evidence
 from ...formulations.stop import Stop
 from ...instances.registry import Registry
+from ..linear_programs import LinearPrograms
 
 
 @dataclass(frozen=True)
@@ -22,9 +23,8 @@ class BoundMethod:
     missing : callable
         Features of the problem for which the method proves nothing (empty: it applies).
     compute : callable
-        ``compute(problem, seconds, solve_program, stop)`` returns Evidence, or None where it found nothing in time. It keeps
-        ``stop.within(seconds)``, in compiled loops too.
-        ``solve_program(program, seconds)`` solves an LP and returns its row duals (None if it did not finish).
+        ``compute(problem, stop, linear)`` returns Evidence, or None where it found nothing before ``stop``, which it keeps in compiled
+        loops too. Linear programs are solved by ``linear``, which knows the user's solver, seed and threads.
     order : int
         Cheap methods first.
     prepare : callable
@@ -33,9 +33,9 @@ class BoundMethod:
 
     name: str
     missing: Callable[[Any], frozenset[str]]
-    compute: Callable[[Any, float, Callable[..., Any], Stop], Evidence | None]
+    compute: Callable[[Any, Stop, LinearPrograms], Evidence | None]
     order: int = 0
     prepare: Callable[[], None] = lambda: None
 
 
-BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*")
+BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,9 @@ from numpy.typing import NDArray
 
 from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
+from ...formulations.programs.program import INTEGERS
 from ...formulations.stop import NEVER, Stop
+from ..linear_programs import LinearPrograms
 from . import BOUNDS, BoundMethod
 from .routing.arcs import lacks_arc_costs, too_many_arcs
 
@@ -24,17 +25,19 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Solve = Callable[[Any, float], Any]
 
 ROUTING_FORM = "two-index-time-flow"
 """The strongest of the two-index forms, and the one whose duals are evidence."""
 
-ADVICE = {"highs": {"solver": "ipm", "run_crossover": "off"}}
-"""For programs that bring no advice of their own. Duals of an interior point are as good as those of a vertex, and came up to five
+INTERIOR_POINT = {"highs": {"solver": "ipm"}}
+"""Without a vertex at the end, duals of small programs of selection came back with signs that prove nothing."""
+
+NO_VERTEX = {"highs": {"solver": "ipm", "run_crossover": "off"}}
+"""For routing. Duals of an interior point are as good as those of a vertex, and came up to five
 times sooner (26 s against 5 s on R112)."""
 
 FIRST_ORDER = {"highs": {"solver": "pdlp", "kkt_tolerance": 1e-4}}
-"""Advice for selections of more than ``SMALL`` entries: 0.3 s and a bound 0.001 % off, where interior points took 5 s (210,000 entries, a
+"""For selections of more than ``SMALL`` entries: 0.3 s and a bound 0.001 % off, where interior points took 5 s (210,000 entries, a
 cardinality limit) and 36 s (a partition matroid). It may be stopped at any time: all duals prove something."""
 
 SMALL = 20_000
@@ -49,17 +52,15 @@ NEIGHBOURS = (3, 10)
 """Moves out of and into each customer that the first LP has at least (with fewer it says too little to be worth its time) and at most."""
 
 
-def linear_relaxation_bound(problem: Problem, seconds: float, solve_program: Solve, stop: Stop = NEVER) -> Evidence | None:
+def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the duals of a form's linear relaxation.
 
     Parameters
     ----------
     problem : Problem
-    seconds : float
-        Budget, compiling included.
-    solve_program : callable
-        ``solve_program(program, seconds)`` returns row duals, or None if it did not finish.
     stop : Stop
+        Compiling counts too.
+    linear : LinearPrograms, optional
 
     Returns
     -------
@@ -72,25 +73,20 @@ def linear_relaxation_bound(problem: Problem, seconds: float, solve_program: Sol
     valid as any others once all moves are priced with them, which the checker does; moves of negative reduced cost are added and the
     LP is solved again while there is time (sifting: Bixby et al. 1992).
     """
-    stop = stop.within(seconds)
+    linear, seconds = linear or LinearPrograms(), stop.seconds_left
     if stop.reached():
         return None
     if problem.family == "routing":
-        return _sifted(problem, stop, solve_program)  # type: ignore[arg-type]
-    from ...formulations.forms import relaxed
-
+        return _sifted(problem, stop, linear)  # type: ignore[arg-type]
     first_order = problem.family == "selection" and _entries(problem) > SMALL
     most = (FIRST_ORDER_ENTRIES_PER_SECOND if first_order else ENTRIES_PER_SECOND) * seconds
     if _entries(problem) > most:
         return None
-    program = next((p for p in map(problem.compile, problem.forms()) if p.quadratic is None and not p.cones), None)
-    if program is None:
+    made = next((m for m in map(problem.compile, problem.forms()) if m.exactness.bound_is_valid and m.program.features() <= INTEGERS), None)
+    if made is None or made.dual_evidence is None or len(made.program.data) > most:
         return None
-    program = relaxed(program)
-    if program.dual_evidence is None or not program.exactness.bound_is_valid or len(program.data) > most:
-        return None
-    duals = _duals(program, stop, solve_program, FIRST_ORDER if first_order else {**ADVICE, **program.advice})
-    return None if duals is None else program.dual_evidence(duals)
+    duals = linear.duals(made.relaxed().program, stop, FIRST_ORDER if first_order else INTERIOR_POINT)
+    return None if duals is None else made.dual_evidence(duals)
 
 
 def _entries(problem: Problem) -> int:
@@ -101,17 +97,7 @@ def _entries(problem: Problem) -> int:
     return len(getattr(f, "indices", getattr(getattr(problem, "graph", None), "indices", ())))
 
 
-def _duals(program: Any, stop: Stop, solve_program: Solve, advice: dict[str, dict[str, Any]] = ADVICE) -> Floats | None:
-    if stop.reached():
-        return None
-    duals = solve_program(replace(program, advice={**program.advice, **advice}), stop.seconds_left)
-    if duals is None or not np.isfinite(duals).all():
-        return None
-    return np.asarray(duals, dtype=np.float64)
-
-
-def _sifted(problem: RoutingProblem, stop: Stop, solve_program: Solve) -> Evidence | None:
-    from ...formulations.forms import relaxed
+def _sifted(problem: RoutingProblem, stop: Stop, linear: LinearPrograms) -> Evidence | None:
     from ...formulations.routing.forms.two_index import build, needed_resources
     from ...formulations.routing.preparation import prepare
 
@@ -128,11 +114,11 @@ def _sifted(problem: RoutingProblem, stop: Stop, solve_program: Solve) -> Eviden
     best: Evidence | None = None
     while kept is not None:
         began = time.perf_counter()
-        program = relaxed(build(problem, ROUTING_FORM, lambda name: True, _restricted(prep, kept)))
-        duals = _duals(program, stop, solve_program)
-        if duals is None or program.dual_evidence is None:
+        made = build(problem, ROUTING_FORM, lambda name: True, _restricted(prep, kept))
+        duals = linear.duals(made.relaxed().program, stop, NO_VERTEX)
+        if duals is None or made.dual_evidence is None:
             return best
-        found = program.dual_evidence(duals)
+        found = made.dual_evidence(duals)
         found = replace(found, value=verified_bound(problem, found))
         if best is None or found.value > best.value:
             best = found
@@ -170,7 +156,7 @@ def _restricted(prep: Preparation, kept: Flags) -> Preparation:
     resources = {name: replace(r, weight=r.weight[kept]) for name, r in prep.resources.items()}
     return replace(
         prep, tail=prep.tail[kept], head=prep.head[kept], distance=prep.distance[kept], duration=prep.duration[kept],
-        cost=prep.cost[kept], resources=resources,
+        cost=prep.cost[kept], resources=resources, whole=prep.whole and bool(kept.all()),
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,6 +53,7 @@ class ORTools(Engine):
     summary = "OR-Tools routing library: insertion and guided local search"
     interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
     needs_process = True
+    one_thread = True
     family = "routing"
     features = frozenset(
         {
@@ -74,7 +76,7 @@ class ORTools(Engine):
             raise UnsupportedError(self.name, lacking)
         began = time.perf_counter()
         data = integer_routing(problem)  # type: ignore[arg-type]
-        return _Search(problem, data, options, control, began).run()  # type: ignore[arg-type]
+        return replace(_Search(problem, data, options, control, began).run(), holds=data.holds)  # type: ignore[arg-type]
 
 
 class Model:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import math
 import time
 import warnings
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +43,8 @@ class PyVRP(Engine):
     package = "pyvrp"
     modules = ("pyvrp",)
     summary = "PyVRP: iterated local search for vehicle routing"
+    honours = frozenset({"iterations", "no_improvement", "gap"})  # a gap by the bounds that ``solve`` verifies meanwhile
+    one_thread = True
     family = "routing"
     features = frozenset(
         {
@@ -68,7 +72,8 @@ class PyVRP(Engine):
             raise UnsupportedError(self.name, lacking)
         params = _parameters(options.extra)
         data = integer_routing(problem)  # type: ignore[arg-type]
-        return _Search(problem, data, options, control).run(params)  # type: ignore[arg-type]
+        found = _Search(problem, data, options, control).run(params)  # type: ignore[arg-type]
+        return replace(found, holds=data.holds)
 
 
 def problem_data(problem: RoutingProblem, data: IntegerRouting) -> tuple[Any, list[int]]:
@@ -148,6 +153,7 @@ class _Search:
         self.pending: Any = None
         self.ends = time.perf_counter() + options.time_limit
         self.publish_at = 0.0
+        self.best_cost, self.best_at = math.inf, 0
 
     def run(self, params: Any) -> RawResult:
         import pyvrp
@@ -181,7 +187,9 @@ class _Search:
             self.pending, self.publish_at = None, now + PUBLISH_EVERY
         if self.control.stopped:
             self.limit = "interrupt"
-        elif self.options.iterations is not None and self.iterations >= self.options.iterations:
+        elif (self.options.iterations is not None and self.iterations >= self.options.iterations) or (
+            self.options.no_improvement is not None and self._idle(best_cost) >= self.options.no_improvement
+        ):
             self.limit = "iterations"
         elif now >= self.ends:
             self.limit = "time"
@@ -189,6 +197,12 @@ class _Search:
             self.iterations += 1
             return False
         return True
+
+    def _idle(self, best_cost: float) -> int:
+        """Iterations since the best cost last fell."""
+        if best_cost < self.best_cost:
+            self.best_cost, self.best_at = best_cost, self.iterations
+        return self.iterations - self.best_at
 
     def _callbacks(self) -> Any:
         from pyvrp import IteratedLocalSearchCallbacks

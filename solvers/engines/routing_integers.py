@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...formulations.programs.exactness import Exactness
 from ...instances.errors import InputError
 from .routing_objective import scalarised
 
@@ -134,6 +135,11 @@ class IntegerRouting:
     latest_return: Integers
     cost_factor: float
     scales: dict[str, Any]
+
+    @property
+    def holds(self) -> Exactness:
+        """For what a search of these integers can claim: limits are rounded to the safe side where they are rounded at all."""
+        return Exactness.EXACT if self.scales["exact"] else Exactness.RESTRICTION
 
 
 def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int = 2**60) -> IntegerRouting:

@@ -17,6 +17,7 @@ from ...instances.errors import UnsupportedError, UsageError
 from ...instances.sensing.graph import SensingGraph
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from ..bounds.max_min.ball import weights_evidence
+from ..linear_programs import LinearPrograms
 from .saddle_steps.game import Game, Limits, Record
 from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
@@ -54,6 +55,7 @@ class Saddle(Engine):
     modules = ("numba", "highspy", "scipy")
     summary = "first-order methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
+    one_thread = True
     family = "max-min"
     features = frozenset({"sensing", "packing-covering"})
 
@@ -164,7 +166,7 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
             control.publish(bound=task.bound(record), evidence=task.evidence(record))
 
     record = Record(graph, max(options.gap, LEAST_GAP), news)
-    game = Game(graph, record, limits, Programs(lambda: limits.seconds_left, control, options.seed))
+    game = Game(graph, record, limits, Programs(stop, LinearPrograms(options.lp_solver, options.seed, options.threads)))
     if options.iterations is not None:
         limits.most_work = options.iterations * game.pass_work
     shares = None if options.start is None else task.shares(options.start)
@@ -213,7 +215,7 @@ def _compile() -> None:
         np.zeros(2, dtype=np.int32), np.array([0, 1, 2], dtype=np.int32), np.array([0, 1], dtype=np.int32), np.ones(2), 1, 2
     )
     limits = Limits(Stop())
-    game = Game(graph, Record(graph, 1.0), limits, Programs(lambda: limits.seconds_left))
+    game = Game(graph, Record(graph, 1.0), limits, Programs(limits.stop))
     shares = np.array([1.0, 0.0])
     game.descend(shares, coverage(graph, shares), 0.4, 0.0, 100.0)
     RegretMatching(game).run(1)

@@ -71,7 +71,7 @@ def test_answers_other_than_routes_are_json_alone(refused, tmp_path, suffix):
     told = refused("solve", "figure-3-3", "--out", tmp_path / f"a{suffix}", "-q")
     assert "answers to bottleneck problems are written as .json" in told
     (tmp_path / f"b{suffix}").write_text("Route #1: 1 2\nCost 5\n")
-    assert "holds routes, which this instance cannot have" in refused("check", "figure-3-3", tmp_path / f"b{suffix}")
+    assert "is no solution file of bottleneck problems; expected JSON" in refused("check", "figure-3-3", tmp_path / f"b{suffix}")
 
 
 def test_an_answer_that_breaks_a_rule_is_found_out(run, tmp_path):

@@ -19,15 +19,15 @@ def test_export_writes_a_program_that_highs_reads_back(run, tmp_path, suffix):
     path = tmp_path / f"model{suffix}"
     result = run("export", "demo-tiny", "--form", "two-index-mtz", "--to", path)
     assert result.exit_code == 0
-    program = wb.read("demo-tiny").compile("two-index-mtz")
+    made = wb.read("demo-tiny").compile("two-index-mtz")
     model = highspy.Highs()
     model.setOptionValue("output_flag", False)
     assert model.readModel(str(path)) == highspy.HighsStatus.kOk
-    assert model.getNumCol() == program.num_variables
+    assert model.getNumCol() == made.program.num_variables
     model.run()
-    best = wb.solve(program, "highs", bound_time=0).objective
+    best = wb.solve(made, "highs", bound_time=0).objective
     assert model.getInfo().objective_function_value == pytest.approx(best, abs=1e-6)
-    assert f"{program.num_variables} variables" in result.stdout
+    assert f"{made.program.num_variables} variables" in result.stdout
 
 
 @pytest.mark.parametrize(

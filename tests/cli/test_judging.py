@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
+from programs import Counting
 
 import waybound as wb
+from waybound.solvers.backend import BACKENDS
 
 
 @pytest.fixture
@@ -121,6 +123,30 @@ def test_bounding_what_has_no_solution_says_so_and_is_exit_3(run, strict_json):
 @pytest.mark.parametrize("value", ["0", "-1", "nan", "inf"])
 def test_bounding_needs_a_finite_time(refused, value):
     assert "--bound-time" in refused("bound", "demo-tiny", f"--bound-time={value}")
+
+
+def test_seed_threads_and_the_solver_of_linear_programs_reach_bounding(run, strict_json, registered):
+    registered(BACKENDS, "counting", Counting)
+    Counting.told.clear()
+    given = ("bound", "sata-s3", "--bound-time", "20", "--json", "-q")
+    own = strict_json(run(*given).stdout)["bound"]
+    result = run(*given, "--lp-solver", "counting", "--seed", "9", "--threads", "2")
+    assert (result.exit_code, strict_json(result.stdout)["bound"]) == (0, pytest.approx(own))
+    assert {(options.seed, options.threads) for _, options in Counting.told} == {(9, 2)}
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "says"),
+    [
+        ("--lp-solver", "hihgs", "unknown solver 'hihgs'; choose from "),
+        ("--lp-solver", "pyvrp", "pyvrp cannot take this problem: it lacks LP programs; can take it: "),
+        ("--lp-solver", "", "unknown solver ''"),
+        ("--seed", "-1", "--seed must be a whole number"),
+        ("--threads", "0", "--threads must be a whole number"),
+    ],
+)
+def test_bounding_refuses_what_it_cannot_use(refused, option, value, says):
+    assert says in refused("bound", "demo-tiny", f"{option}={value}", "-q")
 
 
 def test_a_bound_cannot_be_written_into_a_missing_folder(refused, tmp_path):

@@ -10,7 +10,7 @@ import pytest
 
 from waybound.cli.output import print_json, print_table, write_out
 from waybound.instances.errors import InputError
-from waybound.reports.tables.routing import Column, Table
+from waybound.reports.tables.table import Column, Table
 
 
 class Failing(io.StringIO):

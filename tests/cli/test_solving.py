@@ -8,6 +8,7 @@ import os
 import signal
 
 import pytest
+from programs import Counting
 
 import waybound as wb
 from waybound.formulations.certificate import check_certificate
@@ -326,6 +327,19 @@ def test_a_feature_that_a_solver_lacks_is_named_with_those_that_have_it(run, ref
     told = refused("solve", path, "--solver", lacking[0], "-q")
     assert "it lacks" in told
     assert "objective:" in told or "form" in told
+
+
+def test_the_solver_of_linear_programs_is_the_one_named(run, registered, strict_json):
+    registered(BACKENDS, "counting", Counting)
+    Counting.told.clear()
+    result = run("solve", "sata-s3", "--heuristic", "lp-rounding", "--lp-solver", "counting", "--seed", 9, "--threads", 2, "--json", "-q")
+    assert result.exit_code == 0 and strict_json(result.stdout)["certificate"]["feasible"]
+    assert {(options.seed, options.threads) for _, options in Counting.told} == {(9, 2)}
+
+
+@pytest.mark.parametrize(("name", "says"), [("hihgs", "unknown solver 'hihgs'; choose from "), ("pyvrp", "it lacks LP programs")])
+def test_who_solves_no_linear_programs_is_refused(refused, name, says):
+    assert says in refused("solve", "demo-tiny", "--lp-solver", name, "-q")
 
 
 @pytest.mark.parametrize(

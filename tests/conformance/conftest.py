@@ -54,11 +54,11 @@ def backend_name(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def solve_with(backend_name: str) -> Callable[..., RawResult]:
-    """``solve_with(program, control=None, **options)``; skips programs of a kind that the backend does not declare."""
+    """``solve_with(program, control=None, **options)``; skips programs of features that the backend does not declare."""
 
     def solve(program: Program, control: Control | None = None, **options: Any) -> RawResult:
         backend = _made(backend_name)
-        if program.kind not in backend.kinds:
+        if ProgramBackend.missing(backend, program):
             pytest.skip(f"{backend_name} takes no {program.kind}")
         try:
             result = backend.run(program, Options(**options), control or Control())

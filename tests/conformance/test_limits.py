@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import UsageError
-from waybound.solvers.backend import BACKENDS, Control, Options
+from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
 from waybound.solvers.isolation import run_isolated
 
 CVXPY = ("cvxpy", "cvxpy:SCS", "cvxpy:HIGHS")
@@ -164,7 +164,7 @@ def test_an_interrupt_before_the_run_ends_it_at_once(knapsack, backend_name, sol
 
 
 def test_any_backend_can_be_ended_in_a_process_of_its_own(market_split, backend_name):
-    if market_split.kind not in made(backend_name).kinds:
+    if ProgramBackend.missing(made(backend_name), market_split):
         pytest.skip(f"{backend_name} takes no {market_split.kind}")
     began = time.perf_counter()
     result = run_isolated(backend_name, market_split, Options(time_limit=120), stopped_after(1.5))

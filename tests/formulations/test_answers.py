@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import waybound as wb
@@ -61,6 +61,9 @@ def test_an_answer_to_other_data_is_read_with_a_note(solution, tmp_path):
         ('{"kind": "routes"', "JSON"),
         ("", "empty"),
         ("hello", "no solution file"),
+        ('{"a": 1}', "JSON, but no solution"),
+        ('{"waybound": 1, "kind": "routing"}', "JSON, but no solution"),
+        ('{"kind": NaN}', "JSON"),
     ],
 )
 def test_a_file_that_is_no_answer_is_refused_by_name(solution, tmp_path, text, says):
@@ -69,6 +72,31 @@ def test_a_file_that_is_no_answer_is_refused_by_name(solution, tmp_path, text, s
     with pytest.raises(wb.InputError, match=says) as caught:
         read_answer(solution.problem, path)
     assert str(path) in str(caught.value)
+
+
+SPOILT = '{"answer": {"kind": "routes", "routes": [{"visits": ["1", "2"], "vehicle": "vehicle"}]}, "objective": 12.5}'
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, len(SPOILT)), st.integers(0, 8), st.sampled_from(["", "{", "]", '"', "null", "1e999", "\x00"]) | st.text(max_size=8))
+def test_a_spoilt_file_is_read_or_refused_with_its_name(solution, tmp_path, at, length, token):
+    path = tmp_path / "spoilt.json"
+    path.write_bytes((SPOILT[:at] + token + SPOILT[at + length :]).encode("utf-8", "surrogatepass"))
+    try:
+        read = read_answer(solution.problem, path)
+    except wb.InputError as error:
+        assert str(error).startswith(str(path)) and "\n" not in str(error)
+    else:
+        assert isinstance(read.answer, wb.Routes)
+
+
+def test_answers_of_other_families_are_json_alone(tmp_path):
+    problem = wb.read("cover-30")
+    with pytest.raises(wb.UsageError, match=r"a\.sol: answers to selection problems are written as \.json, not under the suffix '\.sol'$"):
+        check_answer_path(problem, "a.sol")
+    (tmp_path / "a.sol").write_text("Route #1: 1 2\n")
+    with pytest.raises(wb.InputError, match=r"a\.sol:1: is no solution file of selection problems; expected JSON"):
+        read_answer(problem, tmp_path / "a.sol")
 
 
 def test_a_tour_cannot_hold_several_routes():

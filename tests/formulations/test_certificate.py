@@ -10,11 +10,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.formulations.certificate import beats_bound, better_bound, certify, check_certificate, verified_bound
-from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.certificate import (
+    SHOWN_VIOLATIONS,
+    Certificate,
+    beats_bound,
+    better_bound,
+    certificate_lines,
+    certify,
+    check_certificate,
+    verified_bound,
+)
+from waybound.formulations.evaluation import Check, Violation
+from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee
 from waybound.formulations.routing.objective import Reward, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
+from waybound.formulations.stop import Stop
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
@@ -43,7 +54,7 @@ def says(registered):
 
 def test_a_bound_is_what_the_checker_derives_not_what_the_evidence_claims():
     problem = square()
-    evidence = spanning_tree_bound(problem, 30.0)  # loading its kernel counts
+    evidence = spanning_tree_bound(problem, Stop(30.0))  # loading its kernel counts
     boast = Evidence(evidence.kind, evidence.source, 1e6, evidence.data)
     made = certify(problem, problem.evaluate(TOUR), [boast])
     assert made.bound == pytest.approx(14.0, abs=1e-6)
@@ -143,7 +154,7 @@ def written(problem: RoutingProblem, answer: Routes | None, *evidence: Evidence)
 
 def test_a_certificate_file_is_verified_again():
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     again = check_certificate(problem, data, problem.evaluate(TOUR))
     assert again.bound == data["bound"]
     assert again.evidence == tuple(Evidence.from_json(e) for e in data["evidence"])
@@ -171,14 +182,14 @@ def test_a_proof_of_infeasibility_survives_the_file():
 )
 def test_a_file_that_states_more_than_it_proves_fails(change, message):
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     with pytest.raises(CheckFailedError, match=message):
         check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
 
 
 def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     with pytest.raises(CheckFailedError, match="visited 0 times"):
         check_certificate(problem, data, problem.evaluate(Routes.of([[1, 2]])))
 
@@ -203,7 +214,7 @@ def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
 )
 def test_files_that_are_malformed_or_for_other_data_are_refused(change):
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, 1.0))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
     with pytest.raises(InputError):
         check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
 
@@ -218,6 +229,58 @@ def test_evidence_for_one_instance_is_priced_anew_on_another():
         square(),
         RoutingProblem(Sites.of("oabc", demand=[0, 1, 1, 1]), Travel(EXPLICIT, matrix=np.full((4, 4), 100.0)), (VehicleType(count=1),)),
     )
-    evidence = spanning_tree_bound(far, 1.0)
+    evidence = spanning_tree_bound(far, Stop(1.0))
     assert verified_bound(far, evidence) == pytest.approx(400.0)
     assert verified_bound(near, evidence) <= 14.0 + 1e-9
+
+
+# -- for people --------------------------------------------------------------------------------------------------------
+
+
+def certificate(**changes):
+    given = {"instance_hash": "sha256:0", "problem": "cvrp", "sense": "min", "convention": "exact", "feasible": True}
+    return Certificate(**{**given, **changes})
+
+
+def test_each_check_is_told_with_its_residual_and_what_was_not_tested():
+    made = certificate(checks=(Check("load", True, 0.5e-7, 4), Check("energy", True, 0.0, 0), Check("visits", False, 2.0, 9)))
+    texts = {line.label.strip(): line.text for line in certificate_lines(made)}
+    assert texts["load"] == "4 tested, largest residual 5e-08"
+    assert texts["energy"] == "nothing to test"
+    assert texts["visits"].startswith("broken")
+
+
+def test_violations_beyond_the_first_are_counted():
+    broken = tuple(Violation("visits", f"{k} is visited 0 times", 1.0) for k in range(SHOWN_VIOLATIONS + 5))
+    texts = [line.text for line in certificate_lines(certificate(feasible=False, violations=broken))]
+    assert "and 5 more" in texts
+    assert "infeasible: 15 violations" in texts
+
+
+def test_an_infinite_amount_is_not_printed_as_a_number():
+    broken = (Violation("visits", "a site that does not exist", math.inf),)
+    assert "a site that does not exist" in [line.text for line in certificate_lines(certificate(feasible=False, violations=broken))]
+
+
+def test_a_guarantee_is_told_with_its_source_and_assumptions():
+    stated = Guarantee(2.0, "at most twice the optimum", ("triangle inequality",), "Someone 1976, theorem 1")
+    made = certificate(guarantee=stated, observed_ratio=1.25)
+    texts = {line.label: line.text for line in certificate_lines(made)}
+    assert "Someone 1976, theorem 1" in texts["guarantee"]
+    assert "triangle inequality" in texts["guarantee"]
+    assert texts["ratio"].startswith("at most 1.25")
+
+
+FORGED = "x\x1b[31m RED \x1b]0;t\x07\nbound        999999, verified: optimal <b>&"
+
+
+def test_text_out_of_a_file_forges_no_line_and_no_markup():
+    made = certificate(
+        problem=FORGED, objective=3.0, bound=2.0, bound_source=FORGED, violations=(Violation(FORGED, FORGED, 1.0),), feasible=False
+    )
+    lines = certificate_lines(made)
+    assert all(line.label.isprintable() and line.text.isprintable() for line in lines)
+    text = repr(made)
+    assert len(text.split("\n")) == 1 + len(lines)
+    assert all(row.isprintable() for row in text.split("\n"))
+    assert "\x1b" not in made._repr_html_() and "<b>" not in made._repr_html_()

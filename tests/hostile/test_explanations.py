@@ -19,6 +19,7 @@ from waybound.formulations.evidence import Evidence
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.routing.fleet_need import fleet_conflicts, suspicions
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.bounds.routing.fleet_need import fleet_need_evidence
@@ -224,7 +225,7 @@ def test_reasons_of_random_routing_instances_are_true(share, tally, part):
             assert is_true(problem, tables, reason.evidence), (seed, reason)
             tally[f"reasons: {reason.evidence.kind}"] += 1
         for find in (infeasible_site_evidence, too_few_vehicles_evidence, fleet_need_evidence):
-            found = find(problem, 10.0)
+            found = find(problem, Stop(10.0))
             if found is not None:
                 assert not solvable, (seed, found)
                 assert is_true(problem, tables, found), (seed, found)

@@ -49,15 +49,11 @@ def test_a_last_word_that_cannot_be_judged_costs_no_other_answer(
     if stage == "evaluate":
         monkeypatch.setattr(type(TINY), "evaluate", lambda self, a: fail() if a is WORSE else honest(self, a))
     else:
-        monkeypatch.setattr(solving, "_solver_run", _decoding(solving._solver_run, fail))
+        monkeypatch.setattr(solving._Run, "decode", lambda self, a: fail() if a is WORSE else a)
     found = wb.solve(TINY, engine(work), bound_time=0)
     assert (found.objective, found.status) == (VALUE, "feasible")
     assert words in found.message
     tally["faults injected"] += 1
-
-
-def _decoding(honest: Callable[..., Any], fail: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda *given: dataclasses.replace(honest(*given), decode=lambda a: fail() if a is WORSE else a)
 
 
 def test_one_interrupt_while_judging_costs_nothing(monkeypatch: pytest.MonkeyPatch, engine: Any) -> None:
@@ -76,10 +72,10 @@ def test_a_claimed_point_that_is_no_answer_is_the_solvers_fault_and_costs_no_sta
     def no_route(x: Any) -> Any:
         raise InputError("arcs form a cycle without the depot")
 
-    program = dataclasses.replace(TINY.compile(), decode=no_route)
+    made = dataclasses.replace(TINY.compile(), decode=no_route)
     with pytest.raises(CheckFailedError, match="the optimal answer claimed by highs is no answer: arcs form a cycle"):
-        wb.solve(program, "highs", bound_time=0)
-    found = wb.solve(program, "highs", start=BEST, bound_time=0)
+        wb.solve(made, "highs", bound_time=0)
+    found = wb.solve(made, "highs", start=BEST, bound_time=0)
     assert (found.objective, found.status) == (VALUE, "feasible")
     assert "arcs form a cycle" in found.faults[0]
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
@@ -152,7 +153,7 @@ def test_all_heuristics_are_stopped_here() -> None:
 @pytest.mark.parametrize(("name", "kind", "options"), LONG, ids=[f"{n}-{k}" for n, k, _ in LONG])
 def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[str, Any], share: Any, tally: Any) -> None:
     problem, rng = large(kind), np.random.default_rng(7)
-    go = _heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options)).go
+    go = _heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options), False).go
     for seconds in (0.0, 0.5):  # compiles, or loads what was compiled before: what comes first, and what comes later
         lateness(go, seconds)
     for seconds in rng.uniform(0.0, 0.4, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 6)).tolist():
@@ -172,12 +173,17 @@ def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: 
         return
     method.prepare()
     for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 12)).tolist():
-        stop = Stop()
-        late, _ = lateness(lambda control: (control.on_stop(stop.ask), method.compute(problem, BUDGET, lambda *_: None, stop)), seconds)  # noqa: B023
+        stop = Stop(BUDGET)
+
+        def go(control: Control, stop: Stop = stop) -> None:
+            control.on_stop(stop.ask)
+            method.compute(problem, stop, AnsweredBy(lambda *_: None))
+
+        late, _ = lateness(go, seconds)
         assert late < LATE
         tally["bounds that were asked to stop"] += 1
     began = time.perf_counter()
-    method.compute(problem, 0.2, lambda *_: None, Stop())
+    method.compute(problem, Stop(0.2), AnsweredBy(lambda *_: None))
     assert time.perf_counter() - began < 0.2 + LATE
 
 
@@ -194,8 +200,10 @@ def test_saddle_ends(h: int, share: Any, tally: Any) -> None:
     engine = BACKENDS["saddle"]()
     assert isinstance(engine, Engine)
     problem = large("bottleneck-lp")
+    go = lambda control: engine.run(problem, Options(time_limit=60.0, extra={"h": h}), control)  # noqa: E731
+    lateness(go, 0.5)  # compiles, or loads what was compiled before
     for seconds in np.random.default_rng(10).uniform(0.0, 0.5, share(1, 12)).tolist():
-        late, result = lateness(lambda control: engine.run(problem, Options(time_limit=60.0, extra={"h": h}), control), seconds)
+        late, result = lateness(go, seconds)
         assert late < LATE
         assert problem.evaluate(result.answer).feasible
         tally["engines that were asked to stop"] += 1
@@ -237,7 +245,7 @@ def test_extreme_weights_end(kind: str, share: Any, tally: Any) -> None:
         for name in HEURISTICS:
             if HEURISTICS[name].missing(problem):
                 continue
-            run = _heuristic_run(problem, name, Options(time_limit=5.0))
+            run = _heuristic_run(problem, name, Options(time_limit=5.0), False)
             began = time.perf_counter()
             try:
                 run.go(Control())
@@ -249,6 +257,6 @@ def test_extreme_weights_end(kind: str, share: Any, tally: Any) -> None:
                 continue
             BOUNDS[name].prepare()
             began = time.perf_counter()
-            BOUNDS[name].compute(problem, 1.0, lambda *_: None, Stop())
+            BOUNDS[name].compute(problem, Stop(1.0), AnsweredBy(lambda *_: None))
             assert time.perf_counter() - began < 1.0 + LATE
         tally["instances of extreme weights"] += 1

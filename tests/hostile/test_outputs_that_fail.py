@@ -44,7 +44,7 @@ def waybound(engine: Callable[..., str], tmp_path: Path) -> Callable[..., Any]:
 
 OUTPUTS = {"--out": "a.json", "--certificate": "c.json", "--plot": "p.png"}
 MAKERS = {
-    "--out": (Solution, "to_json"), "--certificate": (Certificate, "to_json"), "--plot": ("waybound.reports.plots.routing", "save_plot"),
+    "--out": (Solution, "to_json"), "--certificate": (Certificate, "to_json"), "--plot": ("waybound.reports.plots", "save_plot"),
 }  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from waybound.formulations.routing.routes import Routes
 from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import CheckFailedError, WayboundError
-from waybound.solvers.backend import BACKENDS
+from waybound.solvers.backend import BACKENDS, takes_features
 from waybound.solving.bounding import find_bounds
 
 SEED = 83
@@ -117,7 +117,7 @@ def listed(value: Any, factors: Iterable[float] = ()) -> list[float | None]:
 def told(problem: Problem, keywords: dict[str, Any], factors: list[float]) -> dict[str, Any]:
     """What ``solve`` says, in the units of factor 1; how it fails, where it does."""
     try:
-        s = wb.solve(problem, time_limit=20.0, bound_time=1.0, **keywords)
+        s = wb.solve(problem, time_limit=20.0, bound_time=5.0, **keywords)
     except CheckFailedError:
         return {"failed": "a claim does not hold up"}
     except WayboundError as fault:
@@ -194,7 +194,7 @@ def able(problem: Problem, solver: str) -> bool:
     if kind.takes == "problem":
         return not kind().missing(problem)
     made = kind(variant) if variant else kind()
-    return any(FORMS[form].kind(problem) in made.kinds for form in problem.forms())
+    return any(takes_features(FORMS[form].makes(problem), made.programs, made.only_integers) for form in problem.forms())
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
@@ -237,6 +237,7 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
     per = {
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
+        "bin-packing": {"threshold": unit("load")}, "too-little-time": {"from": unit("time"), "until": unit("time")},
     }.get(e.kind, {})  # fmt: skip
     made = {name: times(value, per.get(name, 1.0)) for name, value in e.data.items() if name != "resources"}
     if "resources" in e.data:
@@ -251,12 +252,23 @@ def times(value: Any, factor: float) -> Any:
     return value * factor if isinstance(value, float) else value
 
 
+def attempts(problem: RoutingProblem, rng: Rng) -> list[Evidence]:
+    """Proofs of the seldom kinds, which need not hold."""
+    sites, customers = problem.sites, problem.customers
+    moments = [float(v) for v in (sites.ready[customers].min(initial=0.0), sites.due[customers].max(initial=0.0))]
+    names = [sites.ids[k] for k in customers.tolist()]
+    tried = [Evidence("bin-packing", "", 0.0, {"threshold": float(rng.choice(sites.demand))})]
+    if names and math.isfinite(moments[1]):
+        tried.append(Evidence("too-little-time", "", 0.0, {"sites": names, "from": moments[0], "until": moments[1]}))
+    return tried
+
+
 def checked(family: str, case: int) -> tuple[list[str], list[str]]:
     """Kinds of evidence that were checked on one problem, and where the bound is another in other units."""
     rng = np.random.default_rng([SEED, case])
     first, second, factors, unit = pair(family, case)
     kinds, found = [], []
-    for e in find_bounds(first, 1.0):
+    for e in (*find_bounds(first, 1.0), *(attempts(first, rng) if isinstance(first, RoutingProblem) else ())):
         for data in (e.data, shaken(rng, e.data)):
             kinds.append(e.kind)
             bounds = [

@@ -18,13 +18,13 @@ from scipy.optimize import linprog
 import waybound as wb
 from waybound.formulations.answers import json_text
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import Certificate, certify, check_certificate
+from waybound.formulations.certificate import Certificate, certificate_lines, certificate_title, certify, check_certificate
 from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
-from waybound.formulations.rendering import as_text, certificate_lines, certificate_title
+from waybound.formulations.rendering import as_text
 from waybound.formulations.routing.fleet_need import _small_groups, fleet_conflicts, proves, suspicions
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA

@@ -18,7 +18,8 @@ import pytest
 from waybound.instances.errors import InputError
 from waybound.instances.formats import waybound_json
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.solution_files import SolutionFile, read_solution_file
+from waybound.instances.routing.solution_files import routes_from_text
+from waybound.instances.text import read_text
 
 FAMILIES = {"vrptw-solomon": ".txt", "vrptw-homberger": ".txt", "cvrp": ".vrp", "tsplib": ".tsp"}
 CONVENTIONS = {"tsplib": "file", "tsplib-nint": "file", "euclidean-double": "exact", "dimacs-trunc1": "trunc1"}
@@ -93,8 +94,7 @@ def test_every_published_solution_costs_what_its_row_says(benchmarks: Path) -> N
         family = row["family"].split("/")[0]
         folder = benchmarks / row["family"]
         instance: Any = read_instance(next(folder.rglob(row["instance"] + FAMILIES[family])))
-        solution = read_solution_file(next(folder.rglob(row["solution_file"])), instance)
-        assert isinstance(solution, SolutionFile)
+        solution = routes_from_text(read_text(next(folder.rglob(row["solution_file"]))), instance.sites)
         visited = sorted(site for route in solution.routes for site in route)
         assert visited == instance.sites.customers.tolist(), row["solution_file"]
         travel = instance.travel.with_convention(CONVENTIONS[row["convention"]])
@@ -112,7 +112,7 @@ def test_every_published_solution_costs_what_its_row_says(benchmarks: Path) -> N
 def test_half_to_even_rounding_would_give_the_lower_values_that_the_sources_warn_of(benchmarks: Path) -> None:
     """F-n45-k4 has distances of exactly x.5: 724 with floor(d + 0.5), 721 with Python's own rounding."""
     instance: Any = read_instance(benchmarks / "cvrp" / "F" / "F-n45-k4.vrp")
-    solution: Any = read_solution_file(benchmarks / "cvrp" / "F" / "F-n45-k4.sol", instance)
+    solution = routes_from_text(read_text(benchmarks / "cvrp" / "F" / "F-n45-k4.sol"), instance.sites)
     exact = instance.travel.with_convention("exact")
     costs = {"floor": 0.0, "even": 0.0}
     for route in solution.routes:

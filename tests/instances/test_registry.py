@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -63,3 +63,69 @@ def test_register_is_a_decorator() -> None:
     def f() -> None: ...
 
     assert made["f"] is f
+
+
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, dict[str, str]], None]:
+    """``installed(points, modules)``: a distribution with entry points, on the path."""
+
+    def make(points: str, modules: dict[str, str]) -> None:
+        info = tmp_path / "outside-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text(points)
+        for name, text in modules.items():
+            (tmp_path / f"{name}.py").write_text(text)
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        monkeypatch.syspath_prepend(str(tmp_path))
+
+    return make
+
+
+def test_installed_packages_add_entries_by_modules_that_register_themselves_or_by_name(installed) -> None:
+    made: Registry[int] = Registry("thing", group="waybound.things")
+    monkey = "import builtins\nbuiltins.registry_of_things.add('seven', 7)\nNINE = 9\n"
+    installed("[waybound.things]\nanything = outside_things\nnine = outside_things:NINE\n", {"outside_things": monkey})
+    import builtins
+
+    builtins.registry_of_things = made  # type: ignore[attr-defined]
+    try:
+        assert made.names() == ["nine", "seven"]
+        assert (made["nine"], made["seven"]) == (9, 7)
+    finally:
+        del builtins.registry_of_things  # type: ignore[attr-defined]
+
+
+def test_an_installed_package_that_cannot_be_loaded_costs_no_other_entry(installed) -> None:
+    made: Registry[int] = Registry("thing", group="waybound.things")
+    points = "[waybound.things]\nbroken = outside_broken\nmissing = outside_sound:NOTHING\nsound = outside_sound:ONE\n"
+    installed(points, {"outside_broken": "raise RuntimeError('boom')\n", "outside_sound": "ONE = 1\n"})
+    with pytest.warns(RuntimeWarning) as caught:
+        assert made.names() == ["sound"]
+    said = [str(w.message) for w in caught]
+    assert any("thing broken of outside cannot be loaded: RuntimeError: boom" in line for line in said)
+    assert any("thing missing of outside cannot be loaded" in line for line in said)
+
+
+def test_a_temporary_entry_takes_the_place_of_another_and_leaves_it_as_it_was(things: Registry[int]) -> None:
+    with things.temporary("ant", 5), things.temporary("new", 6):
+        assert (things["ant"], things["new"]) == (5, 6)
+    assert things.names() == ["ant", "zebra"]
+    assert things["ant"] == 2
+
+
+def test_places_walk_the_rooms_of_a_floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for room, value in (("red", 1), ("blue", 2)):
+        folder = tmp_path / "floor_of_rooms" / room / "shelves"
+        folder.mkdir(parents=True)
+        (folder.parent / "__init__.py").write_text("")
+        (folder / "__init__.py").write_text("")
+        (folder / "box.py").write_text(f"import floor_of_rooms\nfloor_of_rooms.BOXES.add('{room}', {value})\n")
+        (folder / "slow_kernels.py").write_text("raise RuntimeError('never imported')\n")
+    (tmp_path / "floor_of_rooms" / "__init__.py").write_text(
+        "from waybound.instances.registry import Registry\nBOXES = Registry('box', 'floor_of_rooms.*.shelves')\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    import floor_of_rooms  # type: ignore[import-not-found]
+
+    assert floor_of_rooms.BOXES.names() == ["blue", "red"]

@@ -50,7 +50,7 @@ def test_greedy_falls_to_its_bound_on_geometric_covers(name, k):
     assert found == pytest.approx(1.0 - (1.0 - 1.0 / k) ** k, abs=2 * k * bribe)
 
 
-def test_cover_tight_of_the_digest_is_the_geometric_cover_of_two():
+def test_cover_tight_is_the_geometric_cover_of_two():
     f, good, bad = traps.geometric_cover(2, 1 / 80)
     assert 80 * SubmodularSelection(f, Cardinality(2)).value(good.elements) == pytest.approx(80)
     assert 80 * bad == pytest.approx(62)

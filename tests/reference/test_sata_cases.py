@@ -12,16 +12,17 @@ from sata_cases import CASES
 import waybound as wb
 from waybound.formulations.certificate import check_certificate, verified_bound
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult, takers
 
 EXACT = 1e-6
 FORMS = ("facility-location", "strong-linearisation", "weak-linearisation", "product")
-LINEAR = FORMS[:3]
-MILP = [*takers("MILP"), "pulp:HiGHS"]
-LP = [*takers("LP"), "pulp:HiGHS"]
-MIQP = takers("MIQP")
+LINEAR_FORMS = FORMS[:3]
+MILP = [*takers(INTEGERS), "pulp:HiGHS"]
+LP = [*takers(LINEAR), "pulp:HiGHS"]
+MIQP = takers(INTEGERS | QUADRATIC)
 
 COUNTED = ("mathopt:cp-sat",)
 """It refuses continuous variables in steps other than 1."""
@@ -43,9 +44,9 @@ def run(solver: str, program) -> RawResult:
     return result
 
 
-def check_answer(problem, program, result: RawResult, value: float) -> None:
+def check_answer(made: wb.Compiled, result: RawResult, value: float) -> None:
     """The answer is feasible and of the known value, recomputed from the data; the solver's bound is on its other side."""
-    judged = problem.evaluate(program.decode(result.answer))
+    judged = made.problem.evaluate(made.decode(result.answer))
     assert judged.feasible, judged.violations
     assert judged.values[0] == pytest.approx(value, abs=EXACT)
     assert result.bound is None or result.bound >= value - EXACT
@@ -66,9 +67,8 @@ def test_the_suite_runs_on_all_solvers() -> None:
 @pytest.mark.parametrize("solver", MILP)
 @pytest.mark.parametrize("case", CASES)
 def test_bottleneck_of_whole_actions(case: str, solver: str) -> None:
-    problem = BottleneckSATA(CASES[case].graph)
-    program = problem.compile("max-min")
-    check_answer(problem, program, run(solver, program), CASES[case].bottleneck)
+    made = BottleneckSATA(CASES[case].graph).compile("max-min")
+    check_answer(made, run(solver, made.program), CASES[case].bottleneck)
 
 
 @pytest.mark.parametrize("solver", LP)
@@ -76,13 +76,13 @@ def test_bottleneck_of_whole_actions(case: str, solver: str) -> None:
 def test_bottleneck_of_shares(case: str, solver: str) -> None:
     known = CASES[case]
     problem = BottleneckSATA(known.graph, fractional=True)
-    program = problem.compile("max-min")
-    result = run(solver, program)
-    check_answer(problem, program, result, known.lp)
+    made = problem.compile("max-min")
+    result = run(solver, made.program)
+    check_answer(made, result, known.lp)
     if known.shares:
-        assert program.decode(result.answer) == pytest.approx(known.shares, abs=1e-5)
+        assert made.decode(result.answer) == pytest.approx(known.shares, abs=1e-5)
     if result.row_duals is not None:
-        evidence = program.dual_evidence(result.row_duals)
+        evidence = made.dual_evidence(result.row_duals)
         assert known.lp - 1e-9 <= verified_bound(problem, evidence) == evidence.value <= known.lp + EXACT
 
 
@@ -90,32 +90,31 @@ def test_bottleneck_of_shares(case: str, solver: str) -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_winner_takes_all_through_every_linear_form(case: str, solver: str) -> None:
     problem = WinnerTakesAllSATA(CASES[case].graph)
-    for form in LINEAR:
-        program = problem.compile(form)
-        check_answer(problem, program, run(solver, program), CASES[case].winner)
+    for form in LINEAR_FORMS:
+        made = problem.compile(form)
+        check_answer(made, run(solver, made.program), CASES[case].winner)
 
 
 @pytest.mark.parametrize("solver", MIQP)
 @pytest.mark.parametrize("case", CASES)
 def test_winner_takes_all_as_a_product(case: str, solver: str) -> None:
-    problem = WinnerTakesAllSATA(CASES[case].graph)
-    program = problem.compile("product")
-    assert program.kind == "MIQP"
-    check_answer(problem, program, run(solver, program), CASES[case].winner)
+    made = WinnerTakesAllSATA(CASES[case].graph).compile("product")
+    assert made.program.features() == INTEGERS | QUADRATIC
+    check_answer(made, run(solver, made.program), CASES[case].winner)
 
 
 @pytest.mark.parametrize("solver", LP)
 @pytest.mark.parametrize("case", CASES)
-def test_relaxations_have_the_values_of_the_digest_and_prove_bounds(case: str, solver: str) -> None:
+def test_relaxations_have_their_known_values_and_prove_bounds(case: str, solver: str) -> None:
     known = CASES[case]
     problem = WinnerTakesAllSATA(known.graph)
-    for form in LINEAR:
+    for form in LINEAR_FORMS:
         value = known.weak if form == "weak-linearisation" else known.strong
-        program = problem.compile(form, relax=True)
-        result = run(solver, program)
+        made = problem.compile(form, relax=True)
+        result = run(solver, made.program)
         assert result.objective == pytest.approx(value, abs=EXACT)
         if result.row_duals is not None:
-            bound = verified_bound(problem, program.dual_evidence(result.row_duals))
+            bound = verified_bound(problem, made.dual_evidence(result.row_duals))
             assert known.winner - 1e-9 <= bound <= value + EXACT
             if form != "weak-linearisation":
                 assert bound == pytest.approx(proved(case, value), abs=EXACT)
@@ -135,7 +134,7 @@ def test_known_choices_are_best(case: str) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("form", [*LINEAR, "max-min", "lp"])
+@pytest.mark.parametrize("form", [*LINEAR_FORMS, "max-min", "lp"])
 def test_certificates_hold_without_a_solver(case: str, form: str) -> None:
     known = CASES[case]
     if form == "max-min":
@@ -144,7 +143,7 @@ def test_certificates_hold_without_a_solver(case: str, form: str) -> None:
         problem, value, bound = BottleneckSATA(known.graph, fractional=True), known.lp, known.lp
     else:
         problem, value, bound = WinnerTakesAllSATA(known.graph), known.winner, known.strong
-    solution = wb.solve(problem, "highs", form=form if form in LINEAR else None, bound_time=5)
+    solution = wb.solve(problem, "highs", form=form if form in LINEAR_FORMS else None, bound_time=5)
     assert solution.status == "optimal"
     assert solution.objective == pytest.approx(value, abs=EXACT)
     written = json.loads(json.dumps(solution.certificate.to_json(with_evidence=True)))

@@ -20,6 +20,7 @@ from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers import isolation
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.isolation import run_isolated
+from waybound.solving.solve import solve
 
 HERE = Path(__file__).parent
 
@@ -59,11 +60,18 @@ def test_the_answer_is_the_one_found_without_isolation(engine: str) -> None:
     assert (apart.status, apart.limit, apart.answer, apart.objective) == (here.status, here.limit, here.answer, here.objective)
 
 
-def test_programs_travel_without_their_functions() -> None:
+def test_programs_travel_and_come_back_as_vectors() -> None:
     result = run_isolated("highs", _program(), Options(time_limit=10), Control())
     assert result.status == "optimal"
     assert result.objective == pytest.approx(9.0)
     assert isinstance(result.answer, np.ndarray)
+
+
+def test_what_decodes_a_program_stays_here() -> None:
+    made, decoded = small("time-windows", 1, "exact").compile(), []
+    kept = dataclasses.replace(made, decode=lambda x: decoded.append(x) or made.decode(x))  # no function travels, and this one could not
+    solution = solve(kept, "highs", isolate=True, time_limit=20, bound_time=0)
+    assert solution.answer is not None and decoded
 
 
 def _program():
@@ -75,7 +83,7 @@ def _program():
         "row", indptr=np.array([0, 2], dtype=np.int32), indices=np.array([0, 1], dtype=np.int32), data=np.ones(2),
         lower=np.array([4.5]), upper=np.array([np.inf]),
     )  # fmt: skip
-    return Program("tiny", "min", (free, integer), (rows,), decode=lambda x: x, encode=lambda a: a)
+    return Program("tiny", "min", (free, integer), (rows,))
 
 
 def test_incumbents_stream_to_the_parent() -> None:

@@ -14,6 +14,7 @@ from sata_cases import CASES
 import waybound as wb
 from waybound.formulations.forms import FORMS, nearest_form
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC
 from waybound.formulations.routing.objective import TERMS, Composable, LongestRoute, Makespan, Objective, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
@@ -22,20 +23,20 @@ from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.features import FEATURES, UNASKED
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.solvers.backend import BACKENDS, Engine, ProgramBackend, takers
+from waybound.solvers.backend import BACKENDS, Engine, ProgramBackend, takers, takes_features
 from waybound.solving.listing import missing_features
 
 S3 = CASES["S3"].graph
 
 
-def test_the_kind_that_a_form_declares_is_the_kind_of_its_program() -> None:
+def test_the_features_that_a_form_declares_are_those_of_its_program() -> None:
     problems = [
         BottleneckSATA(S3), BottleneckSATA(S3, fractional=True), WinnerTakesAllSATA(S3),
         wb.MaxMinLP(np.eye(2), np.eye(2)), wb.MaxMinLP(np.eye(2), np.eye(2), sense="min"),
     ]  # fmt: skip
     for problem in problems:
         for form in problem.forms():
-            assert FORMS[form].kind(problem) == problem.compile(form).kind
+            assert FORMS[form].makes(problem) == problem.compile(form).program.features()
 
 
 def test_a_linear_form_is_taken_where_none_is_named() -> None:
@@ -77,13 +78,15 @@ def test_a_solver_that_lacks_the_kind_refuses_and_names_others() -> None:
 
 
 def test_takers_are_installed_and_take_what_they_say() -> None:
-    for kind in ("LP", "MILP", "QP", "MIQP", "cone LP"):
-        for name in takers(kind):
+    for features in (LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC, *({cone} for cone in CONES), CONES, CONES | QUADRATIC):
+        assert takers(frozenset(features))
+        for name in takers(frozenset(features)):
             base, _, variant = name.partition(":")
             backend = BACKENDS[base](variant) if variant else BACKENDS[base]()
             assert isinstance(backend, ProgramBackend)
-            assert kind in backend.kinds
-    assert "highs" not in takers("LP", "highs")
+            assert takes_features(frozenset(features), backend.programs, backend.only_integers)
+    assert "highs" not in takers(LINEAR, "highs")
+    assert takers(CONES | INTEGERS) == []
 
 
 def asking(objective: Composable, **fleet: Any) -> RoutingProblem:

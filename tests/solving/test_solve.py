@@ -7,14 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from programs import Counting
+from random_sensing import random_graph
 
-from waybound.formulations.evaluation import Evaluation
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import CheckFailedError, UnsupportedError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.backends.scip import Scip
 from waybound.solving.solve import solve
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
@@ -63,43 +66,6 @@ def test_an_honest_best_effort_that_breaks_a_constraint_is_no_answer(square: Rou
     assert solution.answer is None
     assert solution.status == "unknown"
     assert "carries 4" in solution.message
-
-
-def worth(value: float) -> Evaluation:
-    return Evaluation((value,), (), (), {})
-
-
-def test_claimed_infeasibility_is_refuted_by_a_verified_start(square: RoutingProblem, engine_that: Any) -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match="there is no answer"):
-        claims.check_bound("liar", "min", RawResult("infeasible"), worth(24.0), Exactness.EXACT)
-
-
-def test_a_claimed_bound_above_a_verified_answer_is_an_error() -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match=r"25\.0.*24\.0"):
-        claims.check_bound("liar", "min", RawResult("feasible", bound=25.0), worth(24.0), Exactness.EXACT)
-    claims.check_bound("restriction", "min", RawResult("feasible", bound=25.0), worth(24.0), Exactness.RESTRICTION)
-
-
-def test_a_claimed_optimum_worse_than_a_verified_answer_is_an_error() -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match=r"optimum 15.*value 9"):
-        claims.check_bound("HiGHS 1.14", "min", RawResult("optimal", objective=15.0, bound=9.0), worth(9.0), Exactness.EXACT)
-
-
-def test_a_claimed_optimum_better_than_a_verified_bound_is_an_error() -> None:
-    from waybound.formulations.programs.exactness import Exactness
-    from waybound.solving import claims
-
-    with pytest.raises(CheckFailedError, match=r"optimum 20.*bound is 24"):
-        claims.check_verified("liar", "min", RawResult("optimal", objective=20.0), 24.0, Exactness.EXACT)
 
 
 def test_a_claimed_objective_better_than_the_answers_is_a_fault_beside_the_answer(square: RoutingProblem, engine_that: Any) -> None:
@@ -212,3 +178,46 @@ def test_an_answer_of_another_type_is_refused(square: RoutingProblem) -> None:
 def test_a_variant_without_a_name_is_refused(square: RoutingProblem) -> None:
     with pytest.raises(UsageError, match="names no solver within pulp"):
         solve(square, "pulp:")
+
+
+# -- who solves linear programs on the way ----------------------------------------------------------------------------
+
+LINEAR_WORK = [{"heuristic": "lp-rounding"}, {"heuristic": "greedy", "bound_time": 20}, {"solver": "saddle", "iterations": 2000}]
+
+
+@pytest.mark.parametrize("given", LINEAR_WORK, ids=["heuristic", "bounding", "engine"])
+def test_heuristics_bounds_and_engines_use_the_lp_solver_that_is_named(registered: Any, given: dict[str, Any]) -> None:
+    registered(BACKENDS, "counting", Counting)
+    Counting.told.clear()
+    problem = BottleneckSATA(random_graph(3), fractional=given.get("solver") == "saddle")
+    own, named = solve(problem, **given), solve(problem, **given, lp_solver="counting", seed=5, threads=2)
+    assert Counting.told
+    assert {(options.seed, options.threads) for _, options in Counting.told} == {(5, 2)}
+    assert own.bound is not None and named.bound == pytest.approx(own.bound, rel=1e-6)
+
+
+@pytest.mark.skipif(not Scip.installed(), reason="needs the extra scip (PySCIPOpt)")
+@pytest.mark.parametrize("given", LINEAR_WORK, ids=["heuristic", "bounding", "engine"])
+def test_scip_may_be_that_solver(given: dict[str, Any]) -> None:
+    problem = BottleneckSATA(random_graph(3), fractional=given.get("solver") == "saddle")
+    own, named = solve(problem, **given), solve(problem, **given, lp_solver="scip")
+    assert own.bound is not None and named.bound == pytest.approx(own.bound, rel=1e-5)
+    assert named.objective is not None
+
+
+@pytest.mark.parametrize("given", [{}, {"heuristic": "savings"}])
+@pytest.mark.parametrize(
+    ("name", "error", "words"),
+    [
+        ("hihgs", UsageError, "unknown solver 'hihgs'"),
+        ("pyvrp", UnsupportedError, "LP programs"),
+        ("cpsat", UnsupportedError, "LP programs"),
+    ],
+)
+def test_who_cannot_be_that_solver_is_refused_before_the_search(
+    square: RoutingProblem, engine_that: Any, name: str, error: type[Exception], words: str, given: dict[str, Any],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr("waybound.solving.solve.search", lambda *_, **__: pytest.fail("searched"))
+    with pytest.raises(error, match=words):
+        solve(square, **(given or {"solver": engine_that(lambda *_: pytest.fail("searched"))}), lp_solver=name)

@@ -35,7 +35,7 @@ def list_all(json: Json = False, verbose: Verbose = False) -> None:
             }
         )
         return
-    from ..reports.tables.routing import Column, Table
+    from ..reports.tables.table import Column, Table
     from .output import print_table
 
     print_table(

@@ -29,10 +29,11 @@ def export(
 ) -> None:
     """Write an instance as a mathematical program that any solver reads."""
     output_path("--to", to, PROGRAM_SUFFIXES, unlike=file)
-    program = read_problem(file, format, problem, convention, settings).compile(form, relax=relax)
-    program.write(to)
+    made = read_problem(file, format, problem, convention, settings).compile(form, relax=relax)
+    made.write(to)
+    program = made.program
     size = f"{program.num_variables} variables, {program.num_rows} rows, {len(program.data)} nonzeros"
-    print_text(f"{to}: {program.kind}, form {program.form} ({program.exactness.value}), {size}")
+    print_text(f"{to}: {program.kind}, form {made.form} ({made.exactness.value}), {size}")
 
 
 def convert(

@@ -10,12 +10,29 @@ import typer
 
 from ..instances.errors import UsageError
 from ..solvers import interrupts
-from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, bounded, output_path, read_problem, remark
+from .options import (
+    Convention,
+    File,
+    Format,
+    Json,
+    LpSolver,
+    ProblemName,
+    Quiet,
+    Seed,
+    Set,
+    Threads,
+    Verbose,
+    bounded,
+    output_path,
+    read_problem,
+    remark,
+)
 
 if TYPE_CHECKING:
     from ..formulations.answers import ReadAnswer
     from ..formulations.evaluation import Evaluation
     from ..formulations.problem import Problem
+    from ..solvers.linear_programs import LinearPrograms
 
 STATED_TOLERANCE = 1e-6
 """Relative difference up to which a stated objective counts as the recomputed one."""
@@ -45,7 +62,7 @@ def check(
     read = read_answer(asked, solution)
     evaluation = asked.evaluate(read.answer)
     made = verify(asked, read.answer, certificate)
-    notes = [*read.notes, *_compare(read, evaluation)]
+    notes = [*(f"{solution}: {note}" for note in read.notes), *_compare(read, evaluation)]
     if json:
         from .output import print_json
 
@@ -64,7 +81,8 @@ def check(
             }
         )
     else:
-        from ..formulations.rendering import Line, certificate_lines
+        from ..formulations.certificate import certificate_lines
+        from ..formulations.rendering import Line
         from .output import print_lines
 
         lines = certificate_lines(made)
@@ -91,12 +109,16 @@ def _compare(read: ReadAnswer, evaluation: Evaluation) -> list[str]:
     if len(stated) == len(values) and all(same(a, b, precision=STATED_TOLERANCE) for a, b in zip(stated, values, strict=True)):
         return []
     shown = values[0] if len(values) == 1 else values
-    return [f"the file states {read.stated!r}, recomputed from the data it is {shown!r}; is the convention of distance the file's?"]
+    cure = "; is the convention of distance the file's?" if "distance" in evaluation.quantities else ""
+    return [f"the file states {read.stated!r}, recomputed from the data it is {shown!r}{cure}"]
 
 
 def bound(
     file: File,
     bound_time: Annotated[float, typer.Option("--bound-time", metavar="S", help="Seconds for all methods together.")] = 60.0,
+    seed: Seed = 1,
+    threads: Threads = 1,
+    lp_solver: LpSolver = None,
     certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Write the evidence (.json).")] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
@@ -110,7 +132,7 @@ def bound(
 
     Exit code 0 with a bound, 3 if it is proved that there is no solution to bound, 4 if nothing was proved.
     """
-    bounded(bound_time=bound_time)
+    bounded(bound_time=bound_time, seed=seed, threads=threads)
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
     asked = read_problem(file, format, problem, convention, settings)
@@ -119,15 +141,17 @@ def bound(
     from ..formulations.answers import json_text
     from ..formulations.certificate import certify
     from ..instances.atomic import atomic_write
+    from ..solvers.linear_programs import linear_programs
     from ..solving.search import in_time
     from .delivery import Delivery
     from .output import lines_text, stdout_is_ours
     from .progress import Progress
 
     unable: list[str] = []
+    linear = linear_programs(lp_solver, seed, threads)
     interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
-        evidence, seconds = _bounded(asked, bound_time, progress, unable)
+        evidence, seconds = _bounded(asked, bound_time, linear, progress, unable)
     made = in_time(lambda: certify(asked, None, evidence, unproved=unable), lambda: certify(asked, None))
     for line in unable:
         remark(line)
@@ -146,7 +170,8 @@ def bound(
     }
 
     def shown() -> str:
-        from ..formulations.rendering import Line, certificate_lines
+        from ..formulations.certificate import certificate_lines
+        from ..formulations.rendering import Line
 
         if made.infeasible:
             lines = [Line("bound", f"none: there is no solution, verified: {made.bound_source}", "bad")]
@@ -163,14 +188,15 @@ def bound(
     raise typer.Exit(delivery.code or (3 if made.infeasible else 0 if made.bound is not None else _nothing()))
 
 
-def _bounded(problem: Problem, seconds: float, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
+def _bounded(problem: Problem, seconds: float, linear: LinearPrograms, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
     """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
     from ..solvers.backend import Control, RawResult
     from ..solving.bounding import find_bounds
     from ..solving.search import BOUND_OVERTIME, search
 
     def find(control: Control) -> RawResult:
-        return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, progress=progress, unable=unable))
+        found = find_bounds(problem, seconds, control=control, progress=progress, unable=unable, linear=linear)
+        return RawResult("unknown", answer=found)
 
     searched = search(find, Control(), seconds, overtime=BOUND_OVERTIME)
     return searched.result.answer or [], searched.seconds
@@ -204,7 +230,7 @@ def explain(
         print_json({"instance": asked.name, "problem": asked.problem, **made.to_json()})
     else:
         from ..formulations.rendering import Line
-        from ..reports.tables.routing import Column, Table
+        from ..reports.tables.table import Column, Table
 
         verdict = {"infeasible": "there is no solution", "feasible": "there is a solution", "undecided": "undecided"}[made.verdict]
         source = f", according to {made.according_to}" if made.according_to else ""

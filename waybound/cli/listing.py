@@ -25,16 +25,17 @@ def info(
     verbose: Verbose = False,
 ) -> None:
     """What an instance holds, which solvers and heuristics take it, and what the others lack."""
-    from ..reports.tables.routing import facts, facts_table, heuristics_table, solvers_table
+    from ..reports.tables.facts import facts, facts_table
+    from ..reports.tables.listing import heuristics_table, solvers_table
     from ..solving.listing import heuristic_table, solver_table
     from .output import print_json, print_table
 
     source, asked = read_both(file, format, problem, convention, settings)
-    data = {"format": source.format, "problems": list(source.problems), **facts(asked)}
+    data = facts(asked)
     able, approximate = solver_table(asked), heuristic_table(asked)
     if json:
         listed = {"solvers": [dataclasses.asdict(i) for i in able], "heuristics": [dataclasses.asdict(i) for i in approximate]}
-        print_json({**data, **listed})
+        print_json({"format": source.format, "problems": list(source.problems), **data, **listed})
         return
     print_table(facts_table(data))
     print_table(solvers_table(able, asked=True))
@@ -50,7 +51,7 @@ def solvers(
     verbose: Verbose = False,
 ) -> None:
     """All solvers, installed or not, and with FILE which of them take it."""
-    from ..reports.tables.routing import solvers_table
+    from ..reports.tables.listing import solvers_table
     from ..solving.listing import solver_table
     from .output import print_json, print_table
 
@@ -70,7 +71,7 @@ def heuristics(
     verbose: Verbose = False,
 ) -> None:
     """All heuristics with what they guarantee, and with FILE which of them take it."""
-    from ..reports.tables.routing import heuristics_table
+    from ..reports.tables.listing import heuristics_table
     from ..solving.listing import heuristic_table
     from .output import print_json, print_table
 

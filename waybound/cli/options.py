@@ -44,6 +44,11 @@ Set = Annotated[
         "Repeatable.",
     ),
 ]
+Seed = Annotated[int, typer.Option("--seed", metavar="N")]
+Threads = Annotated[int, typer.Option("--threads", metavar="N")]
+LpSolver = Annotated[
+    str | None, typer.Option("--lp-solver", metavar="NAME", help="Who solves the linear programs met on the way; highs by default.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more; tracebacks of internal errors.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]

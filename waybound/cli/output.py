@@ -15,7 +15,7 @@ from ..instances.errors import InputError, in_words
 
 if TYPE_CHECKING:
     from ..formulations.rendering import Line
-    from ..reports.tables.routing import Table
+    from ..reports.tables.table import Table
 
 SHOWN_ROWS = 100
 """Rows of a table that are shown: more are for machines, and take seconds to lay out."""

@@ -77,7 +77,7 @@ def _check(instances: int | None, seed: int, jobs: int, out: Path | None) -> Non
 
 def _list(json: bool) -> None:
     from ..reports.ratios.study import STUDIES
-    from ..reports.tables.routing import Column, Table
+    from ..reports.tables.table import Column, Table
     from .output import print_json, print_table
 
     studies: list[Study] = STUDIES.values()

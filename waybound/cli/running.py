@@ -122,7 +122,7 @@ def _figures(log: pd.DataFrame) -> list[str]:
 
 def _shown(log: pd.DataFrame, mission: Mission) -> str:
     from ..formulations.rendering import number
-    from ..reports.tables.routing import Column, Table
+    from ..reports.tables.table import Column, Table
     from .output import table_text
 
     names = sorted(_figures(log), key=lambda name: name != mission.headline)

@@ -15,9 +15,12 @@ from .options import (
     File,
     Format,
     Json,
+    LpSolver,
     ProblemName,
     Quiet,
+    Seed,
     Set,
+    Threads,
     Verbose,
     bounded,
     complain,
@@ -66,8 +69,9 @@ def solve(
     ] = None,
     iterations: Annotated[int | None, typer.Option("--iterations", metavar="N", help="Work limit; makes a run repeatable.")] = None,
     gap: Annotated[float, typer.Option("--gap", metavar="G", help="Relative gap at which the search may stop.")] = 0.0,
-    seed: Annotated[int, typer.Option("--seed", metavar="N")] = 1,
-    threads: Annotated[int, typer.Option("--threads", metavar="N")] = 1,
+    seed: Seed = 1,
+    threads: Threads = 1,
+    lp_solver: LpSolver = None,
     start: Annotated[Path | None, typer.Option("--start", metavar="SOLUTION", help="A solution file to start from.")] = None,
     isolate: Annotated[bool, typer.Option("--isolate", help="Run the solver in a process of its own, with hard limits.")] = False,
     memory_limit: Annotated[
@@ -112,7 +116,7 @@ def solve(
         solution = search(
             asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
             gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
-            options=options,
+            lp_solver=lp_solver, options=options,
         )  # fmt: skip
     delivery = Delivery(verbose)
 
@@ -156,6 +160,9 @@ def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: P
     if plot is not None:
         from importlib.util import find_spec
 
+        from ..reports.plots import check_drawable
+
+        check_drawable(problem)
         if find_spec("matplotlib") is None:
             raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
 
@@ -165,7 +172,7 @@ def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, cer
     from ..instances.atomic import atomic_write
 
     def draw(path: Path) -> None:
-        from ..reports.plots.routing import save_plot
+        from ..reports.plots import save_plot
 
         save_plot(solution, path)
 
@@ -190,23 +197,14 @@ def _least(solution: Solution) -> dict[str, Any]:
 
 
 def _shown(solution: Solution, verbose: bool) -> str:
-    from ..formulations.rendering import Line, solution_lines, solution_title
-    from ..formulations.routing.problem import RoutingProblem
-    from ..reports.tables.routing import answer_table, routes_table, unserved_sites, unserved_table
+    from ..formulations.rendering import Line
+    from ..formulations.solution import solution_lines, solution_title
+    from ..reports.tables.answers import answer_tables
     from .output import lines_text, table_text
 
-    problem = solution.problem
-    told = ""
-    if isinstance(problem, RoutingProblem):
-        if solution.answer is not None:
-            told += table_text(routes_table(problem, solution.answer))
-        left = unserved_sites(problem, solution.answer)
-        if left:
-            told += table_text(unserved_table(left))
-    elif solution.answer is not None:
-        told += table_text(answer_table(problem, solution.answer))
+    told = "".join(map(table_text, answer_tables(solution.problem, solution.answer)))
     lines = solution_lines(solution)
-    lines += [Line("note", note) for note in problem.notes]
+    lines += [Line("note", note) for note in solution.problem.notes]
     if verbose:
         lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
         lines += [Line(k, str(v), "quiet") for k, v in solution.statistics.items()]

@@ -6,20 +6,15 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..formulations.certificate import verified_bound
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
-from ..formulations.programs.program import Program
 from ..formulations.stop import Stop
 from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError, in_words
-from ..solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from ..solvers.backend import Control
 from ..solvers.bounds import BOUNDS
-
-LP_SOLVER = "highs"
+from ..solvers.linear_programs import LinearPrograms
 
 
 def find_bounds(
@@ -31,6 +26,7 @@ def find_bounds(
     control: Control | None = None,
     progress: Callable[[dict[str, Any]], None] | None = None,
     unable: list[str] | None = None,
+    linear: LinearPrograms | None = None,
 ) -> list[Evidence]:
     """Evidence for bounds of ``problem``, to be verified by the checker.
 
@@ -49,6 +45,8 @@ def find_bounds(
         Receives an event for each bound found.
     unable : list of str, optional
         Receives a line for each method that failed; the others are tried all the same.
+    linear : LinearPrograms, optional
+        Who solves linear programs, with which seed and threads.
 
     Returns
     -------
@@ -67,22 +65,14 @@ def find_bounds(
                 methods.append(method)
         except Exception as fault:
             failed.append(f"no bound by {method.name}: {in_words(fault)}")
-    stop = Stop(seconds)
+    stop, linear = Stop(seconds), linear or LinearPrograms()
     control.on_stop(stop.ask)
-
-    def solve_program(program: Program, limit: float) -> NDArray[np.float64] | None:
-        backend = BACKENDS[LP_SOLVER]()
-        assert isinstance(backend, ProgramBackend)
-        inner = Control()  # the outer one carries evidence, which a program backend would take for its own incumbent
-        control.on_stop(inner.stop)
-        result = backend.run(program, Options(time_limit=min(limit, stop.seconds_left)), inner)
-        return result.row_duals
 
     for method in methods:
         if stop.reached():
             break
         try:
-            evidence = method.compute(problem, stop.seconds_left, solve_program, stop)
+            evidence = method.compute(problem, stop, linear)
         except UnsupportedError:
             continue
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds

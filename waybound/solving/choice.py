@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from ..formulations.forms import FORMS, nearest_form
+from ..formulations.forms import FORMS, default_form, nearest_form
 from ..formulations.problem import Problem
-from ..formulations.programs.program import Program
-from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
-from ..solvers.backend import BACKENDS, Backend, ProgramBackend
+from ..formulations.programs.compiled import Compiled
+from ..formulations.programs.exactness import Exactness
+from ..formulations.programs.program import INTEGERS, LINEAR, Program, described
+from ..instances.errors import UnsupportedError, UsageError
+from ..solvers.backend import BACKENDS, ProgramBackend, takes_features
 from .listing import missing_features
 
 PREFERENCE = ("pyvrp", "ortools", "highs", "scip", "mathopt", "cpsat", "pulp", "cvxpy")
@@ -17,34 +19,27 @@ linear forms of the other families, then those that take nonconvex products what
 def default_solver(problem: Problem, given: Program | None, form: str | None, relax: bool) -> str:
     """The first installed solver that can take the problem, or the program that is meant."""
     lacking: dict[str, frozenset[str]] = {}
-    kind = given.kind if given is not None else FORMS[form].kind(problem) if form is not None else None
-    if relax and (kind or "MILP").startswith("MI"):
-        kind = "LP"
+    meant = given.features() if given is not None else FORMS[form].makes(problem) if form is not None else INTEGERS if relax else None
+    if relax and meant is not None:
+        meant -= INTEGERS
     for name in [*PREFERENCE, *(n for n in BACKENDS if n not in PREFERENCE)]:
         if name in BACKENDS and BACKENDS[name].installed():
-            missing, _ = missing_features(name, problem)
-            if kind is not None:
-                backend = BACKENDS[name]
-                able = issubclass(backend, ProgramBackend) and bool(backend.takers(kind))
-                missing = frozenset() if able else frozenset({f"{kind} programs"})
+            backend = BACKENDS[name]
+            if meant is None:
+                missing, _ = missing_features(name, problem)
+            elif issubclass(backend, ProgramBackend):
+                missing = frozenset() if backend.takers(meant) else frozenset({f"{described(meant)} programs"})
+            else:
+                continue
             if not missing:
                 return name
             lacking[name] = missing
     if not lacking:
         raise UsageError("no solver is installed")
+    if meant is None and problem.forms():
+        default_form(problem)  # says so where all of them are inexact
     nearest = min(lacking, key=lambda name: (f"{problem.family} problems" in lacking[name], len(lacking[name])))
     raise UnsupportedError("no installed solver", lacking[nearest], nearest=nearest)
-
-
-def solver_named(name: str) -> Backend:
-    """The solver of that name, ready to run; raises UsageError or MissingPackageError where there is none."""
-    base, colon, variant = name.partition(":")
-    kind = BACKENDS[base]
-    if colon and not variant:
-        raise UsageError(f"{name!r} names no solver within {base}; write {base} or {base}:NAME")
-    if not kind.installed():
-        raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.package}")
-    return kind(variant) if variant else kind()
 
 
 def able_solvers(problem: Problem) -> list[str]:
@@ -52,15 +47,16 @@ def able_solvers(problem: Problem) -> list[str]:
     return [n for n in BACKENDS if BACKENDS[n].installed() and not missing_features(n, problem)[0]]
 
 
-def first_program(problem: Problem, backend: ProgramBackend, relax: bool) -> Program:
-    """The problem in the best form that the solver takes; in the best of all where there is none, for the error to say so."""
+def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Compiled:
+    """The problem in the best exact form that the solver takes; in the best of all where there is none, for the error to say so."""
     if not problem.forms():
         raise UnsupportedError(backend.name, nearest_form(problem)[1], able_solvers(problem))
-    first: Program | None = None
+    first: Compiled | None = None
     for form in problem.forms():
-        if relax or FORMS[form].kind(problem) in backend.kinds:
-            program = problem.compile(form, relax=relax)
-            first = first or program
-            if relax or not backend.lacks(program):
-                return program
+        features = FORMS[form].makes(problem) - (INTEGERS if relax else LINEAR)
+        if FORMS[form].exactness is Exactness.EXACT and takes_features(features, backend.programs, backend.only_integers):
+            made = problem.compile(form, relax=relax)
+            first = first or made
+            if not backend.missing(made.program):
+                return made
     return first or problem.compile(relax=relax)

@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.evidence import Evidence
-from ..formulations.forms import FORMS, no_form, relaxed
+from ..formulations.arrays.problem import ArrayProblem
+from ..formulations.evidence import Reason
+from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
+from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.program import Program, Rows
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
@@ -26,23 +28,6 @@ from .solve import solve
 FILTER_SOLVER = "highs"
 
 Flags = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Reason:
-    """One part of an explanation: a ``site``, the ``fleet``, or a ``row`` of a form; ``where`` is its name.
-
-    ``evidence`` is what the checker confirmed, a proof by itself that there is no answer; None for rows.
-    """
-
-    kind: str
-    where: str
-    message: str
-    evidence: Evidence | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        evidence = None if self.evidence is None else self.evidence.to_json()
-        return {"kind": self.kind, "where": self.where, "message": self.message, "evidence": evidence}
 
 
 @dataclass(frozen=True)
@@ -86,7 +71,7 @@ class Explanation:
         }
 
 
-def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
+def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
     """Why ``problem`` has no answer, in its own words.
 
     First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion
@@ -94,11 +79,11 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
 
     Parameters
     ----------
-    problem : Problem or Program
+    problem : Problem, Compiled or Program
     time_limit : float, seconds
         For everything together.
     form : str, optional
-        Form whose rows shall be named; the problem's first by default.
+        Form whose rows shall be named; the problem's first exact one by default.
 
     Returns
     -------
@@ -111,6 +96,8 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
     """
     if not time_limit > 0:
         raise UsageError(f"the time limit must be positive, not {time_limit!r}")
+    if form is not None and not isinstance(problem, Problem):
+        raise UsageError(f"the program is already compiled, as {problem.form if isinstance(problem, Compiled) else problem.name}")
     end = time.perf_counter() + time_limit
 
     def work(control: Control) -> RawResult:
@@ -133,28 +120,12 @@ def explain(problem: Problem | Program, *, time_limit: float = 60.0, form: str |
     return made or Explanation("undecided", message=f"undecided within {time_limit:g} s")
 
 
-def reasons_from_data(problem: Problem | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
-    """Reasons that are proofs by themselves, each confirmed by its checker: sites out of reach, or else a fleet too small."""
-    from ..formulations.routing.problem import RoutingProblem
-
-    if not isinstance(problem, RoutingProblem):
-        return
-    from ..formulations.routing.fleet_need import fleet_conflicts, none
-    from ..formulations.routing.reachability import unreachable
-
-    required, ids = problem.sites.required, problem.sites.ids
-    sites = [
-        Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(problem), {"site": ids[k]}))
-        for k, why in unreachable(problem).items() if required[k]
-    ]  # fmt: skip
-    yield from sites
-    if not sites and not stopped():
-        for found in fleet_conflicts(problem, stopped):
-            site = found.data.get("site")
-            yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
+def reasons_from_data(problem: Problem | Compiled | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
+    """Reasons that are proofs by themselves, each confirmed by its checker."""
+    return problem.infeasibility_reasons(stopped) if isinstance(problem, Problem) else iter(())
 
 
-def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, control: Control) -> Explanation:
+def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control) -> Explanation:
     if form is not None and isinstance(problem, Problem):
         FORMS[form]  # a name that does not exist is refused before anything is tried
     notes: list[str] = []
@@ -171,18 +142,22 @@ def _explain_by_rows(problem: Problem | Program, form: str | None, end: float, c
 _FEASIBLE = Explanation("feasible", "the data", message="there is an answer that passes every check")
 
 
-def _explain_rows(problem: Problem | Program, form: str | None, end: float, control: Control, notes: list[str]) -> Explanation:
+def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control, notes: list[str]) -> Explanation:
     if not BACKENDS[FILTER_SOLVER].installed():
         return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].package}")
     try:
-        program = problem if isinstance(problem, Program) else _program_of(problem, form)
+        if isinstance(problem, Compiled):
+            made = problem
+        else:
+            made = ArrayProblem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
     except UnsupportedError as error:
         if form is not None:
             raise
-        return Explanation("undecided", message=f"no form can write this problem down, so no rows can be named: {error}")
-    if not program.exactness.infeasibility_is_valid:
-        raise UsageError(f"form {program.form} is a {program.exactness.value}: that it has no point would prove nothing")
-    if any(_is_answer(problem, program, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
+        return Explanation("undecided", message=f"no rows can be named: {error}")
+    if not made.exactness.infeasibility_is_valid:
+        raise UsageError(f"form {made.form} is a {made.exactness.value}: that it has no point would prove nothing")
+    program = made.program
+    if any(_is_answer(problem, made, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
         return _FEASIBLE
     plain = replace(
         program, sense="min", quadratic=None, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables)
@@ -193,7 +168,7 @@ def _explain_rows(problem: Problem | Program, form: str | None, end: float, cont
     def stop() -> bool:
         return control.stopped or time.perf_counter() >= end
 
-    relaxation = relaxed(plain) if plain.is_integer and not plain.cones else None
+    relaxation = replace(made, program=plain).relaxed().program if plain.is_integer and not plain.cones else None
     if relaxation is not None:
         test = _Tester(relaxation, end, inner)
         if test(np.ones(plain.num_rows, dtype=bool)) is True:
@@ -206,19 +181,19 @@ def _explain_rows(problem: Problem | Program, form: str | None, end: float, cont
     whole = test(np.ones(plain.num_rows, dtype=bool))
     if whole is True:
         return _from_rows(plain, *deletion_filter(plain, test, stop))
-    if whole is False and program.exactness.answer_is_valid:
-        if _is_answer(problem, program, test.point):
-            return replace(_FEASIBLE, form=program.form)
-        return Explanation("feasible", FILTER_SOLVER, form=program.form, message=f"{FILTER_SOLVER} finds a point that satisfies all rows")
-    return Explanation("undecided", form=program.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
+    if whole is False and made.exactness.answer_is_valid:
+        if _is_answer(problem, made, test.point):
+            return replace(_FEASIBLE, form=made.form)
+        return Explanation("feasible", FILTER_SOLVER, form=made.form, message=f"{FILTER_SOLVER} finds a point that satisfies all rows")
+    return Explanation("undecided", form=made.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
 
 
-def _is_answer(problem: Problem | Program, program: Program, point: Any) -> bool:
-    """Whether ``point`` of ``program`` satisfies all its rows, or stands for an answer that passes every check."""
+def _is_answer(problem: Problem | Compiled | Program, made: Compiled, point: Any) -> bool:
+    """Whether ``point`` of the program satisfies all its rows, or stands for an answer that passes every check."""
     if isinstance(problem, Program):
-        return point is not None and program.residual(point) == 0.0
+        return point is not None and problem.residual(point) == 0.0
     try:
-        return point is not None and problem.evaluate(program.decode(point)).feasible
+        return point is not None and made.problem.evaluate(made.decode(point)).feasible
     except InputError:
         return False
 
@@ -249,19 +224,6 @@ def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float,
     return False
 
 
-def _program_of(problem: Problem, form: str | None) -> Program:
-    if form is None:
-        usable = [name for name in problem.forms() if FORMS[name].exactness.infeasibility_is_valid]
-        if not usable:
-            raise (
-                UnsupportedError("explain", {"a form that has an answer wherever the problem has one"})
-                if problem.forms()
-                else no_form(problem)
-            )
-        form = usable[0]
-    return problem.compile(form)
-
-
 class _Tester:
     """``test(keep)``: whether the rows ``keep`` contradict each other; None if that was not found out in time.
 
@@ -286,7 +248,7 @@ class _Tester:
             "kept", indptr=part.indptr.astype(np.int32), indices=part.indices.astype(np.int32), data=part.data,
             lower=self.program.row_lower[keep], upper=self.program.row_upper[keep],
         )  # fmt: skip
-        trial = replace(self.program, rows=(rows,), encode=None, dual_evidence=None)
+        trial = replace(self.program, rows=(rows,))
         result = self.backend.run(trial, Options(time_limit=limit), self.control)
         if result.status in ("infeasible", "infeasible_or_unbounded"):  # without costs nothing is unbounded
             return True
@@ -354,7 +316,7 @@ def _from_rows(program: Program, kept: list[int], minimal: bool) -> Explanation:
         message = f"{who} finds no point for {many} within the variables' bounds, and one wherever a row is left out"
     else:
         message = f"{who} finds no point for {many} within the variables' bounds; the search ended before the set was known to be smallest"
-    return Explanation("infeasible", who, reasons, minimal, program.form, message)
+    return Explanation("infeasible", who, reasons, minimal, program.name, message)
 
 
 _SHOWN_TERMS = 6

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 from ..formulations.certificate import certify
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
-from ..formulations.tolerance import same
+from ..formulations.tolerance import gap, same
 from ..solvers.backend import Control, RawResult
+from ..solvers.linear_programs import LinearPrograms
 from .bounding import find_bounds
 from .search import search
 
@@ -23,28 +24,37 @@ MOST_SITES = 500
 """Larger instances have bounds that no answer reaches, and whose verification takes as long as finding them."""
 
 
-def first_evidence(problem: RoutingProblem, seconds: float) -> tuple[list[Evidence], Goal | None]:
-    """Evidence found within ``seconds``, and the goal that it sets."""
+def first_evidence(
+    problem: RoutingProblem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0
+) -> tuple[list[Evidence], Goal | None]:
+    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for."""
     if len(problem.sites) > MOST_SITES:
         return [], None
     try:
-        found = search(lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control)), Control(), seconds)
+
+        def find(control: Control) -> RawResult:
+            return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, linear=linear))
+
+        found = search(find, Control(), seconds)
         evidence = found.result.answer or []
-        return evidence, Goal(problem, evidence)
+        return evidence, Goal(problem, evidence, most)
     except (Exception, KeyboardInterrupt):  # whatever fails here will be told by the bounding that follows the search, and costs no answer
         return [], None
 
 
 class Goal:
-    """Ends a search, through its ``Control``, whose incumbent reaches a verified bound.
+    """Ends a search, through its ``Control``, whose incumbent reaches a verified bound, or comes as near to it as is asked for.
 
     Parameters
     ----------
     problem : Problem
     evidence : sequence of Evidence
+    most : float
+        Relative gap at which the search ends.
     """
 
-    def __init__(self, problem: Problem, evidence: Sequence[Evidence]) -> None:
+    def __init__(self, problem: Problem, evidence: Sequence[Evidence], most: float = 0.0) -> None:
+        self.most, self.limit = most, "none"
         certificate = certify(problem, None, evidence)
         self.problem, self.infeasible, self.reached = problem, bool(certificate.infeasible), False
         self.bound = certificate.bound if isinstance(certificate.bound, float) and len(problem.senses) == 1 else None
@@ -54,8 +64,10 @@ class Goal:
         if self.bound is not None and objective is not None and self._close(objective):
             judged = self.problem.evaluate(answer)
             self.reached = judged.feasible and self._close(judged.values[0])
+            if self.reached and self.bound is not None and not same(judged.values[0], self.bound):
+                self.limit = "gap"
         return self.reached
 
     def _close(self, value: float) -> bool:
         assert self.bound is not None
-        return same(value, self.bound)
+        return same(value, self.bound) or gap(value, self.bound) <= self.most

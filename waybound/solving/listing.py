@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 from ..formulations.forms import FORMS, nearest_form
 from ..formulations.problem import Problem
+from ..formulations.programs.exactness import Exactness
+from ..formulations.programs.program import described
 from ..heuristics.heuristic import HEURISTICS
-from ..solvers.backend import BACKENDS, Engine, ProgramBackend
+from ..solvers.backend import BACKENDS, Engine, ProgramBackend, kinds_of
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class HeuristicInfo:
 
 
 def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple[str, ...]]:
-    """What solver ``name`` lacks for ``problem``, at least and in the nearest form, and the forms through which it can take it."""
+    """What solver ``name`` lacks for ``problem`` where no form is named, at least, and the forms through which it can take it."""
     backend = BACKENDS[name]
     if issubclass(backend, Engine):
         return backend().missing(problem), ()
@@ -46,8 +48,11 @@ def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple
     forms = problem.forms()
     if not forms:
         return nearest_form(problem)[1], ()
-    usable = tuple(f for f in forms if backend.takers(FORMS[f].kind(problem)))
-    return (frozenset() if usable else frozenset({f"{FORMS[forms[0]].kind(problem)} programs"})), usable
+    usable = tuple(f for f in forms if backend.takers(FORMS[f].makes(problem)))
+    exact = [f for f in forms if FORMS[f].exactness is Exactness.EXACT]
+    if not usable:
+        return frozenset({f"{described(FORMS[(exact or forms)[0]].makes(problem))} programs"}), ()
+    return (frozenset() if set(exact) & set(usable) else frozenset({"an exact form for this problem"})), usable
 
 
 def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
@@ -56,7 +61,7 @@ def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
     for name in BACKENDS:
         backend = BACKENDS[name]
         missing, forms = missing_features(name, problem) if problem is not None else (frozenset(), ())
-        takes = ", ".join(sorted(backend.kinds)) if issubclass(backend, ProgramBackend) else f"{backend.family} problems"
+        takes = ", ".join(kinds_of(backend)) if issubclass(backend, ProgramBackend) else f"{backend.family} problems"
         rows.append(
             SolverInfo(
                 name, backend.takes, backend.installed(), backend.version(), backend.summary, takes,

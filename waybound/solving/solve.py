@@ -6,30 +6,30 @@ import math
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
+from ..formulations.arrays.problem import ArrayProblem
 from ..formulations.certificate import Certificate, better_bound, certify, judged_only
 from ..formulations.evaluation import Evaluation
-from ..formulations.evidence import Evidence, Guarantee
-from ..formulations.forms import relaxed
+from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
+from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
 from ..formulations.solution import Solution, Value, relative_gap
-from ..formulations.stop import Stop
 from ..formulations.tolerance import EQUAL, same
-from ..heuristics.heuristic import HEURISTICS, Outcome, Setting
+from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
-from ..solvers.backend import Control, Engine, Options, ProgramBackend, RawResult, takers
+from ..solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult, solver_named, takers
+from ..solvers.isolation import SolverWork, run_in_process
+from ..solvers.linear_programs import LinearPrograms, linear_programs
 from . import claims
 from .answers import answer_given
 from .bounding import find_bounds, proved
-from .choice import able_solvers, default_solver, first_program, solver_named
+from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
 from .search import BOUND_OVERTIME, Searched, in_time, search
@@ -39,23 +39,36 @@ Progress = Callable[[dict[str, Any]], None]
 
 @dataclass(frozen=True)
 class _Run:
-    """One search, ready to start: what is searched, and how its raw answers become answers of the problem."""
+    """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
+
+    ``made`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold.
+    """
 
     name: str
-    form: str | None
-    exactness: Exactness
     go: Callable[[Control], RawResult]
-    decode: Callable[[Any], Any]
-    program: Program | None
-    versions: dict[str, str]
-    compile_seconds: float
-    outcome: list[Outcome]
-    notes: list[str]
+    versions: dict[str, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    made: Compiled | None = None
+    compile_seconds: float = 0.0
     routes: bool = False
+    heuristic: bool = False
+
+    @property
+    def form(self) -> str | None:
+        return None if self.made is None else self.made.form
+
+    def exactness(self, result: RawResult) -> Exactness:
+        """How the search's points and claims relate to the problem's."""
+        if self.heuristic:
+            return Exactness.NEITHER
+        return result.holds if self.made is None else self.made.exactness
+
+    def decode(self, raw: Any) -> Any:
+        return raw if self.made is None else self.made.decode(raw)
 
 
 def solve(
-    problem: Problem | Program,
+    problem: Problem | Compiled | Program,
     solver: str | None = None,
     *,
     heuristic: str | None = None,
@@ -71,6 +84,8 @@ def solve(
     progress: Progress | None = None,
     isolate: bool = False,
     memory_limit: float | None = None,
+    no_improvement: int | None = None,
+    lp_solver: str | None = None,
     options: dict[str, Any] | None = None,
     **parameters: Any,
 ) -> Solution:
@@ -78,7 +93,7 @@ def solve(
 
     Parameters
     ----------
-    problem : Problem or Program
+    problem : Problem, Compiled or Program
     solver : str, optional
         A name of ``solvers()``; ``pulp:HiGHS`` names a solver within a solver. Without solver and heuristic, the first
         installed one that can take the problem.
@@ -92,13 +107,15 @@ def solve(
         Wall time for the engine alone.
     bound_time : float, seconds, optional
         Budget for bounding after it: a tenth of the limit, at least 1 s, by default; 0 turns it off.
-    iterations, gap, seed, threads, memory_limit
-        See ``Options``.
+    iterations, gap, seed, threads, memory_limit, no_improvement
+        See ``Options``. What the solver or heuristic does not keep to is refused by name.
     start : answer, Solution, mapping or path, optional
         What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
         ``Solution``; the JSON of either; a solution file.
     progress : callable, optional
         Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
+    lp_solver : str, optional
+        Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
     isolate : bool
         Run the solver in a process of its own, with hard time and memory limits.
     options : dict, optional
@@ -117,7 +134,7 @@ def solve(
     CheckFailedError
         If a claim of the solver does not hold up, and there is no answer to hand over.
     """
-    if not isinstance(problem, Problem | Program):
+    if not isinstance(problem, Problem | Compiled | Program):
         raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
     check_number("time_limit", time_limit, above=0)
     check_number("gap", gap)
@@ -125,6 +142,8 @@ def solve(
     check_whole("threads", threads, least=1)
     if iterations is not None:
         check_whole("iterations", iterations, least=1)
+    if no_improvement is not None:
+        check_whole("no_improvement", no_improvement, least=1)
     if bound_time is not None:
         check_number("bound_time", bound_time)
     if memory_limit is not None:
@@ -132,19 +151,25 @@ def solve(
     if memory_limit is not None and not isolate:
         isolate = True
     budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
-    given: Program | None = None
+    given: Compiled | None = None
     if isinstance(problem, Program):
-        given = problem
-        problem = _problem_of(given)
+        problem = ArrayProblem(problem)
+        given = problem.compile()
+    elif isinstance(problem, Compiled):
+        given, problem = problem, problem.problem
     start, told = answer_given(problem, start, "the start")
-    chosen = Options(time_limit, iterations, gap, threads, seed, start, memory_limit, {**(options or {}), **parameters})
+    linear = linear_programs(lp_solver, seed, threads)
+    chosen = Options(
+        time_limit, iterations, gap, threads, seed, start, memory_limit, no_improvement, linear.solver, {**(options or {}), **parameters}
+    )  # fmt: skip
 
     if heuristic is not None:
         if solver is not None or form is not None or relax:
             raise UsageError("a heuristic takes no solver, form or relaxation")
-        run = _heuristic_run(problem, heuristic, chosen)
+        run = _heuristic_run(problem, heuristic, chosen, isolate)
     else:
-        run = _solver_run(problem, given, solver or default_solver(problem, given, form, relax), form, relax, chosen, isolate)
+        solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
+        run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
 
     run.notes.extend(told)
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
@@ -154,7 +179,7 @@ def solve(
         first: list[Evidence] = []
         goal: Goal | None = None
         if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first, goal = first_evidence(problem, min(SECONDS, budget))  # type: ignore[arg-type]
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)  # type: ignore[arg-type]
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
@@ -168,22 +193,14 @@ def solve(
             message = f"the engine failed: {in_words(fault)}"
             searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
         if goal is not None and goal.reached and not searched.interrupted:
-            searched = replace(searched, result=replace(searched.result, limit="none"))
+            searched = replace(searched, result=replace(searched.result, limit=goal.limit))
         made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first)
         made.seconds["bound"] += spent
         return made
 
 
-def _problem_of(program: Program) -> Problem:
-    if program.problem is not None:
-        return program.problem
-    from ..formulations.arrays.problem import ArrayProblem
-
-    return ArrayProblem(program)
-
-
 def _solver_run(
-    problem: Problem, given: Program | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
+    problem: Problem, given: Compiled | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
 ) -> _Run:
     backend = solver_named(solver)
     versions = {backend.package: backend.version()}
@@ -196,66 +213,60 @@ def _solver_run(
         missing = backend.missing(problem)
         if missing:
             raise UnsupportedError(solver, missing, able_solvers(problem))
-        engine = backend
-        go = _isolated(solver, problem, options) if isolate else (lambda control: engine.run(problem, options, control))
-        return _Run(solver, None, Exactness.RESTRICTION, go, lambda a: a, None, versions, 0.0, [], notes, engine.family == "routing")
+        _refuse_ignored(solver, backend.honours, options)
+        if backend.one_thread and options.threads > 1:
+            notes.append(f"{solver} searches on one thread")
+        return _Run(solver, _going(solver, problem, options, isolate), versions, notes, routes=backend.family == "routing")
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
     if given is None:
-        program = problem.compile(form, relax=relax) if form is not None else first_program(problem, backend, relax)
+        made = problem.compile(form, relax=relax) if form is not None else first_compiled(problem, backend, relax)
     elif form is not None:
         raise UsageError(f"the program is already compiled, as {given.form}")
     else:
-        program = relaxed(given) if relax else given
+        made = given.relaxed() if relax else given
     compiled = time.perf_counter() - began
-    if program.kind not in backend.kinds:
-        raise UnsupportedError(solver, {f"{program.kind} programs"}, takers(program.kind, solver))
+    lacking = ProgramBackend.missing(backend, made.program)
+    if lacking:
+        raise UnsupportedError(solver, lacking, takers(made.program.features(), solver))
+    _refuse_ignored(solver, backend.honours, options)
     start = None
-    if options.start is not None and program.encode is not None:
+    if options.start is not None and made.encode is not None:
         try:
-            start = program.encode(options.start)
+            start = made.encode(options.start)
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     hinted = replace(options, start=start)
-    runner = backend
-    go = _isolated(solver, program, hinted) if isolate else (lambda control: runner.run(program, hinted, control))
-    return _Run(solver, program.form, program.exactness, go, program.decode, program, versions, compiled, [], notes)
+    return _Run(solver, _going(solver, made.program, hinted, isolate), versions, notes, made, compiled)
 
 
-def _isolated(solver: str, target: Problem | Program, options: Options) -> Callable[[Control], RawResult]:
-    from ..solvers.isolation import run_isolated
-
-    return lambda control: run_isolated(solver, target, options, control)
+def _linear(options: Options) -> LinearPrograms:
+    return LinearPrograms(options.lp_solver, options.seed, options.threads)
 
 
-def _heuristic_run(problem: Problem, name: str, options: Options) -> _Run:
+def _going(solver: str, target: Problem | Program, options: Options, isolate: bool) -> Callable[[Control], RawResult]:
+    work = SolverWork(solver, target, options)
+    return (lambda control: run_in_process(work, options, control)) if isolate else work
+
+
+def _heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) -> _Run:
     method = HEURISTICS[name]
     missing = method.missing(problem)
     if missing:
         raise UnsupportedError(f"heuristic {name}", missing, [h for h in HEURISTICS if not HEURISTICS[h].missing(problem)])
     method.check_parameters(options.extra)
-    outcomes: list[Outcome] = []
+    _refuse_ignored(f"heuristic {name}", method.honours, options)
+    work = HeuristicWork(name, problem, options)
+    return _Run(name, (lambda control: run_in_process(work, options, control)) if isolate else work, heuristic=True)
 
-    def go(control: Control) -> RawResult:
-        def solve_program(program: Program, seconds: float) -> RawResult:
-            backend = solver_named("highs")
-            assert isinstance(backend, ProgramBackend)
-            inner = Control()
-            control.on_stop(inner.stop)
-            return backend.run(program, Options(time_limit=seconds, seed=options.seed), inner)
 
-        stop = Stop()
-        control.on_stop(stop.ask)
-        setting = Setting(
-            rng=np.random.default_rng(options.seed), seconds=options.time_limit, start=options.start,
-            publish=lambda answer: control.publish(answer), stop=stop, solve_program=solve_program,
-        )  # fmt: skip
-        outcome = method.run(problem, setting, **options.extra)
-        outcomes.append(outcome)
-        return RawResult("unknown", outcome.limit, outcome.answer, statistics=outcome.statistics, message=outcome.message)
-
-    return _Run(name, None, Exactness.NEITHER, go, lambda a: a, None, {}, 0.0, outcomes, [])
+def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None:
+    """Raise UsageError for what the method would not keep to."""
+    for name, value in options.asked().items():
+        if name not in honours:
+            able = sorted(n for n in BACKENDS if name in BACKENDS[n].honours)
+            raise UsageError(f"{who} does not keep to {name} ({value:g}); solvers that do: {', '.join(able)}")
 
 
 def _conclude(
@@ -285,8 +296,8 @@ def _verdict(
     problem: Problem, run: _Run, result: RawResult, control: Control, options: Options, crash: Exception | None
 ) -> tuple[Judge, tuple[Any, Evaluation | None]]:
     """The best of the engine's last word, its published incumbent and the start, and who judged them."""
-    judge = Judge(problem, run.name, run.exactness, run.decode, run.notes, crash)
-    judge.last_word(result, prices=run.program is None or run.exactness is Exactness.EXACT)
+    judge = Judge(problem, run.name, run.exactness(result), run.decode, run.notes, crash)
+    judge.last_word(result, prices=run.made is None or run.exactness(result) is Exactness.EXACT)
     if control.answer is not result.answer:
         judge.incumbent(control.answer)
     judge.start(options.start)
@@ -301,21 +312,20 @@ def _certified(
     result, problem = searched.result, judge.problem
     answer, evaluation = found
     best = None if evaluation is None else evaluation.values[0]
-    judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness)
+    judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
 
     began = time.perf_counter()
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, budget, best, progress)
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
 
     began = time.perf_counter()
-    outcome = run.outcome[0] if run.outcome else None
-    guarantee: Guarantee | None = outcome.guarantee if outcome is not None and evaluation is not None else None
-    if outcome is not None and guarantee is None:
+    guarantee = result.guarantee if evaluation is not None else None
+    if run.heuristic and guarantee is None and result.holds is Exactness.NEITHER:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
     certificate: Certificate | None = None
     if budget is not None:
@@ -327,7 +337,7 @@ def _certified(
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
     size = 0.0 if evaluation is None else evaluation.size
-    judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness, size)
+    judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
     check_seconds = spent + time.perf_counter() - began
 
     faults = tuple(dict.fromkeys(judge.faults))
@@ -366,15 +376,21 @@ def _certified(
 
 
 def _gather(
-    evidence: list[Evidence], problem: Problem, run: _Run, searched: Searched, budget: float, best: float | None, progress: Progress | None
+    evidence: list[Evidence],
+    problem: Problem,
+    run: _Run,
+    searched: Searched,
+    linear: LinearPrograms,
+    budget: float,
+    best: float | None,
+    progress: Progress | None,
 ) -> None:
     """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
     result = searched.result
-    evidence.extend(run.outcome[0].evidence if run.outcome else ())
     evidence.extend(result.evidence)
-    if run.program is not None and result.row_duals is not None and run.program.dual_evidence is not None:
+    if run.made is not None and result.row_duals is not None and run.made.dual_evidence is not None:
         try:
-            evidence.append(run.program.dual_evidence(result.row_duals))
+            evidence.append(run.made.dual_evidence(result.row_duals))
         except Exception as fault:
             run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
     if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
@@ -382,7 +398,7 @@ def _gather(
     known = tuple(evidence)
 
     def find(control: Control) -> RawResult:
-        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes)
+        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
     found = search(find, Control(), budget, overtime=BOUND_OVERTIME)
@@ -396,7 +412,7 @@ def _best_bound(
 ) -> tuple[Value | None, str | None, str | None]:
     """The best known bound of either kind; a verified one wins a tie."""
     verified = certificate.bound
-    claimed = result.bound if run.exactness.bound_is_valid and len(problem.senses) == 1 else None
+    claimed = result.bound if run.exactness(result).bound_is_valid and len(problem.senses) == 1 else None
     if claimed is not None and math.isfinite(claimed):
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
         if ahead and (verified is None or not same(claimed, verified, precision=precision)):
@@ -412,14 +428,14 @@ def _status(
             value = evaluation.values[0]
             if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
-        if result.status == "optimal" and run.exactness is Exactness.EXACT:
+        if result.status == "optimal" and run.exactness(result) is Exactness.EXACT:
             return "optimal"
         return "feasible"
     if certificate.infeasible:
         return "infeasible"
-    if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness.infeasibility_is_valid:
+    if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness(result).infeasibility_is_valid:
         return result.status
-    if result.status == "unbounded" and run.exactness.answer_is_valid:
+    if result.status == "unbounded" and run.exactness(result).answer_is_valid:
         return "unbounded"
     return "error" if result.status == "error" else "unknown"
 

@@ -57,7 +57,8 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
 
     Notes
     -----
-    Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming".
+    Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming";
+    docs/formulations/arrays.md#row-duals.
     """
     if problem.family != "arrays":
         raise InputError("row duals are evidence for programs given as arrays", found=problem.family)

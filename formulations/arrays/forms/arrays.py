@@ -4,6 +4,7 @@
 
 Without a quadratic part and cones, row duals y of its linear relaxation are evidence ``lp-dual``: every x has the value of at least
 sum_i min over r in [L_i, U_i] of y_i r  +  sum_j min over x_j in [l_j, u_j] of (c - A' y)_j x_j  (minimisation).
+See docs/formulations/arrays.md.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ import numpy as np
 from ....instances.errors import InputError
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
-from ...programs.program import Floats, Program
+from ...programs.program import Floats
 from ..problem import ArrayProblem
 
 
-def build(problem: ArrayProblem) -> Program:
+def build(problem: ArrayProblem) -> Compiled:
     """The problem's own program, with answers that are vectors; see the module's text."""
     given = problem.program
 
@@ -37,12 +39,10 @@ def build(problem: ArrayProblem) -> Program:
         return Evidence("lp-dual", "LP relaxation of the program", dual_value(given, duals), {"duals": [float(y) for y in duals]})
 
     linear = given.quadratic is None and not given.cones
-    return replace(
-        given, form="arrays", problem=problem, decode=lambda x: x, encode=encode, dual_evidence=dual_evidence if linear else None
-    )
+    return Compiled(replace(given, name="arrays"), problem, lambda x: x, encode, dual_evidence if linear else None)
 
 
 FORMS.add(
     "arrays",
-    Form("arrays", "arrays", frozenset({"LP", "integer", "quadratic", "cones"}), build, kind=lambda problem: problem.program.kind),
+    Form("arrays", "arrays", frozenset({"LP", "integer", "quadratic", "cones"}), build, makes=lambda problem: problem.program.features()),
 )

@@ -49,8 +49,8 @@ def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float
 
     Notes
     -----
-    Source: linear programming duality. All sums are of nonnegative terms, so that their relative error is that of their roundings; what
-    falls below the smallest number counts against the bound.
+    Source: linear programming duality; docs/formulations/bottleneck.md#packing-covering-duals. All sums are of nonnegative terms, so that
+    their relative error is that of their roundings; what falls below the smallest number counts against the bound.
     """
     if problem.family != "max-min" or getattr(problem, "packing", None) is None:
         raise InputError("prices of packing and covering rows are evidence for max-min LPs", found=problem.problem)

@@ -49,7 +49,8 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
 
     Notes
     -----
-    Source: linear programming duality for (3.5) of Sung (2019). The sums are rounded upwards.
+    Source: linear programming duality for (3.5) of Sung (2019); docs/formulations/bottleneck.md#target-weights. The sums are rounded
+    upwards.
     """
     graph = getattr(problem, "graph", None)
     if problem.family != "max-min" or graph is None:

@@ -17,7 +17,8 @@ possible, with whole actions or shares. Evidence ``packing-covering-duals`` from
 with C'y <= A'z, sum z / sum y bounds the maximum from above; with sum z = 1 in place of that, the minimum is at least sum y. Interior
 points leave duals that break these a little, so z is mended before it is handed on.
 
-Source: Sung (2019), (3.1), (3.2), (3.5), digest 2.2; Floréen et al. (2011), Local approximability of max-min and min-max linear programs.
+Source: Sung (2019), (3.1), (3.2), (3.5); Floréen et al. (2011), Local approximability of max-min and min-max linear programs;
+docs/formulations/bottleneck.md#form.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ import numpy as np
 from ....instances.errors import InputError
 from ...evidence import Evidence
 from ...forms import FORMS, Form
-from ...programs.program import Floats, Indices, Program, Rows, Variables
+from ...programs.compiled import Compiled
+from ...programs.program import INTEGERS, LINEAR, Floats, Indices, Program, Rows, Variables
 from ...selection.forms._selections import Labels, chosen, indicator, proved
 from ...selection.selections import Selection
 
@@ -42,12 +44,8 @@ if TYPE_CHECKING:
 NEGLIGIBLE = 1e-9
 """Weights below this share of the largest one are left out of evidence: they are what an interior point leaves of zeros."""
 
-ADVICE = {"highs": {"solver": "ipm"}}
-"""For the LP. Simplex is slow on it: 7.8 s against 0.4 s of the interior point at 10,000 actions, 0.04 s against 0.02 s at 1000, and as
-fast below 300. Crossover took less than a tenth of the time."""
 
-
-def build(problem: BottleneckSATA | MaxMinLP) -> Program:
+def build(problem: BottleneckSATA | MaxMinLP) -> Compiled:
     """The max-min program; see the module's text for its mathematics."""
     from ..bottleneck_sata import BottleneckSATA
 
@@ -57,7 +55,7 @@ def build(problem: BottleneckSATA | MaxMinLP) -> Program:
 # -- robots and targets -----------------------------------------------------------------------------------------------
 
 
-def _of_graph(problem: BottleneckSATA) -> Program:
+def _of_graph(problem: BottleneckSATA) -> Compiled:
     g = problem.graph
     n = g.num_actions
     names = Labels(g.num_robots, g.robot_name), Labels(n, g.action_name), Labels(g.num_targets, g.target_name)
@@ -92,16 +90,13 @@ def _of_graph(problem: BottleneckSATA) -> Program:
         data = {"targets": used.tolist(), "weights": y[used].tolist()}
         return proved(problem, "target-weights", "dual weights of the max-min LP", data)
 
-    return Program(
-        "max-min", "max", (x, _w("max")), (robots, targets), problem=problem, decode=decode, encode=encode, dual_evidence=dual_evidence,
-        advice=ADVICE,
-    )  # fmt: skip
+    return Compiled(Program("max-min", "max", (x, _w("max")), (robots, targets)), problem, decode, encode, dual_evidence)
 
 
 # -- packing and covering rows ----------------------------------------------------------------------------------------
 
 
-def _of_matrices(problem: MaxMinLP) -> Program:
+def _of_matrices(problem: MaxMinLP) -> Compiled:
     a, c, n = problem.packing, problem.covering, problem.num_variables
     maximise = problem.sense == "max"
     x = Variables(
@@ -136,10 +131,8 @@ def _of_matrices(problem: MaxMinLP) -> Program:
         source = "duals of the max-min LP" if maximise else "duals of the min-max LP"
         return proved(problem, "packing-covering-duals", source, {"covering": y.tolist(), "packing": z.tolist()})
 
-    return Program(
-        "max-min", problem.sense, (x, _w(problem.sense)), (packing, covering), problem=problem, decode=decode, encode=encode,
-        dual_evidence=dual_evidence, advice=ADVICE,
-    )  # fmt: skip
+    program = Program("max-min", problem.sense, (x, _w(problem.sense)), (packing, covering))
+    return Compiled(program, problem, decode, encode, dual_evidence)
 
 
 def _mended(a: SparseMatrix, worth: Floats, z: Floats) -> Floats:
@@ -212,5 +205,5 @@ def _clean(duals: Floats) -> Floats:
 FEATURES = frozenset({"sensing", "whole-actions", "packing-covering", "min-max", "several-packing-rows"})
 FORMS.add(
     "max-min",
-    Form("max-min", "max-min", FEATURES, build, kind=lambda problem: "MILP" if "whole-actions" in problem.features() else "LP"),
+    Form("max-min", "max-min", FEATURES, build, makes=lambda problem: INTEGERS if "whole-actions" in problem.features() else LINEAR),
 )

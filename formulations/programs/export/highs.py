@@ -64,5 +64,5 @@ def to_highs(program: Program) -> Any:
         indptr, indices = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
         done.append(model.passHessian(n, lower.nnz, triangle, indptr, indices, lower.data.astype(np.float64)))
     if highspy.HighsStatus.kError in done:
-        raise InputError(f"HiGHS refuses the program {program.form}: {n} variables, {program.num_rows} rows")
+        raise InputError(f"HiGHS refuses the program {program.name}: {n} variables, {program.num_rows} rows")
     return model

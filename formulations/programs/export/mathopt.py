@@ -35,7 +35,7 @@ def to_mathopt(program: Program) -> Any:
     refuse_cones(program, "MathOpt")
     refuse_numbers(program)
     n, m = program.num_variables, program.num_rows
-    message = model_pb2.ModelProto(name=program.form)
+    message = model_pb2.ModelProto(name=program.name)
     message.variables.ids.extend(range(n))
     message.variables.lower_bounds.extend(program.lower.tolist())
     message.variables.upper_bounds.extend(program.upper.tolist())

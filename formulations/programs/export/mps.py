@@ -51,7 +51,7 @@ def mps_text(program: Program, *, names: bool = True) -> str:
 
 
 def _title(program: Program) -> str:
-    return program.form.replace(" ", "_") or "program"
+    return program.name.replace(" ", "_") or "program"
 
 
 def _sides(program: Program) -> tuple[list[str], list[float], list[float | None]]:

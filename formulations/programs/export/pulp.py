@@ -40,7 +40,7 @@ def to_pulp(program: Program) -> Any:
     refuse_cones(program, "PuLP")
     refuse_quadratic(program, "PuLP")
     refuse_numbers(program)
-    model = pulp.LpProblem(program.form.replace("-", "_"), pulp.LpMaximize if program.sense == "max" else pulp.LpMinimize)
+    model = pulp.LpProblem(program.name.replace("-", "_"), pulp.LpMaximize if program.sense == "max" else pulp.LpMinimize)
     digits = len(str(max(0, program.num_variables - 1)))
     columns = zip(program.lower.tolist(), program.upper.tolist(), program.integer.tolist(), strict=True)
     x = [

@@ -67,7 +67,8 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
 
     Notes
     -----
-    Source: Geoffrion (1974), "Lagrangean relaxation for integer programming"; rows as in Bard, Kontoravdis, Yu (2002).
+    Source: Geoffrion (1974), "Lagrangean relaxation for integer programming"; rows as in Bard, Kontoravdis, Yu (2002);
+    docs/formulations/routing.md#arc-multipliers.
     """
     if problem.family != "routing":
         raise InputError("arc-multipliers are evidence for routing problems", found=problem.family)

@@ -8,7 +8,8 @@
 ``sites-beyond-fleet``  no choice of routes serves the few sites named
 ``too-few-sites``     more routes are asked for than there are sites within reach
 
-The bound that proves infeasibility is infinity for ``min`` and minus infinity for ``max``.
+The bound that proves infeasibility is infinity for ``min`` and minus infinity for ``max``. In formulas:
+docs/formulations/routing.md#proofs-that-there-is-no-answer.
 """
 
 from __future__ import annotations

@@ -53,7 +53,8 @@ def check_spanning_tree(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
 
     Notes
     -----
-    Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees.
+    Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees;
+    docs/formulations/routing.md#spanning-tree.
     """
     if problem.family != "routing":
         raise InputError("a spanning tree is evidence for routing problems", found=problem.family)

@@ -27,13 +27,13 @@ the k-th visits none before the k-th, and x_ijk is fixed to 0 where i or j is a 
 the first 15 or 25 customers of Solomon's files this was 2 to 12 times faster on C101, R101 and RC106, made no clear difference on
 C103 and RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
 
-Source: CMU-RI-TR-20-52, (3.7)-(3.14), as corrected in the digest, 2.1 and 2.3, with demands and service times added.
+Source: Mitchell (2020), CMU-RI-TR-20-52, (3.7)-(3.14), with demands and service times; corrected as in docs/formulations/routing.md#errata.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Rows, Variables
 from ...programs.rows import Ints, rows
 from ...programs.scaling import scaled
@@ -99,7 +100,7 @@ class _Type:
         return every + (every >= self.idle)
 
 
-def build(problem: RoutingProblem) -> Program:
+def build(problem: RoutingProblem) -> Compiled:
     """The program of the three-index form; see the module's text for its mathematics.
 
     Parameters
@@ -125,8 +126,8 @@ def build(problem: RoutingProblem) -> Program:
         variables.append(Variables("u", (customers,), (types[0].names,), lower=np.ones(n), upper=np.full(n, float(n)), cost=np.zeros(n)))
         blocks.extend(_order(kind, first) for kind, cyclic in zip(types, orders, strict=True) if cyclic)
         first += n
-    bare = Program("three-index", problem.sense, tuple(variables), tuple(b for b in blocks if b.size), problem=problem)
-    return replace(bare, decode=partial(_decode, problem, types), encode=partial(_encode, problem, types, bare))
+    bare = Program("three-index", problem.sense, tuple(variables), tuple(b for b in blocks if b.size))
+    return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, problem, types, bare))
 
 
 # -- columns ---------------------------------------------------------------------------------------------------------

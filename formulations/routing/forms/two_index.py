@@ -51,14 +51,14 @@ duals out_i, in_j, phi and mu^r_i >= 0 of visit-out, visit-in, fleet and r-balan
 with out, in and mu 0 at the depot and f_0j = lo_0 x_0j. This is the Lagrangian of the rows above, all four dualised; at the optimal
 duals it is the LP's value. ``order`` has no place in it: its rows are then dropped, which weakens the bound and keeps it valid.
 
-Source: digest 2.1 (distance-flow model, lifted rows) and 2.3 (windows), with services; Bard, Kontoravdis, Yu (2002).
+Source: Gavish and Graves (1978) for the flows, with windows Bard, Kontoravdis and Yu (2002); Desrochers and Laporte (1991) for the
+lifted rows. docs/formulations/routing.md#two-index-forms compares them.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +68,9 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
+from ...programs.exactness import Exactness
 from ...programs.program import Floats, Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.scaling import scaled
@@ -239,7 +241,7 @@ class _Builder:
         self.encoders.append(encode)
 
 
-def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep: Preparation | None = None) -> Program:
+def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep: Preparation | None = None) -> Compiled:
     """The program of a two-index form; see the module's text for its mathematics.
 
     Parameters
@@ -280,9 +282,9 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
             raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
         return x
 
-    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), problem=problem)
+    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows))
     evidence = partial(_evidence, made, bare) if _has_evidence(problem, form) else None
-    return replace(bare, decode=decode, encode=encode, dual_evidence=evidence)
+    return Compiled(bare, problem, decode, encode, evidence, Exactness.EXACT if prep.whole else Exactness.RESTRICTION)
 
 
 def _has_evidence(problem: RoutingProblem, form: str) -> bool:

@@ -53,8 +53,8 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
     Notes
     -----
-    Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977). All sums are of
-    nonnegative terms, and are rounded upwards.
+    Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);
+    docs/formulations/winner-takes-all.md#item-prices. All sums are of nonnegative terms, and are rounded upwards.
     """
     function = getattr(problem, "function", None)
     if problem.family != "selection" or function is None or function.name not in ("coverage", "facility-location"):

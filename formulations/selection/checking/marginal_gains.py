@@ -51,8 +51,9 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
 
     Notes
     -----
-    Sums are rounded upwards. An answer may exceed a budget by the tolerance of the check, so the bound counts with that much more. A
-    user's function is taken at its word, unless the values that are needed here contradict what is declared of it.
+    Source: Nemhauser, Wolsey and Fisher (1978); docs/selection.md#bounds. Sums are rounded upwards. An answer may exceed a budget by the
+    tolerance of the check, so the bound counts with that much more. A user's function is taken at its word, unless the values that are
+    needed here contradict what is declared of it.
     """
     if problem.family != "selection":
         raise InputError("marginal gains are evidence for selection problems", found=problem.problem)

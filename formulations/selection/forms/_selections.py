@@ -31,11 +31,6 @@ FEATURES = frozenset(
 )
 
 
-ADVICE = {"highs": {"solver": "ipm"}}
-"""For the linear relaxation. Simplex is slow on these: 8 s against 0.75 s of the interior point on 1000 sets and 2000 items, a time-out
-against 0.7 s on 5000 and 5000. Crossover took no time worth saving, and without it small programs came back with duals that were not."""
-
-
 class Labels(Sequence[str]):
     """Names of ``size`` things, each made by ``name`` when it is asked for."""
 

@@ -17,7 +17,8 @@ v_j,l-1), and p_j = sum_l s_jl. Adding up, v_jl >= w_jl - p_j, and v_jl >= 0 is 
 least the LP's value.
 
 Source: Cornuéjols, Nemhauser, Wolsey (1980), "A canonical representation of simple plant location problems and its applications"; Elloumi
-(2010), "A tighter formulation of the p-median problem", for the differences of rows; digest 2.3 (binary weights).
+(2010), "A tighter formulation of the p-median problem", for the differences of rows;
+docs/formulations/winner-takes-all.md#facility-location.
 """
 
 from __future__ import annotations
@@ -28,16 +29,17 @@ import numpy as np
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import ADVICE, FEATURES, Labels, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, Labels, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
 
 
-def build(problem: SubmodularSelection) -> Program:
+def build(problem: SubmodularSelection) -> Compiled:
     """The facility-location form; see the module's text for its mathematics."""
     edges = edges_of(problem)
     n = edges.elements
@@ -74,10 +76,8 @@ def build(problem: SubmodularSelection) -> Program:
         prices = np.bincount(item, np.maximum(step - v + previous, 0.0), minlength=edges.items)
         return prices_evidence(np.asarray(prices, dtype=np.float64), "item prices of the facility-location LP", problem)
 
-    return Program(
-        "facility-location", "max", (choice(edges), u), (limits, levels), problem=problem, decode=lambda v: chosen(v[:n]), encode=encode,
-        dual_evidence=dual_evidence, advice=ADVICE,
-    )  # fmt: skip
+    program = Program("facility-location", "max", (choice(edges), u), (limits, levels))
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
 
 
 FORMS.add("facility-location", Form("facility-location", "selection", FEATURES, build))

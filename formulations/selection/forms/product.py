@@ -11,7 +11,7 @@ element. y_ij credits item j to creditor i::
 The objective is a sum of products of two binary variables: neither convex nor concave, so that it needs a solver for nonconvex
 quadratic programs, or one that counts in integers. It has no linear relaxation of its own.
 
-Source: Sung (2019), (3.1), (3.3), (3.4); digest 2.3.
+Source: Sung (2019), (3.1), (3.3), (3.4); docs/formulations/winner-takes-all.md#product.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...forms import FORMS, Form
-from ...programs.program import Floats, Program, Variables
+from ...programs.compiled import Compiled
+from ...programs.program import INTEGERS, QUADRATIC, Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
 from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, indicator
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
 
 
-def build(problem: SubmodularSelection) -> Program:
+def build(problem: SubmodularSelection) -> Compiled:
     """The quadratic mixed-integer program; see the module's text for its mathematics."""
     import scipy.sparse as sp
 
@@ -53,10 +54,8 @@ def build(problem: SubmodularSelection) -> Program:
         credited[credit.of_edge[edges.best(x)]] = 1.0
         return np.concatenate([x, credited])
 
-    return Program(
-        "product", "max", (choice(edges), y), (constraint_rows(problem), served), quadratic=quadratic, problem=problem,
-        decode=lambda v: chosen(v[:n]), encode=encode,
-    )  # fmt: skip
+    program = Program("product", "max", (choice(edges), y), (constraint_rows(problem), served), quadratic=quadratic)
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode)
 
 
-FORMS.add("product", Form("product", "selection", FEATURES, build, kind=lambda problem: "MIQP", order=3))
+FORMS.add("product", Form("product", "selection", FEATURES, build, makes=lambda problem: INTEGERS | QUADRATIC, order=3))

@@ -14,7 +14,8 @@ Only x needs to be whole: for whole x the best z serves each item by its heavies
 Evidence ``item-prices``: the duals p_j >= 0 of the item rows. With them a link is worth max(0, c_ej - p_j), and the LP's value is
 sum_j p_j plus the best choice of elements by the sums of those, which is what the checker multiplies out.
 
-Source: Sung (2019), footnote 4, written out in the digest, 2.3; Balinski (1965) for facility location.
+Source: Balinski (1965) for facility location; announced in Sung (2019), footnote 4;
+docs/formulations/winner-takes-all.md#strong-linearisation.
 """
 
 from __future__ import annotations
@@ -25,16 +26,17 @@ import numpy as np
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import ADVICE, FEATURES, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
 
 
-def build(problem: SubmodularSelection) -> Program:
+def build(problem: SubmodularSelection) -> Compiled:
     """The strong linearisation; see the module's text for its mathematics."""
     edges = edges_of(problem)
     n, m, every = edges.elements, edges.size, np.arange(edges.size)
@@ -55,10 +57,8 @@ def build(problem: SubmodularSelection) -> Program:
         prices = np.asarray(row_duals, dtype=np.float64)[limits.size : limits.size + edges.items]
         return prices_evidence(prices, "item prices of the strong LP", problem)
 
-    return Program(
-        "strong-linearisation", "max", (choice(edges), z), (limits, served, link), problem=problem, decode=lambda v: chosen(v[:n]),
-        encode=encode, dual_evidence=dual_evidence, advice=ADVICE,
-    )  # fmt: skip
+    program = Program("strong-linearisation", "max", (choice(edges), z), (limits, served, link))
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
 
 
 FORMS.add("strong-linearisation", Form("strong-linearisation", "selection", FEATURES, build, order=1))

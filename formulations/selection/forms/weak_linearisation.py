@@ -11,13 +11,13 @@ element. y_ij credits item j to creditor i, and z_ej stands for the product x_e 
     x_e in {0,1},   0 <= z_ej <= 1,   0 <= y_ij <= 1
 
 z_ej >= x_e + y_ij - 1 is left out: weights are positive and z is maximised. Only x needs to be whole. The LP may credit one item to
-several actions of a robot in full, which makes its bound much weaker than the strong one (45.83 against 31 in the digest's case S3);
-where each creditor is a single element the two are equal.
+several actions of a robot in full, which makes its bound much weaker than the strong one (45.83 against 31 in case S3 of
+docs/formulations/sensing.md#reference-cases); where each creditor is a single element the two are equal.
 
 Evidence ``item-prices``: the duals p_j of the item rows. The dual splits p_j among the credit rows of a creditor, r_ej <= p_j, and
 a link is worth max(0, c_ej - r_ej) >= max(0, c_ej - p_j): the prices prove at least the LP's value, often more.
 
-Source: Sung (2019), footnote 4; digest 2.3; McCormick (1976).
+Source: McCormick (1976); Sung (2019), footnote 4; docs/formulations/winner-takes-all.md#weak-linearisation.
 """
 
 from __future__ import annotations
@@ -28,16 +28,17 @@ import numpy as np
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import ADVICE, FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
 
 
-def build(problem: SubmodularSelection) -> Program:
+def build(problem: SubmodularSelection) -> Compiled:
     """The weak linearisation; see the module's text for its mathematics."""
     edges = edges_of(problem)
     credit = credits_of(problem, edges)
@@ -63,10 +64,8 @@ def build(problem: SubmodularSelection) -> Program:
         prices = np.asarray(row_duals, dtype=np.float64)[-edges.items :] if edges.items else np.zeros(0)
         return prices_evidence(prices, "item prices of the weak LP", problem)
 
-    return Program(
-        "weak-linearisation", "max", (choice(edges), y, z), (limits, link, given, served), problem=problem, decode=lambda v: chosen(v[:n]),
-        encode=encode, dual_evidence=dual_evidence, advice=ADVICE,
-    )  # fmt: skip
+    program = Program("weak-linearisation", "max", (choice(edges), y, z), (limits, link, given, served))
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
 
 
 FORMS.add("weak-linearisation", Form("weak-linearisation", "selection", FEATURES, build, order=2))

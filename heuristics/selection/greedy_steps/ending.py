@@ -30,6 +30,7 @@ def concluded(
     evidence: tuple[Evidence, ...] = (),
     *,
     whole: bool = True,
+    in_order: bool = True,
 ) -> Outcome:
     """The outcome of a method that took ``picks``.
 
@@ -43,6 +44,8 @@ def concluded(
         ``bound_evaluations`` is added: gains evaluated for the evidence alone.
     whole : bool
         Whether it did all it had to do, rather than be cut short.
+    in_order : bool
+        Whether it took ``picks`` one after the other.
     """
     looked = 0
     if holds:
@@ -51,6 +54,6 @@ def concluded(
             evidence += () if found is None else (found,)
         except Exception as fault:  # of memory, say: the answer is made, and outlives its bound
             message = "; ".join(m for m in (message, f"no bound by marginal gains: {in_words(fault)}") if m)
-    answer = Selection(tuple(int(e) for e in picks))
+    answer = Selection(tuple(int(e) for e in picks), in_order=in_order)
     limit = "none" if whole else stop.reached() or "time"
     return Outcome(answer, guarantee if holds else None, evidence, {**statistics, "bound_evaluations": looked}, message, limit)

@@ -9,8 +9,8 @@
 An edge that is drawn again is drawn in vain, so that every action and every target has at least one edge. The number of edges is
 exactly ``round(phi / 100 * actions * targets)``; a phi below what steps 2 to 4 make is refused.
 
-Source: Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, section 3.5.1 and (3.6); readings as in the
-digest, section 2.7.
+Source: Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, section 3.5.1 and (3.6); read as in
+docs/formulations/sensing.md#random-graphs.
 """
 
 from __future__ import annotations

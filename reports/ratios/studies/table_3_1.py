@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...tables.routing import Column, Table
+from ...tables.table import Column, Table
 from ..judging import run_heuristic
 from ..max_min_families import REFERENCES, robots
 from ..study import STUDIES, Fault, Report, Study, StudySetting
@@ -24,7 +24,7 @@ EXACT = {
     10: (0.5106, 0.4894, 0.7905, 0.2095, 0.2498, 0.7502),
     30: (0.5042, 0.4958, 0.8172, 0.1828, 0.1980, 0.8020),
 }
-"""With exact levels in place of steps of 0.1; digest 4.1 and specification of the local algorithm, section 10, from exact rationals."""
+"""With exact levels in place of steps of 0.1, from exact rationals; docs/formulations/bottleneck.md#errata."""
 
 DIGITS = 5e-5
 """Half a unit of the last printed digit."""

@@ -12,9 +12,7 @@ the dual of the whole.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,13 +22,12 @@ from ....formulations.max_min.balls import coverage as covered_by
 from ....formulations.stop import NEVER, Stop
 from ....instances.errors import InputError
 from ....instances.sensing.graph import SensingGraph
+from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
     from ....formulations.max_min.bottleneck_sata import BottleneckSATA
     from ....formulations.problem import Problem
-
-Solve = Callable[[Any, float], Any]
 
 SEEDS = 3
 """Worst-covered targets that the first ball is grown around."""
@@ -52,7 +49,7 @@ SIMPLEX_EDGES = 8_000
 """Up to here simplex is the faster of HiGHS' two methods (4 ms against 7 ms at 300 edges, 10 ms against 15 ms at 6,000)."""
 
 
-def ball_weights(graph: SensingGraph, targets: Indices, solve_lp: Solve, seconds: float) -> tuple[float, Indices, Floats] | None:
+def ball_weights(graph: SensingGraph, targets: Indices, stop: Stop, linear: LinearPrograms) -> tuple[float, Indices, Floats] | None:
     """Solve the linear program over the ball of ``targets``.
 
     Parameters
@@ -60,9 +57,8 @@ def ball_weights(graph: SensingGraph, targets: Indices, solve_lp: Solve, seconds
     graph : SensingGraph
     targets : integer array
         Ascending, none twice.
-    solve_lp : callable
-        See ``ball_evidence``.
-    seconds : float
+    stop : Stop
+    linear : LinearPrograms
 
     Returns
     -------
@@ -74,16 +70,14 @@ def ball_weights(graph: SensingGraph, targets: Indices, solve_lp: Solve, seconds
     part = ball_graph(graph, targets)
     part, unit = near_one(part)
     problem = BottleneckSATA(part, fractional=True)
-    program = problem.compile("max-min")
-    if part.num_edges <= SIMPLEX_EDGES:
-        program = replace(program, advice=SIMPLEX)
+    made = problem.compile("max-min")
     try:
-        duals = solve_lp(program, seconds)
+        duals = linear.duals(made.program, stop, SIMPLEX if part.num_edges <= SIMPLEX_EDGES else None)
     except InputError:  # weights of sizes that the solver does not take
         return None
-    if duals is None or program.dual_evidence is None or not np.isfinite(duals).all():
+    if duals is None or made.dual_evidence is None:
         return None
-    found = program.dual_evidence(np.asarray(duals, dtype=np.float64))
+    found = made.dual_evidence(duals)
     if not math.isfinite(found.value):
         return None
     priced = targets[np.asarray(found.data["targets"], dtype=np.int64)].astype(np.int64)
@@ -98,9 +92,8 @@ def weights_evidence(targets: Indices, weights: Floats, bound: float, source: st
 def ball_evidence(
     problem: BottleneckSATA,
     coverage: Floats | None,
-    solve_lp: Solve,
-    seconds: float,
     stop: Stop = NEVER,
+    linear: LinearPrograms | None = None,
     *,
     seeds: int = SEEDS,
     most_edges: int = MOST_EDGES,
@@ -116,10 +109,8 @@ def ball_evidence(
         For whole actions, this is a bound of its relaxation.
     coverage : array of shape (targets,), optional
         Coverage by the best answer known; by default that of robots that divide themselves evenly among their actions.
-    solve_lp : callable
-        ``solve_lp(program, seconds)`` returns the row duals of a linear program, or None.
-    seconds : float
     stop : Stop
+    linear : LinearPrograms, optional
     seeds : int
         Targets that the first ball is grown around.
     most_edges : int
@@ -132,10 +123,9 @@ def ball_evidence(
 
     Notes
     -----
-    Source: linear programming duality; see the module's text.
+    Source: linear programming duality; docs/formulations/bottleneck.md#balls.
     """
-    stop = stop.within(seconds)
-    graph = problem.graph
+    graph, linear = problem.graph, linear or LinearPrograms()
     if len(graph.unseen_targets):
         name = graph.target_name(int(graph.unseen_targets[0]))
         return weights_evidence(graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
@@ -145,7 +135,7 @@ def ball_evidence(
     count = min(seeds, graph.num_targets)
     while True:
         worst = np.sort(np.argpartition(coverage, count - 1)[:count])
-        found = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, solve_lp, stop, most_edges)
+        found = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, stop, linear, most_edges)
         if found is None:
             break
         if best is None or found[0] < best[0]:
@@ -160,13 +150,13 @@ def ball_evidence(
 
 
 def _grown_weights(
-    graph: SensingGraph, seeds: Indices, solve_lp: Solve, stop: Stop, most_edges: int
+    graph: SensingGraph, seeds: Indices, stop: Stop, linear: LinearPrograms, most_edges: int
 ) -> tuple[float, Indices, Floats] | None:
     """The best of the bounds of a ball that grows until its bound stands still."""
     best: tuple[float, Indices, Floats] | None = None
     ball: Indices | None = seeds
     while ball is not None:
-        found = None if stop.reached() else ball_weights(graph, ball, solve_lp, stop.seconds_left)
+        found = None if stop.reached() else ball_weights(graph, ball, stop, linear)
         if found is None:
             break
         standing = best is not None and found[0] >= best[0] * (1.0 - STILL)
@@ -176,16 +166,14 @@ def _grown_weights(
     return best
 
 
-def ball_bound(problem: Problem, seconds: float, solve_program: Solve, stop: Stop = NEVER) -> Evidence | None:
+def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from balls around the targets that robots who divide themselves evenly cover worst, in half of the time.
 
     Parameters
     ----------
     problem : BottleneckSATA, or MaxMinLP with one packing row a variable
-    seconds : float
-    solve_program : callable
-        As ``solve_lp`` of ``ball_evidence``.
     stop : Stop
+    linear : LinearPrograms, optional
 
     Returns
     -------
@@ -194,12 +182,13 @@ def ball_bound(problem: Problem, seconds: float, solve_program: Solve, stop: Sto
     """
     from ....formulations.max_min.bottleneck_sata import BottleneckSATA
 
+    half = stop.within(TIME_SHARE * stop.seconds_left)
     if isinstance(problem, BottleneckSATA):
-        return ball_evidence(problem, None, solve_program, TIME_SHARE * seconds, stop)
+        return ball_evidence(problem, None, half, linear)
     from ....formulations.max_min.single_packing import as_row_prices, as_sensing
 
     graph, _ = as_sensing(problem)  # type: ignore[arg-type]
-    found = ball_evidence(BottleneckSATA(graph, fractional=True), None, solve_program, TIME_SHARE * seconds, stop)
+    found = ball_evidence(BottleneckSATA(graph, fractional=True), None, half, linear)
     return None if found is None else as_row_prices(graph, found)
 
 

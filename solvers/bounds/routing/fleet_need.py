@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .infeasible_site import lacks
 
@@ -20,25 +20,22 @@ MOST_ENUMERATED = 5
 """Sites of which every choice of routes is tried, for the same reason."""
 
 
-def fleet_need_evidence(
-    problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None, stop: Stop = NEVER
-) -> Evidence | None:
+def fleet_need_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """The first proof among ``fleet_conflicts``, if there is one.
 
     Parameters
     ----------
     problem : RoutingProblem
-    seconds : float
-        Budget, looked at between arguments.
-    solve_program : unused
+    stop : Stop
+        Looked at between arguments.
+    linear : unused
         No program is solved.
     """
     from ....formulations.routing.fleet_need import fleet_conflicts
 
     if len(problem.sites) > MOST_SITES:
         return None
-    within = stop.within(seconds)
-    return next(fleet_conflicts(problem, lambda: bool(within.reached()), MOST_ENUMERATED), None)
+    return next(fleet_conflicts(problem, lambda: bool(stop.reached()), MOST_ENUMERATED), None)
 
 
 BOUNDS.add("too-small-fleet", BoundMethod("too-small-fleet", lacks, fleet_need_evidence, order=0))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.routing.reachability import servable_alone
 from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
@@ -17,17 +17,15 @@ if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 
-def infeasible_site_evidence(
-    problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None, stop: Stop = NEVER
-) -> Evidence | None:
+def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """A required site that no vehicle can serve, if there is one.
 
     Parameters
     ----------
     problem : RoutingProblem
-    seconds : float
-        Budget; sites whose direct visit fails are tried in site order until it is spent.
-    solve_program : unused
+    stop : Stop
+        Sites whose direct visit fails are tried in site order until then.
+    linear : unused
         No program is solved.
 
     Returns
@@ -39,7 +37,6 @@ def infeasible_site_evidence(
     Sites that some vehicle can serve on a route of their own are ruled out at once. Whether a detour helps one of the others (distances
     need not obey the triangle inequality) is for the checker to say.
     """
-    stop = stop.within(seconds)
     customers = problem.customers
     for site in customers[problem.sites.required[customers] & ~servable_alone(problem)].tolist():
         if stop.reached():
@@ -51,9 +48,7 @@ def infeasible_site_evidence(
     return None
 
 
-def too_few_vehicles_evidence(
-    problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None, stop: Stop = NEVER
-) -> Evidence | None:
+def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence of kind ``too-few-vehicles`` if the fleet cannot carry the total demand of the required sites, else None."""
     limit = problem.vehicle_limit
     if limit is None:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .arcs import Arcs, arc_costs, lacks_arc_costs
 
@@ -27,19 +27,16 @@ _SMALLEST_AIM = 1e-11
 """Relative rise at which the ascent gives up aiming higher."""
 
 
-def spanning_tree_bound(
-    problem: RoutingProblem, seconds: float, solve_program: Callable[..., Any] | None = None, stop: Stop = NEVER
-) -> Evidence | None:
+def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the best prices that an ascent finds.
 
     Parameters
     ----------
     problem : RoutingProblem
-    seconds : float
-        Budget of the ascent; it ends earlier when it stalls.
-    solve_program : unused
-        No program is solved.
     stop : Stop
+        The ascent ends earlier when it stalls.
+    linear : unused
+        No program is solved.
 
     Returns
     -------
@@ -50,7 +47,6 @@ def spanning_tree_bound(
     Every step aims at a rise above the best bound so far; the aim is halved when it is out of reach and widened when it is met
     (level control after Brännlund 1993, Goffin and Kiwiel 1999), so no value of an answer is needed.
     """
-    stop = stop.within(seconds)
     arcs = arc_costs(problem, stop)
     found = None if arcs is None else _ascend(arcs, stop)
     if arcs is None or found is None:

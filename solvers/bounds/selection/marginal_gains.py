@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from ....instances.selection.instance import (
     PartitionMatroid,
     SetFunction,
 )
+from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
@@ -167,17 +168,15 @@ def user_gains(function: Any, inside: NDArray[np.bool_], value: float, elements:
 # -- the method for problems whose solver brings no such evidence -----------------------------------------------------
 
 
-def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callable[..., Any], stop: Stop = NEVER) -> Evidence | None:
+def marginal_gains_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from a set picked almost greedily.
 
     Parameters
     ----------
     problem : SubmodularSelection
-    seconds : float
-        Budget.
-    solve_program : callable
-        Not used.
     stop : Stop
+    linear : unused
+        No program is solved.
 
     Returns
     -------
@@ -187,9 +186,8 @@ def marginal_gains_bound(problem: Problem, seconds: float, solve_program: Callab
     -----
     The set is picked with a falling threshold (Badanidiyuru and Vondrák 2014). A user's function, one call a round, is picked plainly.
     """
-    stop = stop.within(seconds)
     selection: SubmodularSelection = problem  # type: ignore[assignment]
-    half = stop.within(0.5 * seconds)
+    half = stop.within(0.5 * stop.seconds_left)
     picks = _user_picks(selection, half) if selection.function.name == "user" else _swept(selection, half)
     return best_prefix(selection, picks, stop)[0]
 
@@ -261,7 +259,7 @@ def _prepare() -> None:
     functions: list[SetFunction] = [FacilityLocation(*one, np.ones(1), 1)]
     functions += [DenseFacilityLocation(np.ones((1, 1), dtype)) for dtype in (np.float32, np.float64)]
     for function in functions:
-        marginal_gains_bound(SubmodularSelection(function, Cardinality(1)), 3600.0, lambda *_: None)
+        marginal_gains_bound(SubmodularSelection(function, Cardinality(1)))
 
 
 BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=0, prepare=_prepare))

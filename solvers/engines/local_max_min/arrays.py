@@ -104,7 +104,8 @@ def local_shares(
     Notes
     -----
     Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Local approximability of max-min and min-max linear
-    programs; Sung (2019), section 3.4.1, Algorithm 2; digest 2.5. For the worst-covered target that somebody sees,
+    programs; Sung (2019), section 3.4.1, Algorithm 2; proved in docs/formulations/bottleneck.md#the-local-algorithm. For the worst-covered
+    target that somebody sees,
     ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``.
     """
     check_options(h, eps, search, step, smoothing)

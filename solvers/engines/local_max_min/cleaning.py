@@ -112,7 +112,7 @@ def clean(graph: SensingGraph) -> CleanGraph:
     -----
     A target that only action v sees asks ``c x_v >= w``; of several, the one of least weight asks the most. Everything is decided by
     what a robot knows of its own actions and of who else sees their targets. Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and
-    Suomela (2011); Sung (2019), section 3.4.1; digest 2.5, pre-processing.
+    Suomela (2011); Sung (2019), section 3.4.1; docs/formulations/bottleneck.md#cleaning.
     """
     from . import cleaning_kernels as kernels
 

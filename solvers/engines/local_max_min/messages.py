@@ -138,7 +138,7 @@ def exchange(
 
     Notes
     -----
-    Source: Sung (2019), section 3.4.1, Algorithm 2 and Theorem 1; digest 2.5.
+    Source: Sung (2019), section 3.4.1, Algorithm 2 and Theorem 1; docs/local_algorithm.md#rounds.
     """
     check_options(h, eps, search, step, smoothing)
     orders = Orders(h, CommonLevels(eps) if search == "secant" else SteppedLevels(step), smoothing, normalise)

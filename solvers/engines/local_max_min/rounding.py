@@ -46,7 +46,8 @@ def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng:
 
     Notes
     -----
-    Source: Sung (2019), section 3.4.1; digest 2.2 and 2.5. The rounded value may be 0 where the shares cover everything.
+    Source: Sung (2019), section 3.4.1. The rounded value may be 0 where the shares cover everything:
+    docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
     check_ties(ties)
     if ties == "random" and rng is None:

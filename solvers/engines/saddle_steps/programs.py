@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from ....formulations.max_min.balls import Floats, Indices, actions_of, num_entries, robots_seeing, slices, targets_seen
 from ....formulations.programs.program import Program, Rows, Variables
+from ....formulations.stop import NEVER, Stop
 from ....instances.errors import InputError
 from ....instances.sensing.graph import SensingGraph
-from ...backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from ...backend import RawResult
+from ...linear_programs import LinearPrograms, Suits
 
-LP_SOLVER = "highs"
-
-SIMPLEX = {LP_SOLVER: {"solver": "simplex"}}
+SIMPLEX = {"highs": {"solver": "simplex"}}
 
 EDGES_PER_SECOND = 2e8
 """What the compiled loops read, roughly: measured 1e8 to 3e8. Linear programs are charged in such edges, for their simplex
@@ -35,15 +35,13 @@ SPARE_ITERATIONS = 500
 """A program may take one simplex iteration an entry, and these; the median is half an iteration an entry."""
 
 
-class Programs:
+class Programs(LinearPrograms):
     """Linear programs, solved within what time and work are left.
 
     Parameters
     ----------
-    seconds_left : callable
-    stop : Control, optional
-        Ends the program that runs when the search shall stop.
-    seed : int
+    stop : Stop
+    linear : LinearPrograms, optional
 
     Attributes
     ----------
@@ -52,17 +50,11 @@ class Programs:
         What they are charged so far, in edges.
     """
 
-    def __init__(self, seconds_left: Callable[[], float], stop: Control | None = None, seed: int = 1) -> None:
-        self._seconds_left, self._seed = seconds_left, seed
-        self._running: Control | None = None
+    def __init__(self, stop: Stop, linear: LinearPrograms | None = None) -> None:
+        linear = linear or LinearPrograms()
+        super().__init__(linear.solver, linear.seed, linear.threads)
+        self._stop = stop
         self.solved, self.work = 0, 0.0
-        if stop is not None:
-            stop.on_stop(self._stop)
-
-    def _stop(self) -> None:
-        running = self._running
-        if running is not None:
-            running.stop()
 
     def most_edges(self, other_work: float) -> int:
         """Edges that the next program may have, from the work of the compiled loops.
@@ -72,27 +64,18 @@ class Programs:
         seconds = (SHARE * other_work + LEAST_WORK - self.work) / EDGES_PER_SECOND
         return int((math.sqrt(1e-10 + 6e-8 * max(seconds, 0.0)) - 1e-5) / 3e-8)
 
-    def run(self, program: Program) -> RawResult:
-        """Solve ``program``; not ``optimal`` where it takes more than its share of iterations or time, or is refused."""
-        backend = BACKENDS[LP_SOLVER]()
-        assert isinstance(backend, ProgramBackend)
-        options = Options(time_limit=self._seconds_left(), iterations=len(program.data) + SPARE_ITERATIONS, seed=self._seed)
-        self._running = Control()
+    def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
+        """Solve ``program``; not ``optimal``, and without duals, where it exceeds its share, or is refused."""
         try:
-            result = backend.run(program, options, self._running)
+            result = super().solve(program, self._stop, SIMPLEX, iterations=len(program.data) + SPARE_ITERATIONS)
         except InputError as fault:  # weights of sizes that the solver does not take
             result = RawResult("error", message=str(fault))
-        finally:
-            self._running = None
-        iterations = result.statistics.get("simplex_iterations", 0) + result.statistics.get("ipm_iterations", 0)
+        if result.status != "optimal":
+            result = replace(result, row_duals=None)
+        iterations = sum(result.statistics.get(name, 0) for name in ("simplex_iterations", "ipm_iterations", "iterations"))
         self.solved += 1
         self.work += WORK_OF_PROGRAM + iterations * (WORK_OF_ITERATION + WORK_OF_ENTRY * len(program.data))
         return result
-
-    def duals(self, program: Program, seconds: float) -> NDArray[np.float64] | None:
-        """Row duals of a linear program; None if it was not solved."""
-        result = self.run(program)
-        return result.row_duals if result.status == "optimal" else None
 
 
 @dataclass(frozen=True)
@@ -213,7 +196,6 @@ def _lift_program(
             _rows("robot", packing, np.full(num_robots, -math.inf), np.ones(num_robots)),
             _rows("target", covering, -others, np.full(m, math.inf)),
         ),
-        advice=SIMPLEX,
     )  # fmt: skip
 
 

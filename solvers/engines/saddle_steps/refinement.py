@@ -128,7 +128,7 @@ def _price_ball(game: Game, targets: Indices) -> None:
     record, limits, last = game.record, game.limits, np.inf
     ball: Indices | None = targets
     while ball is not None and not limits.reached():
-        found = ball_weights(game.graph, ball, game.programs.duals, limits.seconds_left)
+        found = ball_weights(game.graph, ball, limits.stop, game.programs)
         if found is None:
             return
         bound, priced, weights = found
@@ -151,7 +151,7 @@ def _lift(game: Game, shares: Floats, cover: Floats, level: float, wanted: float
             ball = None if ball is None else grown(game.graph, ball, room)
         if ball is None or lift_edges(game.graph, ball) > room:
             return False
-        found = lift(game.graph, shares, cover, ball, level, game.programs.run)
+        found = lift(game.graph, shares, cover, ball, level, game.programs.solve)
         if found is None:
             return False
         done = found.reached >= wanted

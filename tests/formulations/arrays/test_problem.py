@@ -115,11 +115,11 @@ def test_bad_arrays_are_refused_by_name() -> None:
 def test_compiling_gives_the_arrays_back_with_vectors_as_answers() -> None:
     problem = ArrayProblem(knapsack())
     assert problem.forms() == ["arrays"]
-    program = problem.compile()
-    assert program.problem is problem and program.exactness is Exactness.EXACT
-    assert program.encode is not None and program.encode([4, 0]).tolist() == [4.0, 0.0]
+    made = problem.compile()
+    assert made.problem is problem and made.exactness is Exactness.EXACT
+    assert made.encode is not None and made.encode([4, 0]).tolist() == [4.0, 0.0]
     with pytest.raises(InputError):
-        program.encode([4])
+        made.encode([4])
     assert problem.compile(relax=True).exactness is Exactness.RELAXATION
 
 
@@ -217,3 +217,7 @@ def test_whole_numbers_are_known_exactly():
     asked = small([1.0], [1e7], [1.0], 2e6, math.inf, {0})
     made = certify(asked, asked.evaluate([2e6 + 1]), [Evidence("lp-dual", "by hand", 2e6, {"duals": [1.0]})])
     assert made.bound == 2e6 and made.observed_ratio > 1.0 and made.gap > 0.0
+
+
+def test_its_facts_are_its_sizes() -> None:
+    assert ArrayProblem(knapsack()).facts() == {"variables": 2, "rows": 1, "entries": 2}

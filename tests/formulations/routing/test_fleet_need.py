@@ -144,6 +144,10 @@ def fits(demand, bins, capacity):
     )
 
 
+def test_vehicles_without_room_need_a_bin_an_item():
+    assert bin_packing_bound(np.array([1.0, 2.0]), 0.0) == (2, 0.0)
+
+
 @given(st.lists(st.integers(1, 10), min_size=1, max_size=6))
 def test_the_bin_packing_bound_never_exceeds_the_true_number_of_bins(demand):
     bound, _ = bin_packing_bound(np.array(demand, dtype=float), 10.0)

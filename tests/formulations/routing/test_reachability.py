@@ -74,7 +74,7 @@ def test_reasons_name_the_limit_and_both_amounts(sites: dict[str, object], vehic
     problem = routing(xy=SQUARE_4, sites=sites, count=4, **vehicle)
     assert unreachable(problem) == {2: reason}
     for form in problem.forms():
-        assert solved(problem.compile(form))[0] == "infeasible"
+        assert solved(problem.compile(form).program)[0] == "infeasible"
 
 
 def test_a_detour_makes_a_site_reachable_where_the_triangle_inequality_fails() -> None:
@@ -125,7 +125,7 @@ def test_forms_agree_that_unreachable_optional_sites_are_left_out() -> None:
     problem = routing(xy=SQUARE_4, sites={"due": [99, 9, 4, 9, 9], "required": [False, True, False, True, True]}, count=4)
     assert unreachable(problem).keys() == {2}
     for form in ("three-index", *TWO_INDEX):
-        assert solved(problem.compile(form))[0] == "optimal"
+        assert solved(problem.compile(form).program)[0] == "optimal"
 
 
 def test_where_direct_ways_will_do_no_others_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:

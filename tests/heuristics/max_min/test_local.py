@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from local_oracles import optimum, random_graph
+from programs import AnsweredBy
 from sata_cases import CASES
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
@@ -24,7 +25,7 @@ def run(problem: Any, published: list[Any] | None = None, stopped: bool = False,
     stop = Stop()
     if stopped:
         stop.ask()
-    setting = Setting(np.random.default_rng(1), 10.0, None, keep.append, stop, lambda program, seconds: None)
+    setting = Setting(np.random.default_rng(1), 10.0, None, keep.append, stop, AnsweredBy(lambda program, seconds: None))
     return HEURISTICS["local"].run(problem, setting, **{"ball": False, **options})
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UsageError
 from waybound.instances.selection.instance import Coverage, PartitionMatroid
 from waybound.solvers.backend import RawResult
+from waybound.solvers.linear_programs import LinearPrograms
 from waybound.solving.solve import solve
 
 
@@ -62,7 +64,11 @@ def test_winner_takes_all_and_coverage_are_solved_where_the_lp_is_whole() -> Non
 
 
 def test_without_a_solved_lp_there_is_no_answer() -> None:
-    late = replace(setting(), solve_program=lambda program, seconds: RawResult("unknown", limit="time", answer=np.zeros(91)))
+    class Late(LinearPrograms):
+        def solve(self, *_: Any, **__: Any) -> RawResult:
+            return RawResult("unknown", limit="time", answer=np.zeros(91))
+
+    late = replace(setting(), linear=Late())
     outcome = HEURISTICS["lp-rounding"].run(cover_30(6), late)
     assert outcome.answer is None and outcome.evidence == ()
     assert "the LP was not solved in time" in outcome.message

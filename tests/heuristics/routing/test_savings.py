@@ -16,8 +16,9 @@ from waybound.heuristics.heuristic import HEURISTICS, Setting
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.solvers.linear_programs import LinearPrograms
 
-SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, lambda *a: None)
+SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, LinearPrograms())
 
 
 def run(problem: RoutingProblem, **parameters: float) -> Routes:

@@ -146,7 +146,7 @@ def test_elements_that_add_nothing_are_taken_while_there_is_room() -> None:
 
 
 def test_top_n_allocation_is_exact_and_proved_so() -> None:
-    """Observing the cells of largest utility: a sum, so that the bound meets greedy's answer (digest 2.15)."""
+    """Observing the cells of largest utility: a sum, so that the bound meets greedy's answer."""
     utility = np.array([0.2, 1.7, 0.4, 3.1, 0.9, 3.1])
     private = Coverage.from_sets([[cell] for cell in range(6)], utility)
     sums = UserFunction(lambda masks: masks @ utility, 6, monotone=True, submodular=True, label="sum of utilities")

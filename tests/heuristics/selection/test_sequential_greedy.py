@@ -39,7 +39,7 @@ GREEDY = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_reference_cases_in_the_order_of_the_robots(name: str) -> None:
-    """Digest 4.1, column greedy (S2b: ties to the first action), against the optimum."""
+    """The reference cases (S2b: ties to the first action), against the optimum."""
     problem = winner_takes_all(*CASES[name].robots)
     outcome = run("sequential-greedy", problem)
     assert value(problem, outcome) == pytest.approx(GREEDY[name], abs=1e-6)

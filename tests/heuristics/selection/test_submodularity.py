@@ -37,7 +37,7 @@ def csqmi(p: float, hit_occupied: float, hit_free: float, readings: int) -> User
 
 
 def test_csqmi_has_growing_returns() -> None:
-    """Digest 3.5: 0.148647 after one reading, 0.353162 after two."""
+    """docs/selection.md#is-it-submodular: 0.148647 after one reading, 0.353162 after two."""
     problem = SubmodularSelection(csqmi(0.25, 0.99, 0.40, 2), Cardinality(2))
     report = check_submodular(problem)
     assert not report and not report.submodular and report.monotone and report.exhaustive
@@ -53,7 +53,7 @@ def test_csqmi_has_growing_returns() -> None:
 
 
 def test_csqmi_may_even_fall() -> None:
-    """Digest 3.5: 0.027481 after one reading, 0.027235 after two."""
+    """docs/selection.md#errata: 0.027481 after one reading, 0.027235 after two."""
     report = check_submodular(SubmodularSelection(csqmi(0.1, 0.9, 0.01, 2), Cardinality(2)))
     assert report.submodular and not report.monotone
     (violation,) = report.violations

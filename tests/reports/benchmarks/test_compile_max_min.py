@@ -13,7 +13,7 @@ from waybound.reports.benchmarks import compile_max_min as benchmark
 @pytest.mark.parametrize("actions", [60, 400])
 def test_pulp_writes_the_same_rows_columns_and_values(actions: int, tmp_path: Path) -> None:
     graph = benchmark.generate(actions, seed=3)
-    program = BottleneckSATA(graph, fractional=True).compile()
+    program = BottleneckSATA(graph, fractional=True).compile().program
     benchmark.with_pulp(benchmark.lists_for_pulp(graph), tmp_path / "model.mps")
     benchmark.same_model(program, tmp_path / "model.mps")
     assert benchmark.with_waybound(graph).getNumRow() == program.num_rows
@@ -26,7 +26,7 @@ def test_a_different_model_is_noticed(tmp_path: Path) -> None:
     data["targets"][0][0] = (action, weight + 0.5)
     benchmark.with_pulp(data, tmp_path / "model.mps")
     with pytest.raises(AssertionError, match="coefficients"):
-        benchmark.same_model(BottleneckSATA(graph, fractional=True).compile(), tmp_path / "model.mps")
+        benchmark.same_model(BottleneckSATA(graph, fractional=True).compile().program, tmp_path / "model.mps")
 
 
 def test_same_seed_gives_the_same_graph() -> None:

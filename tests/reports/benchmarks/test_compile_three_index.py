@@ -12,7 +12,7 @@ from waybound.reports.benchmarks import compile_three_index as benchmark
 @pytest.mark.parametrize("windows", benchmark.WINDOWS)
 def test_pulp_writes_the_same_rows_columns_and_values(windows: str, tmp_path: Path) -> None:
     problem = benchmark.generate(9, 2, windows, seed=3)
-    program = problem.compile("three-index")
+    program = problem.compile("three-index").program
     benchmark.with_pulp(benchmark.lists_for_pulp(problem), tmp_path / "model.mps")
     benchmark.same_model(program, tmp_path / "model.mps")
     assert benchmark.with_waybound(problem).getNumRow() == program.num_rows
@@ -25,7 +25,7 @@ def test_a_different_model_is_noticed(tmp_path: Path) -> None:
     data["capacity"] += 1.0
     benchmark.with_pulp(data, tmp_path / "model.mps")
     with pytest.raises(AssertionError, match="right sides"):
-        benchmark.same_model(problem.compile("three-index"), tmp_path / "model.mps")
+        benchmark.same_model(problem.compile("three-index").program, tmp_path / "model.mps")
 
 
 def test_same_seed_gives_the_same_problem() -> None:

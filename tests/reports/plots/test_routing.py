@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import dataclasses
 
 import numpy as np
 import pytest
@@ -11,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import waybound as wb
-from waybound.formulations.solution import PLOTTERS
 from waybound.reports.plots import routing as plots
-from waybound.reports.plots.routing import plot_routes, save_plot, scaled_positions, site_positions
+from waybound.reports.plots import save_plot
+from waybound.reports.plots.routing import plot_routes, scaled_positions, site_positions
 
 
 @pytest.fixture(scope="module")
@@ -109,36 +108,6 @@ def test_latitudes_point_up():
     assert site_positions(problem)[0].tolist() == [[1.0, 10.0], [2.0, 50.0]]
 
 
-@pytest.mark.parametrize(("suffix", "head"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_files_are_whole_and_repeat_themselves(solution, tmp_path, suffix, head):
-    for name in "ab":
-        save_plot(solution, tmp_path / f"{name}.{suffix}")
-    a, b = ((tmp_path / f"{name}.{suffix}").read_bytes() for name in "ab")
-    assert a.startswith(head)
-    assert a == b
-    assert len(list(tmp_path.iterdir())) == 2
-
-
-def test_an_unknown_suffix_is_refused(solution, tmp_path):
-    with pytest.raises(wb.UsageError, match=r"\.png"):
-        save_plot(solution, tmp_path / "a.bmp")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_needs_no_display_and_no_global_state(tmp_path):
-    code = (
-        "import sys, waybound as wb\nfrom waybound.reports.plots.routing import save_plot\n"
-        "s = wb.solve(wb.read('demo-tiny'), heuristic='savings', bound_time=0)\n"
-        f"save_plot(s, {str(tmp_path / 'a.png')!r})\nprint('matplotlib.pyplot' in sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env={"MPLBACKEND": "TkAgg"})
-    assert done.stdout.strip() == "False"
-
-
-def test_the_plotter_is_registered():
-    assert PLOTTERS["routing"] is plot_routes
-
-
 def test_names_out_of_files_are_no_formulas(tmp_path):
     ids = ["$\\frac$", "$a$ & <b>", "c" * 10_000]
     problem = wb.RoutingProblem(
@@ -154,3 +123,12 @@ def test_names_out_of_files_are_no_formulas(tmp_path):
     )
     assert len(one.answer) > 1 and not any(text.get_parse_math() for text in one.plot().get_legend().get_texts())
     save_plot(one, tmp_path / "b.png")
+
+
+def test_vehicles_are_numbered_within_their_type_as_everywhere(solution):
+    fleet = (wb.VehicleType(3, 200, name="old"), wb.VehicleType(1, 200, name="new"))
+    mixed = dataclasses.replace(solution.problem, fleet=fleet)
+    answer = wb.Routes((wb.Route((1, 2)), wb.Route((3,), vehicle=1), wb.Route((4, 5))))
+    legend = plot_routes(mixed, answer).get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == ["old 1: 2 visits", "new 1: 1 visits", "old 2: 2 visits"]
+    assert list(dict.fromkeys(mixed.answer_to_frame(answer)["vehicle"])) == mixed.vehicle_names(answer)

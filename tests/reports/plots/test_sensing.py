@@ -1,4 +1,4 @@
-"""Pictures of assignment answers."""
+"""Sensing graphs as maps and in two columns."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from matplotlib.collections import LineCollection
 
 import waybound as wb
 from waybound.formulations.selection.selections import Selection
-from waybound.formulations.solution import PLOTTERS
+from waybound.instances.sensing.graph import graph_of_edges
+from waybound.reports.plots import PLOTS
 from waybound.reports.plots import sensing as sensing_plots
-from waybound.reports.plots.routing import save_plot
-from waybound.reports.plots.sensing import plot_max_min, plot_selection
+from waybound.reports.plots.max_min import plot_max_min
+from waybound.reports.plots.selection import plot_selection
 
 
 @pytest.fixture(scope="module")
@@ -19,17 +20,8 @@ def placed():
     return wb.generate("sensing-geometric", robots=30, seed=2).graph
 
 
-@pytest.fixture(scope="module")
-def large():
-    return wb.generate("sata", robots=30, targets=70, phi=10, seed=2).graph
-
-
 def texts(ax):
     return [t.get_text() for t in ax.texts]
-
-
-def bars(ax):
-    return [patch.get_height() for patch in ax.patches]
 
 
 def marks(ax):
@@ -52,17 +44,10 @@ def test_a_small_graph_is_drawn_in_two_columns_with_all_names():
     assert named[-1].startswith("max 1\n")
 
 
-def test_shares_are_drawn_as_well():
-    problem = wb.read("figure-3-3", problem="bottleneck-lp")
-    ax = plot_max_min(problem, np.array([2 / 3, 1 / 3, 1, 0, 1 / 3, 2 / 3]))
-    assert [t for t in texts(ax) if t.startswith("t")] == ["t1  1.333", "t2  1.333", "t3  1.333"]
-    assert lines(ax) == [1, 6]
-
-
 @pytest.mark.parametrize("kind", [wb.BottleneckSATA, wb.WinnerTakesAllSATA])
 def test_positions_make_a_map(placed, kind):
     problem = kind(placed)
-    ax = PLOTTERS[problem.family](problem, Selection.of([0, 5, 9]))
+    ax = PLOTS[problem.family](problem, Selection.of([0, 5, 9]))
     assert ax.get_aspect() == 1.0
     assert marks(ax) == placed.num_actions + placed.num_targets
     assert sum(lines(ax)) == placed.num_edges
@@ -77,67 +62,7 @@ def test_a_crowded_map_leaves_out_edges_that_nobody_uses(placed, monkeypatch):
     assert lines(ax) == [placed.indptr[1]]
 
 
-def test_a_large_graph_becomes_a_chart_of_its_targets(large):
-    chosen = Selection.of(range(0, 60, 2))
-    covered = np.bincount(large.indices, np.isin(large.action_of_edge, list(chosen)).astype(float), minlength=70)
-    ax = plot_max_min(wb.BottleneckSATA(large), chosen)
-    assert bars(ax) == sorted(covered.tolist())
-    assert "70 of them in ascending order" in ax.get_xlabel()
-    assert ax.lines[0].get_ydata()[0] == covered.min()
-    winner = plot_selection(wb.WinnerTakesAllSATA(large), chosen)
-    assert sum(bars(winner)) == (covered > 0).sum()
-
-
-def test_a_selection_climbs_to_its_bound():
-    problem = wb.read("cover-30")
-    solution = wb.solve(problem, "highs")
-    ax = solution.plot()
-    values = ax.lines[0].get_ydata()
-    assert values[0] == 0 and values[-1] == solution.objective
-    assert bars(ax) == np.diff(values).tolist()
-    assert ax.lines[1].get_ydata()[0] == solution.bound
-    assert "by highs" in ax.get_title(loc="left")
-    assert [t.get_text() for t in ax.get_xticklabels()] == [problem.element_name(e) for e in solution.answer]
-
-
-@pytest.mark.parametrize(("sense", "rows", "level"), [("max", [0.5, 0.75], 0.5), ("min", [0.75, 0.5], 0.75)])
-def test_a_max_min_program_becomes_a_chart_of_its_rows(sense, rows, level):
-    problem = wb.MaxMinLP([[1, 1], [0, 2]], [[1, 0], [0, 3]], sense=sense)
-    ax = plot_max_min(problem, [0.5, 0.25])
-    assert bars(ax) == pytest.approx(rows)
-    assert ax.lines[0].get_ydata()[0] == pytest.approx(level)
-
-
-def test_given_axes_and_titles_are_used():
-    from matplotlib.figure import Figure
-
-    ax = Figure().add_subplot()
-    assert plot_selection(wb.read("cover-30"), Selection.of([9]), ax=ax, title="mine") is ax
-    assert ax.get_title(loc="left").strip() == "mine"
-
-
-@pytest.mark.parametrize(
-    ("name", "problem"),
-    [("figure-3-3", None), ("figure-3-3", "bottleneck-lp"), ("sata-s3", None), ("figure-3-3", "selection"), ("cover-30", None)],
-)
-def test_empty_answers_can_be_drawn(name, problem):
-    asked = wb.read(name, problem=problem)
-    answer = np.zeros(6) if asked.problem == "bottleneck-lp" else Selection()
-    ax = PLOTTERS[asked.family](asked, answer)
-    ax.figure.canvas.draw()
-
-
 def test_a_graph_without_edges_can_be_drawn():
-    from waybound.instances.sensing.graph import graph_of_edges
-
     graph = graph_of_edges([0], [], [], robots=1, targets=2)
     plot_max_min(wb.BottleneckSATA(graph), Selection.of([0])).figure.canvas.draw()
     plot_selection(wb.WinnerTakesAllSATA(graph_of_edges([], [], [], robots=1)), Selection()).figure.canvas.draw()
-
-
-@pytest.mark.parametrize("name", ["figure-3-3", "sata-s3", "cover-30"])
-def test_files_repeat_themselves(tmp_path, name):
-    solution = wb.solve(wb.read(name), "highs", bound_time=0)
-    for copy in "ab":
-        save_plot(solution, tmp_path / f"{copy}.svg")
-    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()

@@ -11,7 +11,7 @@ from waybound.instances.errors import UsageError
 from waybound.reports.ratios.study import STUDIES, Fault, Report, StudySetting, thinned
 from waybound.reports.ratios.violations import summary_lines
 from waybound.reports.ratios.writing import check_folder, csv_text, markdown, write_report
-from waybound.reports.tables.routing import Column, Table
+from waybound.reports.tables.table import Column, Table
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Tables that people read."""
+"""Tables of routes and of sites that stay unserved."""
 
 from __future__ import annotations
 
@@ -8,18 +8,9 @@ import numpy as np
 import pytest
 
 import waybound as wb
-from waybound.formulations.answers import finite
-from waybound.reports.tables.routing import (
-    Column,
-    Table,
-    answer_table,
-    facts,
-    facts_table,
-    heuristics_table,
-    routes_table,
-    solvers_table,
-    unserved_sites,
-)
+from waybound.reports.tables.answers import answer_tables
+from waybound.reports.tables.facts import facts, facts_table
+from waybound.reports.tables.routing import routes_table, unserved_sites
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +30,8 @@ def test_routes_are_told_with_their_totals(problem):
 
 def test_a_mixed_fleet_names_the_type_of_each_vehicle(problem):
     mixed = dataclasses.replace(problem, fleet=(wb.VehicleType(2, 200, name="van"), wb.VehicleType(2, 400, name="lorry")))
-    answer = wb.Routes((wb.Route((1, 2)), wb.Route((3,), vehicle=1)))
-    assert "lorry" in routes_table(mixed, answer).rows[1][0]
+    answer = wb.Routes((wb.Route((1, 2)), wb.Route((3,), vehicle=1), wb.Route((4,))))
+    assert [row[0] for row in routes_table(mixed, answer).rows] == ["van 1", "lorry 1", "van 2"]
 
 
 def test_sites_left_out_are_told_with_the_reason():
@@ -56,43 +47,23 @@ def test_a_complete_answer_leaves_nobody_out(problem):
     assert unserved_sites(problem, wb.Routes.of([problem.customers.tolist()])) == {}
 
 
-def test_facts_are_plain_values_and_agree_with_the_data(problem):
-    data = facts(problem)
-    assert finite(data).keys() == data.keys()
-    assert data["demand"] == {"total": 520.0, "least": data["demand"]["least"], "largest": problem.sites.demand.max()}
-    assert data["windows"]["sites"] <= 25
-    rows = {row[0]: row[1] for row in facts_table(data).rows}
+def test_without_an_answer_only_the_sites_out_of_reach_are_told(problem):
+    assert answer_tables(problem, None) == []
+    (told,) = answer_tables(wb.read("demo-tiny", capacity=9), None)
+    assert told.title == "Unserved sites" and all("capacity 9" in row[1] for row in told.rows)
+
+
+def test_an_answer_is_told_by_its_routes_and_the_sites_that_they_leave_out(problem):
+    whole, part = (answer_tables(problem, wb.Routes.of([visits])) for visits in (problem.customers.tolist(), [1, 2]))
+    assert [table.title for table in whole] == ["Routes"]
+    assert [table.title for table in part] == ["Routes", "Unserved sites"]
+    assert len(part[1].rows) == 23
+
+
+def test_a_routing_problem_is_told_by_sites_windows_and_fleet(problem):
+    rows = {row[0]: row[1] for row in facts_table(facts(problem)).rows}
     assert "25 customers" in rows["sites"]
+    assert rows["demand"].startswith("total 520,")
+    assert "customers, the last closes at" in rows["windows"]
     assert "capacity 200" in rows["fleet"]
-
-
-def test_solvers_and_heuristics_say_what_they_lack(problem):
-    infos = wb.solvers(problem)
-    lacking = dataclasses.replace(infos[0], missing=("energy:travel",))
-    absent = dataclasses.replace(infos[0], installed=False)
-    told = [row[1] for row in solvers_table([infos[0], lacking, absent], asked=True).rows]
-    assert told[0].startswith("takes it")
-    assert told[1:] == ["lacks energy:travel", f"not installed: {infos[0].install}"]
-    table = heuristics_table(wb.heuristics(problem), asked=True)
-    assert all(len(row) == len(table.columns) for row in table.rows)
-
-
-def test_an_answer_that_is_no_set_of_routes_is_told_row_by_row():
-    table = answer_table(wb.read("figure-3-3"), wb.Selection.of([0, 2, 5]))
-    assert [c.name for c in table.columns] == ["robot", "action", "share", "targets"]
-    assert [c.right for c in table.columns] == [False, False, True, True]
-    assert table.rows[1] == ("r2", "p3", "1", "2")
-
-
-def test_a_long_answer_is_cut_and_says_so():
-    problem = wb.MaxMinLP(np.ones((1, 50)), np.ones((1, 50)))
-    table = answer_table(problem, np.full(50, 0.01))
-    assert len(table.rows) == 21
-    assert table.rows[-1] == ("and 30 more", "")
-
-
-def test_every_entry_is_printable_and_only_wide_columns_are_long():
-    table = Table("a\x1b[2Jb", (Column("site"), Column("reason", wide=True)), (("x\ny" + "z" * 900, "\u202ew" * 900),), ("\x07", ""))
-    shown = [table.title, *table.rows[0], *table.total]
-    assert all(text.isprintable() for text in shown)
-    assert len(table.rows[0][0]) == 200 and len(table.rows[0][1]) == 1800
+    assert rows["problem"] == "vrptw, min total-cost"

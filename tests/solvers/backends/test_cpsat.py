@@ -91,14 +91,14 @@ def test_own_parameters_are_taken_as_text(extra):
 
 def test_one_thread_repeats_to_the_bit():
     problem = WinnerTakesAllSATA(wb.generate("sata", robots=12, actions=3, targets=60, phi=8, seed=4, weights="uniform").graph)
-    first, second = (run(problem.compile(), seed=5, iterations=20) for _ in range(2))
+    first, second = (run(problem.compile().program, seed=5, iterations=20) for _ in range(2))
     assert (first.answer == second.answer).all()
     assert first.statistics == second.statistics
 
 
 def test_the_least_of_sums_is_counted_in_steps_of_the_weights():
     problem = BottleneckSATA(CASES["S4a"].graph)
-    result = run(problem.compile())
+    result = run(problem.compile().program)
     assert result.objective == pytest.approx(1.0)
     assert result.statistics["scale"]["exact"]
 
@@ -139,5 +139,5 @@ def test_routing_programs_whose_levels_are_differences_can_be_counted():
     for convention in ("round", "exact"):
         problem = small("time-windows", 1, convention)
         for form in ("two-index-time-flow", "two-index-mtz"):
-            result = run(problem.compile(form))
+            result = run(problem.compile(form).program)
             assert result.objective == pytest.approx(optimum(problem)[0], abs=1e-6)

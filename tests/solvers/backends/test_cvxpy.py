@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from programs import program
 
+from waybound.formulations.programs.program import LINEAR
 from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.solvers.backend import Control, Options
+from waybound.solvers.backend import Control, Options, takes_features
 from waybound.solvers.backends import cvxpy as module
-from waybound.solvers.backends.cvxpy import CVXPY, KINDS
+from waybound.solvers.backends.cvxpy import CVXPY, PROGRAMS
 
 INF = math.inf
-CONTINUOUS = [s for s in KINDS if "LP" in KINDS[s]]
+CONTINUOUS = [s for s in PROGRAMS if takes_features(LINEAR, PROGRAMS[s])]
 
 
 def run(p, variant="", **options):

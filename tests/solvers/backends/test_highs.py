@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
-from waybound.solvers.backends.highs import STATUS_MAP, Highs, set_option
+from waybound.solvers.backends.highs import INTERIOR_POINT, STATUS_MAP, Highs, set_option
 
 
 def lp(size: int = 2) -> Program:
@@ -30,14 +31,19 @@ def test_every_status_of_highs_has_one_of_ours() -> None:
     assert all(status in STATUSES and limit in LIMITS for status, limit in STATUS_MAP.values())
 
 
-def test_the_advice_of_a_program_is_followed_unless_overridden() -> None:
-    program = replace(lp(30), advice={"highs": {"solver": "ipm", "run_crossover": "off"}})
-    advised = Highs().run(program, Options(), Control())
-    assert advised.statistics["ipm_iterations"] > 0
-    overridden = Highs().run(program, Options(extra={"solver": "simplex"}), Control())
-    assert overridden.statistics["ipm_iterations"] <= 0
-    assert overridden.statistics["simplex_iterations"] > 0
-    assert advised.objective == pytest.approx(overridden.objective)
+@pytest.mark.parametrize("form", INTERIOR_POINT)
+def test_linear_programs_of_some_forms_go_to_the_interior_point_unless_overridden(form: str) -> None:
+    program = replace(lp(30), name=form)
+    inner = Highs().run(program, Options(), Control())
+    assert inner.statistics["ipm_iterations"] > 0
+    for other in (Highs().run(program, Options(extra={"solver": "simplex"}), Control()), Highs().run(lp(30), Options(), Control())):
+        assert other.statistics["ipm_iterations"] <= 0
+        assert other.statistics["simplex_iterations"] > 0
+        assert inner.objective == pytest.approx(other.objective)
+
+
+def test_forms_whose_linear_programs_go_to_the_interior_point_exist() -> None:
+    assert set(INTERIOR_POINT) <= set(FORMS)
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,12 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
+from waybound.formulations.programs.program import INTEGERS, QUADRATIC
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
+from waybound.solvers.backend import LIMITS, STATUSES, Control, Options, takes_features
 from waybound.solvers.backends import mathopt as module
-from waybound.solvers.backends.mathopt import KINDS, REASONS, MathOpt
+from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, MathOpt
 
 INF = math.inf
 LP = program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)
@@ -50,7 +51,7 @@ def test_without_a_name_the_program_decides():
     assert run(MILP).statistics["solver"] == "gscip"
 
 
-@pytest.mark.parametrize("solver", [s for s in KINDS if "MIQP" not in KINDS[s]])
+@pytest.mark.parametrize("solver", [s for s in PROGRAMS if not takes_features(PRODUCT.features(), PROGRAMS[s])])
 def test_a_quadratic_objective_is_an_unsupported_feature_that_names_others(solver):
     with pytest.raises(UnsupportedError, match=r"MIQP programs; can take it: .*mathopt:gscip"):
         run(PRODUCT, solver)
@@ -66,8 +67,8 @@ def test_the_user_meets_the_same_error_through_solve():
 
 
 def test_an_error_inside_mathopt_becomes_an_unsupported_feature(monkeypatch):
-    # MathOpt raises the same for whatever a solver lacks; here the kinds are declared too widely.
-    monkeypatch.setitem(KINDS, "highs", frozenset({"MIQP"}))
+    # MathOpt raises the same for whatever a solver lacks; here the programs are declared too widely.
+    monkeypatch.setitem(PROGRAMS, "highs", (INTEGERS | QUADRATIC,))
     with pytest.raises(UnsupportedError, match=r"quadratic objectives.*can take it: .*mathopt:gscip"):
         run(PRODUCT, "highs")
 
@@ -85,10 +86,10 @@ def test_cp_sat_gets_whole_variables_only():
     assert run(step, "cp-sat").objective == pytest.approx(18.0)
 
 
-@pytest.mark.parametrize("solver", KINDS)
+@pytest.mark.parametrize("solver", PROGRAMS)
 def test_unknown_parameters_are_refused(solver):
     with pytest.raises(UsageError):
-        run(MILP if "MILP" in KINDS[solver] else LP, solver, extra={"no_such_option": 1})
+        run(MILP if takes_features(INTEGERS, PROGRAMS[solver]) else LP, solver, extra={"no_such_option": 1})
 
 
 @pytest.mark.parametrize(
@@ -103,7 +104,7 @@ def test_unknown_parameters_are_refused(solver):
     ],
 )
 def test_own_parameters_are_taken(solver, extra):
-    p = MILP if "MILP" in KINDS[solver] else LP
+    p = MILP if takes_features(INTEGERS, PROGRAMS[solver]) else LP
     assert run(p, solver, extra=extra).objective == pytest.approx(10.0 if p is MILP else 2.8, abs=1e-6)
 
 

@@ -10,9 +10,8 @@ from programs import program
 
 from waybound.instances.errors import MissingPackageError, UsageError
 from waybound.solvers.backend import LIMITS as OUR_LIMITS
-from waybound.solvers.backend import Control, Options
+from waybound.solvers.backend import Control, Options, solver_named
 from waybound.solvers.backends.scip import LIMITS, Scip
-from waybound.solving.choice import solver_named
 
 INF = math.inf
 needs_scip = pytest.mark.skipif(not Scip.installed(), reason="needs the extra scip (PySCIPOpt)")

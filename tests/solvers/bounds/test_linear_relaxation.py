@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from programs import AnsweredBy
 from scipy.optimize import linprog
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.bounds import BOUNDS, linear_relaxation
@@ -26,7 +28,7 @@ def windows(seed: int, customers: int, **vehicle) -> RoutingProblem:
     return RoutingProblem(sites, Travel("euclidean", coordinates=xy), (VehicleType(**vehicle),))
 
 
-def solve_program(program, seconds):
+def by_scipy(program, seconds):
     """Row duals by scipy."""
     a, b = program.matrix, program
     up, down = np.isfinite(b.row_upper), np.isfinite(b.row_lower)
@@ -43,15 +45,15 @@ def solve_program(program, seconds):
 
 
 def optimum_of_the_whole_lp(problem: RoutingProblem) -> float:
-    program = problem.compile("two-index-time-flow", relax=True)
-    duals = solve_program(program, 60.0)
-    return float(program.dual_evidence(duals).value)
+    made = problem.compile("two-index-time-flow", relax=True)
+    duals = by_scipy(made.program, 60.0)
+    return float(made.dual_evidence(duals).value)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_verified_bound_is_the_value_of_the_whole_lp(seed):
     problem = windows(seed, 25, capacity=30.0)
-    evidence = linear_relaxation_bound(problem, 20.0, solve_program)
+    evidence = linear_relaxation_bound(problem, Stop(20.0), AnsweredBy(by_scipy))
     assert evidence is not None
     assert verified_bound(problem, evidence) == evidence.value
     assert evidence.value == pytest.approx(optimum_of_the_whole_lp(problem), rel=1e-5)
@@ -62,21 +64,21 @@ def test_few_arcs_are_enough_to_begin_with(monkeypatch):
 
     def counting(program, seconds):
         sizes.append(len(program.data))
-        return solve_program(program, seconds)
+        return by_scipy(program, seconds)
 
     problem = windows(1, 25, capacity=30.0)
     monkeypatch.setattr(linear_relaxation, "NEIGHBOURS", (2, 2))
-    evidence = linear_relaxation_bound(problem, 20.0, counting)
+    evidence = linear_relaxation_bound(problem, Stop(20.0), AnsweredBy(counting))
     assert evidence.value == pytest.approx(optimum_of_the_whole_lp(problem), rel=1e-5)
-    assert sizes[0] < 0.5 * len(problem.compile("two-index-time-flow").data)
+    assert sizes[0] < 0.5 * len(problem.compile("two-index-time-flow").program.data)
     assert len(sizes) > 1
 
 
 def test_it_begins_nothing_that_its_budget_cannot_hold():
     calls = []
     problem = windows(2, 60)
-    assert linear_relaxation_bound(problem, 0.01, lambda *a: calls.append(a)) is None
-    assert linear_relaxation_bound(problem, 0.0, lambda *a: calls.append(a)) is None
+    assert linear_relaxation_bound(problem, Stop(0.01), AnsweredBy(lambda *a: calls.append(a))) is None
+    assert linear_relaxation_bound(problem, Stop(0.0), AnsweredBy(lambda *a: calls.append(a))) is None
     assert calls == []
 
 
@@ -84,14 +86,14 @@ def test_it_begins_nothing_that_its_budget_cannot_hold():
 def test_a_solver_that_has_no_duals_gives_no_evidence(answer):
     problem = windows(2, 10)
     duals = (lambda p, s: None) if answer is None else (lambda p, s: np.full(p.num_rows, np.nan))
-    assert linear_relaxation_bound(problem, 5.0, duals) is None
+    assert linear_relaxation_bound(problem, Stop(5.0), AnsweredBy(duals)) is None
 
 
 def test_wrong_duals_prove_little_but_never_too_much():
     problem = windows(3, 10, capacity=20.0)
     best = optimum_of_the_whole_lp(problem)
     rng = np.random.default_rng(1)
-    evidence = linear_relaxation_bound(problem, 5.0, lambda p, s: 10 * rng.normal(size=p.num_rows))
+    evidence = linear_relaxation_bound(problem, Stop(5.0), AnsweredBy(lambda p, s: 10 * rng.normal(size=p.num_rows)))
     assert evidence is not None
     assert evidence.value <= best + 1e-6
 
@@ -110,7 +112,7 @@ def test_bare_programs_are_bounded_by_their_own_relaxation():
     rows = Rows("r", indptr=ints[0], indices=ints[1], data=np.ones(2), lower=np.array([-np.inf]), upper=np.array([3.5]))
     columns = Variables("x", lower=np.zeros(2), upper=np.array([2.5, 9.0]), cost=np.array([3.0, 2.0]), integer=True)
     problem = ArrayProblem(Program("arrays", "max", (columns,), (rows,)))
-    evidence = linear_relaxation_bound(problem, 5.0, lambda program, seconds: np.array([2.0]))
+    evidence = linear_relaxation_bound(problem, Stop(5.0), AnsweredBy(lambda program, seconds: np.array([2.0])))
     assert evidence is not None
     assert evidence.kind == "lp-dual"
     assert verified_bound(problem, evidence) == 9.0

@@ -65,9 +65,9 @@ def test_optimal_prices_prove_the_optimum(seed, sense):
     from waybound.solvers.backend import BACKENDS, Control, Options
 
     problem = random_problem(np.random.default_rng(seed), sense)
-    program = problem.compile()
-    result = BACKENDS["highs"]().run(program, Options(), Control())
-    evidence = program.dual_evidence(result.row_duals)
+    made = problem.compile()
+    result = BACKENDS["highs"]().run(made.program, Options(), Control())
+    evidence = made.dual_evidence(result.row_duals)
     best = optimum(problem)
     if best > 1e-9 or sense == "max":  # that nothing is needed is proved by no price
         assert CHECKERS[KIND](problem, evidence.data) == pytest.approx(best, abs=1e-7)

@@ -11,6 +11,7 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.programs.exactness import Exactness
+from waybound.formulations.programs.program import LINEAR
 from waybound.formulations.selection.selections import Selection
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.sensing.graph import graph_of_edges
@@ -37,11 +38,11 @@ def test_whole_actions_agree_with_enumeration_on_random_graphs():
     rng = np.random.default_rng(0)
     for _ in range(200):
         problem = BottleneckSATA(random_graph(rng))
-        program = problem.compile()
+        made = problem.compile()
         best = max(problem.evaluate(s).values[0] for s in selections(problem.graph))
-        result = solved(program)
+        result = solved(made.program)
         assert result.objective == pytest.approx(best, abs=1e-6)
-        assert problem.evaluate(program.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
+        assert problem.evaluate(made.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
 
 
 @pytest.mark.parametrize("algorithm", [{}, {"run_crossover": "off"}, {"solver": "simplex"}])
@@ -50,12 +51,12 @@ def test_shares_agree_with_scipy_and_their_duals_prove_it(algorithm):
     for _ in range(60):
         graph = random_graph(rng, robots=4, actions=9, targets=5)
         problem = BottleneckSATA(graph, fractional=True)
-        program, known = problem.compile(), lp_value(graph)
-        result = BACKENDS["highs"]().run(program, Options(extra=algorithm), Control())
-        judged = problem.evaluate(program.decode(result.answer))
+        made, known = problem.compile(), lp_value(graph)
+        result = BACKENDS["highs"]().run(made.program, Options(extra=algorithm), Control())
+        judged = problem.evaluate(made.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(known, abs=1e-6)
-        evidence = program.dual_evidence(result.row_duals)
+        evidence = made.dual_evidence(result.row_duals)
         assert known - 1e-9 <= verified_bound(problem, evidence) <= known + 1e-6
         assert evidence.kind == "target-weights"
         assert all(w > 0 for w in evidence.data["weights"])
@@ -64,17 +65,17 @@ def test_shares_agree_with_scipy_and_their_duals_prove_it(algorithm):
 def test_evidence_of_shares_bounds_whole_actions_too():
     known = CASES["S3"]
     relaxed = BottleneckSATA(known.graph).compile(relax=True)
-    assert relaxed.kind == "LP"
+    assert relaxed.program.features() == LINEAR
     assert relaxed.exactness is Exactness.RELAXATION
-    evidence = relaxed.dual_evidence(solved(relaxed).row_duals)
+    evidence = relaxed.dual_evidence(solved(relaxed.program).row_duals)
     assert verified_bound(BottleneckSATA(known.graph, fractional=True), evidence) == pytest.approx(10.5)
     assert verified_bound(BottleneckSATA(known.graph), evidence) == pytest.approx(10.0)  # whole weights have whole sums
 
 
 def test_negated_duals_are_the_same_evidence():
-    program = BottleneckSATA(CASES["S7"].graph, fractional=True).compile()
-    duals = solved(program).row_duals
-    one, other = program.dual_evidence(duals), program.dual_evidence(-duals)
+    made = BottleneckSATA(CASES["S7"].graph, fractional=True).compile()
+    duals = solved(made.program).row_duals
+    one, other = made.dual_evidence(duals), made.dual_evidence(-duals)
     assert one.data["targets"] == other.data["targets"]
     assert one.data["weights"] == pytest.approx(other.data["weights"])
 
@@ -84,15 +85,15 @@ def test_nonsense_duals_prove_nothing_false():
     for _ in range(50):
         graph = random_graph(rng)
         problem = BottleneckSATA(graph, fractional=True)
-        program = problem.compile()
-        value = program.dual_evidence(rng.normal(size=program.num_rows)).value
+        made = problem.compile()
+        value = made.dual_evidence(rng.normal(size=made.program.num_rows)).value
         assert value >= lp_value(graph) - 1e-9
 
 
 def test_a_relaxed_point_is_no_selection():
-    program = BottleneckSATA(CASES["S6"].graph).compile(relax=True)
+    made = BottleneckSATA(CASES["S6"].graph).compile(relax=True)
     with pytest.raises(InputError, match="fractional"):
-        program.decode(solved(program).answer)
+        made.decode(solved(made.program).answer)
 
 
 @pytest.mark.parametrize("fractional", [False, True])
@@ -101,15 +102,16 @@ def test_answers_become_points_of_their_value_and_come_back(fractional):
     for _ in range(20):
         graph = random_graph(rng)
         problem = BottleneckSATA(graph, fractional=fractional)
-        program = problem.compile()
+        made = problem.compile()
+        program = made.program
         for answer in list(selections(graph))[:20]:
             shares = np.zeros(graph.num_actions)
             shares[list(answer.elements)] = 1.0
             given = shares if fractional else answer
-            point = program.encode(given)
+            point = made.encode(given)
             assert program.residual(point) <= 1e-9
             assert program.value(point) == pytest.approx(problem.evaluate(given).values[0])
-            back = program.decode(point)
+            back = made.decode(point)
             assert (back == shares).all() if fractional else set(back.elements) == set(answer.elements)
 
 
@@ -135,34 +137,35 @@ def test_idle_robots_and_unseen_targets_make_the_value_zero():
     graph = graph_of_edges([0, 2], [0, 0], [0, 2], robots=4, targets=4)
     for fractional in (False, True):
         problem = BottleneckSATA(graph, fractional=fractional)
-        program = problem.compile()
+        made = problem.compile()
+        program = made.program
         assert (program.num_rows, program.num_variables) == (8, 3)
         result = solved(program)
         assert result.objective == 0.0
         if fractional:
-            assert program.dual_evidence(result.row_duals).value == pytest.approx(0.0, abs=1e-9)
+            assert made.dual_evidence(result.row_duals).value == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_graph_without_actions_can_be_written_down():
     graph = graph_of_edges([], [], [], robots=2, targets=3)
-    program = BottleneckSATA(graph).compile()
+    program = BottleneckSATA(graph).compile().program
     assert program.num_variables == 1
     assert solved(program).objective == 0.0
 
 
 def test_names_are_those_of_the_graph():
     graph = graph_of_edges([0, 0, 1], [0, 1, 2], [0, 1, 1], robots=["ann", "bob"], targets=["t", "u"])
-    program = BottleneckSATA(graph).compile()
+    program = BottleneckSATA(graph).compile().program
     assert [program.variable_name(k) for k in range(4)] == ["x[ann.1]", "x[ann.2]", "x[bob.1]", "w"]
     assert [program.row_name(k) for k in range(4)] == ["robot[ann]", "robot[bob]", "target[t]", "target[u]"]
-    matrix = MaxMinLP(np.eye(2), np.ones((1, 2)), variable_names=("a", "b")).compile()
+    matrix = MaxMinLP(np.eye(2), np.ones((1, 2)), variable_names=("a", "b")).compile().program
     assert [matrix.variable_name(k) for k in range(3)] == ["x[a]", "x[b]", "w"]
     assert [matrix.row_name(k) for k in range(3)] == ["packing[1]", "packing[2]", "covering[1]"]
 
 
 def test_rows_are_those_of_the_formulas():
     known = CASES["S1w"]
-    program = BottleneckSATA(known.graph).compile()
+    program = BottleneckSATA(known.graph).compile().program
     dense = program.matrix.toarray()
     c = dense_weights(known.graph)
     assert (dense[3:, :6] == c.T).all()
@@ -182,7 +185,8 @@ def test_packing_and_covering_rows_agree_with_scipy_and_are_proved(sense, algori
         c = rng.uniform(0.2, 2, (targets, n)) * (rng.random((targets, n)) < 0.5)
         a[0, a.sum(axis=0) == 0], c[c.sum(axis=1) == 0, 0] = 1.0, 1.0
         problem = MaxMinLP(a, c, sense=sense)
-        program = problem.compile()
+        made = problem.compile()
+        program = made.program
         if sense == "max":
             left, right = np.block([[a, np.zeros((rows, 1))], [-c, np.ones((targets, 1))]]), np.repeat([1.0, 0.0], [rows, targets])
         else:
@@ -190,10 +194,10 @@ def test_packing_and_covering_rows_agree_with_scipy_and_are_proved(sense, algori
         sign = -1.0 if sense == "max" else 1.0
         known = sign * float(linprog(np.append(np.zeros(n), sign), left, right, bounds=[(0, None)] * (n + 1)).fun)
         result = BACKENDS["highs"]().run(program, Options(extra=algorithm), Control())
-        judged = problem.evaluate(program.decode(result.answer))
+        judged = problem.evaluate(made.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(known, abs=1e-6)
-        bound = verified_bound(problem, program.dual_evidence(result.row_duals))
+        bound = verified_bound(problem, made.dual_evidence(result.row_duals))
         assert bound == pytest.approx(known, abs=1e-5)
         assert bound >= known - 1e-9 if sense == "max" else bound <= known + 1e-9
 
@@ -202,11 +206,12 @@ def test_answers_of_packing_and_covering_become_points_of_their_value():
     a, c = np.array([[1.0, 2.0], [0.5, 0.0]]), np.array([[1.0, 0.0], [1.0, 3.0]])
     for sense, x in (("max", np.array([0.4, 0.3])), ("min", np.array([1.5, 0.2]))):
         problem = MaxMinLP(a, c, sense=sense)
-        program = problem.compile()
-        point = program.encode(x)
+        made = problem.compile()
+        program = made.program
+        point = made.encode(x)
         assert program.residual(point) <= 1e-12
         assert program.value(point) == pytest.approx(problem.evaluate(x).values[0])
-        assert program.decode(point) == pytest.approx(x)
+        assert made.decode(point) == pytest.approx(x)
 
 
 def test_there_is_one_form_and_no_other_family_takes_it():

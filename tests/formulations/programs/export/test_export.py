@@ -84,8 +84,8 @@ SQUARE = routing(xy=SQUARE_4, sites={**TW_4, "demand": [0, 1, 2, 1, 1], "service
 PROGRAMS = {
     "everything-min": everything("min"),
     "everything-max": everything("max"),
-    "mtz": routing(xy=SQUARE_4, sites={**TW_4, "demand": [0, 1, 2, 1, 1]}, count=3, capacity=3).compile("two-index-mtz"),
-    "three-index": SQUARE.compile("three-index"),
+    "mtz": routing(xy=SQUARE_4, sites={**TW_4, "demand": [0, 1, 2, 1, 1]}, count=3, capacity=3).compile("two-index-mtz").program,
+    "three-index": SQUARE.compile("three-index").program,
 }
 
 

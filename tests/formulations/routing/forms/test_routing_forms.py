@@ -144,7 +144,7 @@ def test_charges_are_ordered_from_loosest_to_strictest() -> None:
         values = []
         for charge in order:
             status, value, _ = solved(
-                routing(xy=SQUARE_4, sites=dict(TW_4), count=4, energy=Energy(store, 1.0, charge)).compile("three-index")
+                routing(xy=SQUARE_4, sites=dict(TW_4), count=4, energy=Energy(store, 1.0, charge)).compile("three-index").program
             )
             values.append(value if status == "optimal" else math.inf)
         assert all(a <= b + 1e-6 for a, b in itertools.pairwise(values)), (store, values)
@@ -164,7 +164,7 @@ def test_linear_relaxations_are_ordered_and_as_strong_as_published(
 ) -> None:
     """The fleet row and the reduced ranges only add to the published roots of the same kind of form."""
     problem = routing(**PLACES[name], count=vehicles, max_distance=limit)
-    root = {form: solved(problem.compile(form, relax=True))[1] for form in ROUTING_FORMS}
+    root = {form: solved(problem.compile(form, relax=True).program)[1] for form in ROUTING_FORMS}
     assert set_partitioning_bound(problem) == pytest.approx(partition, abs=1e-3)
     assert root["three-index"] >= 18.0 - 1e-6
     assert root["three-index"] <= root["two-index-mtz"] + 1e-6
@@ -232,10 +232,8 @@ def test_three_index_gives_each_type_its_own_depot() -> None:
     fleet = (VehicleType(count=1, start=0, end=0, name="west"), VehicleType(count=1, start=3, end=3, name="east"))
     problem = routing(xy=xy, sites=sites, fleet=fleet)
     agrees(problem, "three-index", 4.0)
-    assert {r.vehicle: r.visits for r in problem.compile("three-index").decode(solved(problem.compile("three-index"))[2])} == {
-        0: (1,),
-        1: (2,),
-    }
+    made = problem.compile("three-index")
+    assert {r.vehicle: r.visits for r in made.decode(solved(made.program)[2])} == {0: (1,), 1: (2,)}
 
 
 # -- points that are no answers --------------------------------------------------------------------------------------
@@ -256,11 +254,12 @@ def point(program: Any, arcs: list[tuple[int, int]]) -> Any:
 def test_detached_cycles_are_no_routes_and_their_fragments_are_rejected(form: str) -> None:
     """Optima of the uncorrected rows: 0 from no arcs, 18 from two cycles, and from a triangle with one honest route."""
     problem = routing(xy=SQUARE_4, count=2, max_distance=14.0)
-    program = problem.compile(form)
+    made = problem.compile(form)
+    program = made.program
     with pytest.raises(InputError, match="cycle without the depot"):
-        program.decode(point(program, [(1, 4), (4, 1), (2, 3), (3, 2)]))
+        made.decode(point(program, [(1, 4), (4, 1), (2, 3), (3, 2)]))
     with pytest.raises(InputError, match="cycle without the depot"):
-        program.decode(point(program, [(1, 3), (3, 2), (2, 1), (0, 4), (4, 5)]))
+        made.decode(point(program, [(1, 3), (3, 2), (2, 1), (0, 4), (4, 5)]))
     for fragment in ([], [[4]]):
         verdict = problem.evaluate(Routes.of(fragment))
         assert not verdict.feasible and {v.check for v in verdict.violations} == {"visits"}
@@ -283,25 +282,26 @@ def test_a_route_is_charged_as_stated_and_rejected_just_below(charge: str, fits:
 @pytest.mark.parametrize("form", ROUTING_FORMS)
 def test_fractional_points_and_infeasible_starts_are_refused(form: str) -> None:
     problem = routing(xy=SQUARE_4, count=2, max_distance=14.0)
-    program = problem.compile(form)
+    made = problem.compile(form)
+    program = made.program
     with pytest.raises(InputError, match="fractional"):
-        program.decode(np.full(program.num_variables, 0.5))
-    assert program.encode is not None
+        made.decode(np.full(program.num_variables, 0.5))
+    assert made.encode is not None
     for routes in ([[1, 2, 3, 4]], [[1, 2]], [[1], [2], [3], [4]], [[1, 2, 3], [4, 4]], [[1, 2, 3], [0]], [[1, 2, 3], [7]]):
         with pytest.raises(InputError):
-            program.encode(Routes.of(routes))
+            made.encode(Routes.of(routes))
 
 
 def test_names_of_rows_and_columns_are_made_when_asked_for() -> None:
     problem = routing(xy=SQUARE_4, count=2, sites=dict(TW_4))
-    program = problem.compile("three-index")
+    program = problem.compile("three-index").program
     rows = [program.row_name(k) for k in range(program.num_rows)]
     columns = [program.variable_name(k) for k in range(program.num_variables)]
     assert "time[1,3,2]" in rows and "visit[4]" in rows and "flow[3,1]" in rows and "depart[2]" in rows
     assert "x[0,1,1]" in columns and "t[4,2]" in columns and "departure[1]" in columns and "x[0,0,2]" in columns
     assert len(set(rows)) == len(rows) and len(set(columns)) == len(columns)
     for form in TWO_INDEX:
-        program = problem.compile(form)
+        program = problem.compile(form).program
         rows = [program.row_name(k) for k in range(program.num_rows)]
         columns = [program.variable_name(k) for k in range(program.num_variables)]
         assert "visit-out[1]" in rows and "fleet" in rows and "x[1,0]" in columns

@@ -29,13 +29,14 @@ def duals_of(program: Program) -> tuple[float, np.ndarray]:
 @given(problem=small_problems(most=4))
 def test_duals_of_the_flow_relaxation_prove_its_value_and_no_more_than_the_optimum(problem: RoutingProblem) -> None:
     assume("two-index-time-flow" in problem.forms())
-    program = problem.compile("two-index-time-flow", relax=True)
-    assume(program.dual_evidence is not None)
+    made = problem.compile("two-index-time-flow", relax=True)
+    program = made.program
+    assume(made.dual_evidence is not None)
     best = optimum(problem)
     assume(best is not None)
-    assert program.dual_evidence is not None and best is not None
+    assert made.dual_evidence is not None and best is not None
     value, duals = duals_of(program)
-    evidence = program.dual_evidence(duals)
+    evidence = made.dual_evidence(duals)
     assert evidence.kind == "arc-multipliers"
     assert evidence.value == pytest.approx(value, abs=1e-6)
     bound = verified_bound(problem, evidence)
@@ -50,19 +51,20 @@ def test_duals_of_the_flow_relaxation_prove_its_value_and_no_more_than_the_optim
 @given(problem=small_problems(most=3))
 def test_wrong_duals_prove_no_more_than_the_optimum(problem: RoutingProblem) -> None:
     assume("two-index-time-flow" in problem.forms())
-    program = problem.compile("two-index-time-flow", relax=True)
+    made = problem.compile("two-index-time-flow", relax=True)
+    program = made.program
     best = optimum(problem)
-    assume(program.dual_evidence is not None and best is not None)
-    assert program.dual_evidence is not None and best is not None
+    assume(made.dual_evidence is not None and best is not None)
+    assert made.dual_evidence is not None and best is not None
     duals = np.random.default_rng(7).normal(0.0, 5.0, program.num_rows)
-    assert verified_bound(problem, program.dual_evidence(duals)) <= best + 1e-6
+    assert verified_bound(problem, made.dual_evidence(duals)) <= best + 1e-6
 
 
 def test_evidence_lists_one_number_a_site_with_zeros_at_the_depot() -> None:
     problem = routing(xy=SQUARE_4, sites={**TW_4, "demand": [0, 1, 2, 1, 1]}, count=3, capacity=3, max_distance=30.0)
-    program = problem.compile("two-index-time-flow", relax=True)
-    assert program.dual_evidence is not None
-    data = program.dual_evidence(duals_of(program)[1]).data
+    made = problem.compile("two-index-time-flow", relax=True)
+    assert made.dual_evidence is not None
+    data = made.dual_evidence(duals_of(made.program)[1]).data
     assert set(data) == {"out", "in", "fleet", "resources"}
     assert set(data["resources"]) == {"time", "load", "distance"}
     for values in (data["out"], data["in"], *data["resources"].values()):
@@ -79,7 +81,7 @@ def test_only_the_flow_form_of_a_plain_minimisation_gives_evidence() -> None:
 
 def test_order_is_a_resource_only_where_nothing_else_forbids_cycles() -> None:
     def resources(problem: RoutingProblem) -> set[str]:
-        return {b.name for b in problem.compile("two-index-mtz").variables} - {"x"}
+        return {b.name for b in problem.compile("two-index-mtz").program.variables} - {"x"}
 
     assert resources(routing(xy=SQUARE_4, count=2)) == {"order"}
     assert resources(routing(xy=SQUARE_4, count=2, max_distance=14.0)) == {"distance"}
@@ -91,13 +93,14 @@ def test_order_is_a_resource_only_where_nothing_else_forbids_cycles() -> None:
 def test_a_start_that_breaks_a_limit_is_refused_with_the_reason() -> None:
     problem = routing(xy=SQUARE_4, count=2, sites={"demand": 1.0}, capacity=2)
     for form in TWO_INDEX:
-        program = problem.compile(form)
-        assert program.encode is not None
+        made = problem.compile(form)
+        program = made.program
+        assert made.encode is not None
         from waybound.formulations.routing.routes import Routes
 
         with pytest.raises(InputError, match="no point of the program"):
-            program.encode(Routes.of([[1, 2, 3, 4]]))
-        x = program.encode(Routes.of([[2, 1], [4, 3]]))
+            made.encode(Routes.of([[1, 2, 3, 4]]))
+        x = made.encode(Routes.of([[2, 1], [4, 3]]))
         assert program.residual(x) <= 1e-9 and program.value(x) == pytest.approx(24.0)
 
 
@@ -110,15 +113,16 @@ def test_first_25_customers_of_solomon_files(name: str, form: str, benchmarks: P
     problem = problem_from_instance(read_instance(benchmarks / "vrptw-solomon" / f"{name}.txt"), None, customers=25, convention="trunc1")
     value, routes = REAL[name]
     agrees(problem, form, value)
-    answer = problem.compile(form).decode(solved(problem.compile(form))[2])
+    made = problem.compile(form)
+    answer = made.decode(solved(made.program)[2])
     assert isinstance(problem, RoutingProblem) and len(answer) == routes
 
 
 def test_flow_relaxation_of_a_real_file_is_verified_and_strong(benchmarks: Path) -> None:
     problem = problem_from_instance(read_instance(benchmarks / "vrptw-solomon" / "C101.txt"), None, customers=25, convention="trunc1")
-    program = problem.compile("two-index-time-flow", relax=True)
-    value, duals = duals_of(program)
-    assert program.dual_evidence is not None
-    bound = verified_bound(problem, program.dual_evidence(duals))
+    made = problem.compile("two-index-time-flow", relax=True)
+    value, duals = duals_of(made.program)
+    assert made.dual_evidence is not None
+    bound = verified_bound(problem, made.dual_evidence(duals))
     assert value - 1e-3 <= bound <= 191.3 + 1e-6
     assert bound >= 0.9 * 191.3 and math.isfinite(bound)

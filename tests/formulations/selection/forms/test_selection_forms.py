@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from programs import AnsweredBy
 from sata_cases import CASES, random_graph, selections
 from selection_problems import CONSTRAINTS, cover_30, feasible_sets, optimum, random_problem
 
@@ -16,6 +17,7 @@ from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.stop import Stop
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation, FacilityLocation, PartitionMatroid
 from waybound.instances.sensing.graph import graph_of_edges
@@ -41,10 +43,11 @@ def random_problems(count: int, seed: int):
 @pytest.mark.parametrize("form", LINEAR)
 def test_each_linear_form_agrees_with_enumeration_on_200_problems(form):
     for problem in random_problems(200, seed=5):
-        program = problem.compile(form)
+        made = problem.compile(form)
+        program = made.program
         result = solved(program)
         assert result.status == "optimal"
-        judged = problem.evaluate(program.decode(result.answer))
+        judged = problem.evaluate(made.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(optimum(problem), abs=1e-6)
         assert result.objective == pytest.approx(judged.values[0], abs=1e-5)
@@ -52,10 +55,11 @@ def test_each_linear_form_agrees_with_enumeration_on_200_problems(form):
 
 def test_the_product_form_agrees_with_enumeration_on_200_problems():
     for problem in random_problems(200, seed=6):
-        program = problem.compile("product")
+        made = problem.compile("product")
+        program = made.program
         result = solved(program, "cpsat")
         assert result.status == "optimal", result
-        judged = problem.evaluate(program.decode(result.answer))
+        judged = problem.evaluate(made.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(optimum(problem), abs=1e-6)
 
@@ -65,15 +69,16 @@ def test_robots_and_targets_agree_with_enumeration(form):
     rng = np.random.default_rng(7)
     for _ in range(50):
         problem = WinnerTakesAllSATA(random_graph(rng))
-        program = problem.compile(form)
+        made = problem.compile(form)
+        program = made.program
         result = solved(program, "cpsat" if form == "product" else "highs")
         best = max(problem.evaluate(s).values[0] for s in selections(problem.graph))
-        assert problem.evaluate(program.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
+        assert problem.evaluate(made.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
 
 
 def test_the_relaxations_of_two_forms_are_equal_and_the_weak_one_is_no_better():
     for problem in random_problems(60, seed=8):
-        values = {form: solved(problem.compile(form, relax=True)).objective for form in LINEAR}
+        values = {form: solved(problem.compile(form, relax=True).program).objective for form in LINEAR}
         assert values["facility-location"] == pytest.approx(values["strong-linearisation"], abs=1e-6)
         assert values["weak-linearisation"] >= values["strong-linearisation"] - 1e-6
         assert values["strong-linearisation"] >= optimum(problem) - 1e-6
@@ -83,12 +88,13 @@ def test_the_relaxations_of_two_forms_are_equal_and_the_weak_one_is_no_better():
 def test_prices_from_each_form_prove_its_relaxation_or_more(extra):
     for problem in random_problems(60, seed=9):
         for form in LINEAR:
-            program = problem.compile(form, relax=True)
-            assert program.exactness is Exactness.RELAXATION
+            made = problem.compile(form, relax=True)
+            program = made.program
+            assert made.exactness is Exactness.RELAXATION
             result = solved(program, **extra)
             if result.row_duals is None:
                 continue
-            evidence = program.dual_evidence(result.row_duals)
+            evidence = made.dual_evidence(result.row_duals)
             assert evidence.kind == "item-prices"
             assert len(evidence.data["prices"]) == problem.function.num_items
             bound = verified_bound(problem, evidence)
@@ -99,10 +105,11 @@ def test_prices_from_each_form_prove_its_relaxation_or_more(extra):
 def test_duals_of_an_interior_point_without_crossover_prove_nothing_false():
     for problem in random_problems(40, seed=9):
         for form in LINEAR:
-            program = problem.compile(form, relax=True)
+            made = problem.compile(form, relax=True)
+            program = made.program
             duals = solved(program, solver="ipm", run_crossover="off").row_duals
             if duals is not None:
-                assert program.dual_evidence(duals).value >= optimum(problem) - 1e-9
+                assert made.dual_evidence(duals).value >= optimum(problem) - 1e-9
 
 
 def test_negated_and_nonsense_duals_prove_nothing_false():
@@ -110,27 +117,29 @@ def test_negated_and_nonsense_duals_prove_nothing_false():
     for problem in random_problems(40, seed=11):
         best = optimum(problem)
         for form in LINEAR:
-            program = problem.compile(form)
-            assert program.dual_evidence(rng.normal(size=program.num_rows)).value >= best - 1e-9
-            assert program.dual_evidence(np.zeros(program.num_rows)).value >= best - 1e-9
+            made = problem.compile(form)
+            program = made.program
+            assert made.dual_evidence(rng.normal(size=program.num_rows)).value >= best - 1e-9
+            assert made.dual_evidence(np.zeros(program.num_rows)).value >= best - 1e-9
 
 
 @pytest.mark.parametrize("form", [*LINEAR, "product"])
 def test_answers_become_points_of_their_value_and_come_back(form):
     for problem in random_problems(24, seed=12):
-        program = problem.compile(form)
+        made = problem.compile(form)
+        program = made.program
         for chosen in itertools.islice(feasible_sets(problem), 12):
-            point = program.encode(Selection(chosen))
+            point = made.encode(Selection(chosen))
             assert program.residual(point) <= 1e-6
             assert program.value(point) == pytest.approx(problem.value(chosen), abs=1e-9)
-            assert program.decode(point) == Selection(chosen)
+            assert made.decode(point) == Selection(chosen)
 
 
 def test_credit_goes_to_groups_only_where_one_element_is_chosen():
     f = Coverage.from_sets([[0], [0], [0]], [5.0])
-    two = SubmodularSelection(f, PartitionMatroid.of([0, 0, 1], [2, 1])).compile("product")
+    two = SubmodularSelection(f, PartitionMatroid.of([0, 0, 1], [2, 1])).compile("product").program
     assert [two.variable_name(3 + k) for k in range(3)] == ["y[group 2,1]", "y[1,1]", "y[2,1]"]
-    one = SubmodularSelection(f, Cardinality(1)).compile("product")
+    one = SubmodularSelection(f, Cardinality(1)).compile("product").program
     assert one.num_variables == 4
     assert solved(one, "cpsat").objective == 5.0
     assert solved(two, "cpsat").objective == 5.0
@@ -139,18 +148,18 @@ def test_credit_goes_to_groups_only_where_one_element_is_chosen():
 def test_names_are_those_of_robots_actions_and_targets():
     graph = graph_of_edges([0, 0, 1], [0, 1, 2], [0, 1, 1], [2.0, 3.0, 4.0], robots=["ann", "bob"], targets=["t", "u"])
     problem = WinnerTakesAllSATA(graph)
-    program = problem.compile("weak-linearisation")
+    program = problem.compile("weak-linearisation").program
     assert [program.variable_name(k) for k in (0, 3, 6)] == ["x[ann.1]", "y[ann,t]", "z[ann.1,t]"]
     assert program.row_name(0) == "robot[ann]"
     assert program.row_name(program.num_rows - 1) == "item[u]"
-    levels = problem.compile("facility-location")
+    levels = problem.compile("facility-location").program
     assert [levels.variable_name(3 + k) for k in range(3)] == ["u[t,1]", "u[u,1]", "u[u,2]"]
     assert levels.row_name(2) == "level[t,1]"
 
 
 def test_levels_are_the_different_weights_of_an_item():
     weights = np.array([[3.0, 0.0], [1.0, 2.0], [3.0, 2.0]])
-    program = SubmodularSelection(DenseFacilityLocation(weights), Cardinality(1)).compile("facility-location")
+    program = SubmodularSelection(DenseFacilityLocation(weights), Cardinality(1)).compile("facility-location").program
     assert program.cost[3:].tolist() == [1.0, 2.0, 2.0]
     dense = program.matrix.toarray()[1:]
     assert dense.tolist() == [[0, -1, 0, 1, -1, 0], [-1, 0, -1, 0, 1, 0], [0, -1, -1, 0, 0, 1]]
@@ -158,7 +167,7 @@ def test_levels_are_the_different_weights_of_an_item():
 
 def test_coverage_has_one_row_an_item():
     problem = cover_30(6)
-    program = problem.compile("facility-location")
+    program = problem.compile("facility-location").program
     covered = len(np.unique(problem.function.indices))
     assert program.num_rows == 1 + covered
     assert solved(program).objective == pytest.approx(142.0)
@@ -168,18 +177,20 @@ def test_items_that_nobody_serves_and_elements_that_serve_nothing_are_allowed():
     function = FacilityLocation(np.array([0, 0, 1], np.int32), np.array([1], np.int32), np.array([2.0]), 3)
     problem = SubmodularSelection(function, Cardinality(1))
     for form in (*LINEAR, "product"):
-        program = problem.compile(form)
+        made = problem.compile(form)
+        program = made.program
         result = solved(program, "cpsat" if form == "product" else "highs")
         assert result.objective == pytest.approx(2.0)
-        assert program.decode(result.answer).elements == (1,)
+        assert made.decode(result.answer).elements == (1,)
 
 
 def test_a_function_without_edges_is_zero():
     problem = SubmodularSelection(Coverage.from_sets([[], []], [1.0]), Cardinality(1))
     for form in LINEAR:
-        program = problem.compile(form)
+        made = problem.compile(form)
+        program = made.program
         assert solved(program).objective == pytest.approx(0.0)
-        assert program.dual_evidence(np.zeros(program.num_rows)).value >= 0.0
+        assert made.dual_evidence(np.zeros(program.num_rows)).value >= 0.0
 
 
 def test_user_functions_have_no_form():
@@ -198,18 +209,19 @@ def test_the_product_form_has_no_linear_relaxation():
 
 
 def test_fractional_points_choose_nothing():
-    program = cover_30(3).compile()
+    made = cover_30(3).compile()
+    program = made.program
     with pytest.raises(InputError, match="fractional"):
-        program.decode(np.full(program.num_variables, 0.4))
+        made.decode(np.full(program.num_variables, 0.4))
     with pytest.raises(InputError, match="exist"):
-        program.encode(Selection.of([99]))
+        made.encode(Selection.of([99]))
 
 
 @pytest.mark.parametrize("form", [*LINEAR, "product"])
 def test_files_of_each_form_keep_its_optimum(form, tmp_path):
     import highspy
 
-    program = WinnerTakesAllSATA(CASES["S3"].graph).compile(form)
+    program = WinnerTakesAllSATA(CASES["S3"].graph).compile(form).program
     for suffix in (".mps", ".lp"):
         path = tmp_path / f"{form}{suffix}"
         program.write(path)
@@ -235,7 +247,7 @@ def test_max_min_files_keep_their_optimum(tmp_path):
     import highspy
 
     for fractional, value in ((False, 10.0), (True, 10.5)):
-        program = BottleneckSATA(CASES["S3"].graph, fractional=fractional).compile()
+        program = BottleneckSATA(CASES["S3"].graph, fractional=fractional).compile().program
         for suffix in (".mps", ".lp"):
             path = tmp_path / f"max-min{suffix}"
             program.write(path)
@@ -272,8 +284,8 @@ def test_the_bound_by_linear_relaxation_passes_over_forms_that_are_not_linear(mo
         programs.append(program)
         return BACKENDS["highs"]().run(program, Options(), Control()).row_duals
 
-    evidence = linear_relaxation_bound(problem, 20.0, duals)
-    assert [p.form for p in programs] == ["strong-linearisation"]
+    evidence = linear_relaxation_bound(problem, Stop(20.0), AnsweredBy(duals))
+    assert [p.name for p in programs] == ["strong-linearisation"]
     assert evidence.value >= optimum(problem)
     monkeypatch.setattr(type(problem), "forms", lambda self: ["product"])
-    assert linear_relaxation_bound(problem, 20.0, duals) is None
+    assert linear_relaxation_bound(problem, Stop(20.0), AnsweredBy(duals)) is None

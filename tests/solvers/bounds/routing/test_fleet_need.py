@@ -9,6 +9,7 @@ import pytest
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.bounds import BOUNDS
@@ -24,20 +25,20 @@ def apart(count: int) -> RoutingProblem:
 
 def test_sites_that_share_no_route_prove_a_fleet_too_small():
     problem = apart(3)
-    found = fleet_need_evidence(problem, 1.0)
+    found = fleet_need_evidence(problem, Stop(1.0))
     assert found is not None
     assert (found.kind, verified_bound(problem, found)) == ("sites-apart", math.inf)
-    assert fleet_need_evidence(apart(4), 1.0) is None
+    assert fleet_need_evidence(apart(4), Stop(1.0)) is None
 
 
 def test_large_instances_are_left_alone(monkeypatch):
     monkeypatch.setattr(fleet_need, "MOST_SITES", 4)
-    assert fleet_need_evidence(apart(3), 1.0) is None
+    assert fleet_need_evidence(apart(3), Stop(1.0)) is None
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0])
 def test_no_budget_means_no_search(seconds):
-    assert fleet_need_evidence(apart(3), seconds) is None
+    assert fleet_need_evidence(apart(3), Stop(seconds)) is None
 
 
 def test_it_comes_before_any_search_and_after_single_sites():

@@ -24,7 +24,7 @@ from waybound.solvers.bounds.selection.marginal_gains import best_prefix, margin
 @given(st.integers(0, 10**6), st.sampled_from(KINDS), st.sampled_from(CONSTRAINTS), st.booleans())
 def test_the_evidence_is_valid_and_says_what_it_proves(seed: int, kind: str, constraint: str, whole: bool) -> None:
     problem = random_problem(np.random.default_rng(seed), kind, constraint, whole=whole)
-    evidence = marginal_gains_bound(problem, 10.0, lambda *_: None)
+    evidence = marginal_gains_bound(problem, Stop(10.0))
     assert evidence is not None
     proved = verified_bound(problem, evidence)
     assert proved >= optimum(problem) * (1 - 1e-12)
@@ -57,7 +57,7 @@ def test_few_prefixes_are_looked_at_where_each_is_expensive(monkeypatch: pytest.
 def test_it_is_found_by_the_general_search_for_bounds() -> None:
     certificate = wb.bound(cover_tight(), seconds=5)
     assert certificate.bound == pytest.approx(80)
-    free = marginal_gains_bound(cover_tight(), 5.0, lambda *_: None)
+    free = marginal_gains_bound(cover_tight(), Stop(5.0))
     assert free is not None and free.value == pytest.approx(81)
     solved = wb.solve(cover_tight(), heuristic="random", bound_time=2)
     assert solved.bound_kind == "verified" and solved.bound == pytest.approx(80)
@@ -65,7 +65,7 @@ def test_it_is_found_by_the_general_search_for_bounds() -> None:
 
 def test_a_modular_function_under_a_cardinality_limit_is_bounded_exactly() -> None:
     problem = SubmodularSelection(Coverage.from_sets([[k] for k in range(9)], np.arange(9.0)), Cardinality(4))
-    evidence = marginal_gains_bound(problem, 5.0, lambda *_: None)
+    evidence = marginal_gains_bound(problem, Stop(5.0))
     assert evidence is not None and evidence.value == 8 + 7 + 6 + 5
     assert evidence.source == "marginal gains over the empty set"
 
@@ -73,7 +73,7 @@ def test_a_modular_function_under_a_cardinality_limit_is_bounded_exactly() -> No
 def test_what_costs_nothing_is_in_the_set_that_a_knapsack_is_bounded_by() -> None:
     f = Coverage.from_sets([[0], [0, 1], [2], [3]], [4.0, 2.0, 5.0, 1.0])
     problem = SubmodularSelection(f, Knapsack(np.array([0.0, 0.0, 1.0, 1.0]), 1.0))
-    evidence = marginal_gains_bound(problem, 5.0, lambda *_: None)
+    evidence = marginal_gains_bound(problem, Stop(5.0))
     assert evidence is not None and evidence.value == pytest.approx(4 + 2 + 5)
 
 
@@ -94,7 +94,7 @@ def test_a_slow_users_function_keeps_to_the_budget() -> None:
 
     problem = SubmodularSelection(UserFunction(slow, 200, monotone=True, submodular=True), Cardinality(100))
     began = time.perf_counter()
-    evidence = marginal_gains_bound(problem, 0.3, lambda *_: None)
+    evidence = marginal_gains_bound(problem, Stop(0.3))
     assert time.perf_counter() - began < 3.0
     assert evidence is not None and verified_bound(problem, evidence) >= 10.0
 
@@ -110,7 +110,7 @@ def test_large_functions_are_bounded_close_to_what_greedy_reaches() -> None:
         (Knapsack(rng.uniform(1, 2, n), 40.0), "knapsack-greedy"),
     ):
         problem = SubmodularSelection(f, constraint)
-        evidence = marginal_gains_bound(problem, 10.0, lambda *_: None)
+        evidence = marginal_gains_bound(problem, Stop(10.0))
         assert evidence is not None
         reached = value(problem, run(heuristic, problem))
         assert reached <= verified_bound(problem, evidence) <= 1.6 * reached
@@ -120,15 +120,15 @@ def test_large_functions_are_bounded_close_to_what_greedy_reaches() -> None:
 @pytest.mark.parametrize("constraint", [Cardinality(3), Knapsack(np.ones(4), 2.0)], ids=["cardinality", "knapsack"])
 def test_thresholds_among_the_smallest_numbers_end(weight: float, constraint: Cardinality | Knapsack) -> None:
     problem = SubmodularSelection(Coverage.from_sets([[0], [1], [0, 1], [2]], np.array([weight, 1.0, weight])), constraint)
-    evidence = marginal_gains_bound(problem, 5.0, lambda *_: None)
+    evidence = marginal_gains_bound(problem, Stop(5.0))
     assert evidence is not None and evidence.value >= optimum(problem)
     alone = SubmodularSelection(Coverage.from_sets([[0], [1], [0, 1], [2]], np.full(3, weight)), constraint)
-    evidence = marginal_gains_bound(alone, 5.0, lambda *_: None)
+    evidence = marginal_gains_bound(alone, Stop(5.0))
     assert evidence is not None and evidence.value >= optimum(alone)
 
 
 def test_no_evidence_comes_after_the_time() -> None:
     asked = Stop()
     asked.ask()
-    assert marginal_gains_bound(cover_30(3), 5.0, lambda *_: None, asked) is None
+    assert marginal_gains_bound(cover_30(3), asked.within(5.0)) is None
     assert best_prefix(cover_30(3), [0, 1], Stop(0.0)) == (None, 0)

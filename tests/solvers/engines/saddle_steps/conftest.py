@@ -15,6 +15,6 @@ def make_game() -> Callable[..., Game]:
 
     def make(graph, gap=1e-3, most_work=float("inf")) -> Game:
         limits = Limits(Stop(60.0), most_work)
-        return Game(graph, Record(graph, gap), limits, Programs(lambda: limits.seconds_left))
+        return Game(graph, Record(graph, gap), limits, Programs(limits.stop))
 
     return make

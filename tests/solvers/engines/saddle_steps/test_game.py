@@ -27,7 +27,7 @@ def is_division(graph, shares):
 @settings(deadline=None, max_examples=60)
 @given(graphs(every_target_seen=True))
 def test_descent_never_raises_the_deficits_and_keeps_shares_a_division(graph):
-    game = Game(graph, Record(graph, 1e-3), Limits(Stop(60.0)), Programs(lambda: 60.0))
+    game = Game(graph, Record(graph, 1e-3), Limits(Stop(60.0)), Programs(Stop(60.0)))
     shares = even_shares(graph)
     cover = coverage(graph, shares)
     level, before = 2.0 * float(cover.min()), deficit(cover, 2.0 * float(cover.min()))

@@ -1,0 +1,69 @@
+"""Pictures of selections."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...formulations.selection.submodular_selection import SubmodularSelection
+from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from . import PLOTS
+from .drawing import ALARM, COLOURS, QUIET, bars, chart_axes, entitled, new_axes
+from .sensing import draw_graph, target_names
+
+if TYPE_CHECKING:
+    from ...formulations.solution import Solution
+
+
+def plot_selection(
+    problem: SubmodularSelection, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+) -> Any:
+    """Winner takes all as a map, a bipartite graph or a chart of the targets' credit; other selections as value after each choice.
+
+    Parameters
+    ----------
+    problem : SubmodularSelection
+    answer : Selection
+    ax, solution, title
+        See ``plot_max_min``.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = new_axes() if ax is None else ax
+    if not isinstance(problem, WinnerTakesAllSATA):
+        _climb(ax, problem, answer, solution)
+        what = "value after each choice, in their order" if answer.in_order else "value as the elements are added one by one"
+        return entitled(ax, problem, answer, solution, title, what)
+    graph = problem.graph
+    shares = np.zeros(graph.num_actions)
+    shares[list(answer.elements)] = 1.0
+    winner = problem.winners(answer.elements)[0] if answer.winners is None else np.asarray(answer.winners)
+    credit = problem.credited(answer)
+    drawn = draw_graph(ax, graph, shares, credit, winner)
+    if not drawn:
+        colours = [QUIET if robot < 0 else COLOURS[robot % len(COLOURS)] for robot in winner.tolist()]
+        bars(ax, credit, target_names(graph), "target", colours=colours)
+    return entitled(ax, problem, answer, solution, title, drawn or "weight that each target brings, in the colour of its robot")
+
+
+def _climb(ax: Any, problem: SubmodularSelection, answer: Any, solution: Solution | None) -> None:
+    values = np.concatenate([[0.0], np.cumsum(problem.gains(answer.elements))])
+    places = np.arange(len(values))
+    ax.bar(places[1:], np.diff(values), width=0.7, color=QUIET, zorder=1, label="gain")
+    ax.plot(places, values, color=COLOURS[0], linewidth=1.8, marker="o" if len(values) <= 60 else "", markersize=4, zorder=3, label="value")
+    if solution is not None and isinstance(solution.bound, float):
+        ax.axhline(solution.bound, color=ALARM, linewidth=1.2, linestyle=(0, (5, 2)), zorder=2, label=f"bound ({solution.bound_kind})")
+    if len(values) <= 31:
+        ax.set_xticks(places[1:], [problem.element_name(e) for e in answer.elements], fontsize=8, rotation=90 if len(values) > 16 else 0)
+        order = "in the order of choice" if answer.in_order else "as the answer lists them"
+        ax.set_xlabel(f"elements {order}", fontsize=9, color="#555555")
+    else:
+        ax.set_xlabel("number of elements", fontsize=9, color="#555555")
+    ax.legend(loc="upper left", bbox_to_anchor=(0.0, 0.93), frameon=False, fontsize=9)
+    chart_axes(ax)
+
+
+PLOTS.add("selection", plot_selection)

@@ -1,0 +1,35 @@
+"""Tables of answers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...formulations.problem import Problem
+from . import TABLES
+from .table import Column, Table, short
+
+SHOWN_ROWS = 20
+"""Rows of an answer that are shown; a solution file holds them all."""
+
+
+def answer_tables(problem: Problem, answer: Any) -> list[Table]:
+    """What is shown of an answer, or where it is None of a problem that has none."""
+    told = TABLES[problem.family].answer if problem.family in TABLES else None
+    if told is not None:
+        return told(problem, answer)
+    return [] if answer is None else [frame_table(problem, answer)]
+
+
+def frame_table(problem: Problem, answer: Any) -> Table:
+    """The first rows of an answer, as its frame has them."""
+    frame = problem.answer_to_frame(answer)
+    numeric = [frame[title].dtype.kind in "iuf" for title in frame.columns]
+    columns = tuple(Column(str(title), right=right) for title, right in zip(frame.columns, numeric, strict=True))
+    rows = [
+        tuple(short(float(v)) if right else str(v) for v, right in zip(row, numeric, strict=True))
+        for row in frame.head(SHOWN_ROWS).itertuples(index=False)
+    ]
+    left = len(frame) - len(rows)
+    if left > 0:
+        rows.append((f"and {left} more", *[""] * (len(columns) - 1)))
+    return Table("Answer", columns, tuple(rows))

@@ -1,0 +1,75 @@
+"""Linear programs that bounds, engines and heuristics meet on their way, and who solves them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..formulations.programs.program import LINEAR, Floats, Program
+from ..formulations.stop import NEVER, Stop
+from ..instances.errors import UnsupportedError
+from ..instances.limits import MOST
+from .backend import LP_SOLVER, Control, Options, ProgramBackend, RawResult, solver_named, takers, takes_features
+from .isolation import run_isolated
+
+Suits = Mapping[str, Mapping[str, Any]]
+"""Options that suit a program, by solver: ``{"highs": {"solver": "ipm"}}``."""
+
+
+@dataclass
+class LinearPrograms:
+    """Solves one after the other.
+
+    Parameters
+    ----------
+    solver : str
+        A name of ``solvers()`` that takes linear programs. Bounds need row duals, of which ``mathopt:gscip`` and ``pulp:NAME`` tell none.
+    seed, threads : int
+    """
+
+    solver: str = LP_SOLVER
+    seed: int = 1
+    threads: int = 1
+
+    def backend(self) -> ProgramBackend:
+        """The solver, ready to run; raises UsageError, MissingPackageError or UnsupportedError where there is none for linear programs."""
+        backend = solver_named(self.solver)
+        if not (isinstance(backend, ProgramBackend) and takes_features(LINEAR, backend.programs, backend.only_integers)):
+            raise UnsupportedError(self.solver, {"LP programs"}, takers(LINEAR))
+        return backend
+
+    def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
+        """What the solver says of ``program`` until ``stop``.
+
+        ``suits`` and ``iterations`` concern those solvers alone that ``suits`` names: what counts as one is not the same for all.
+        """
+        backend = self.backend()
+        own = (suits or {}).get(self.solver.partition(":")[0])
+        options = Options(
+            time_limit=min(stop.seconds_left, MOST["time_limit"]), iterations=None if own is None else iterations,
+            seed=self.seed, threads=self.threads, extra=dict(own or {}),
+        )  # fmt: skip
+        control = Control()
+        with stop.telling(control.stop):
+            if backend.needs_process:
+                return run_isolated(self.solver, program, options, control)
+            return backend.run(program, options, control)
+
+    def duals(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None) -> Floats | None:
+        """Row duals of shape (rows,); None where the solver finds none in time."""
+        if stop.reached():
+            return None
+        found = self.solve(program, stop, suits).row_duals
+        return None if found is None or not np.isfinite(found).all() else found
+
+
+def linear_programs(solver: str | None, seed: int = 1, threads: int = 1) -> LinearPrograms:
+    """Solved by whom the user names, who is looked for at once; or by the default, which few problems need."""
+    if solver is None:
+        return LinearPrograms(seed=seed, threads=threads)
+    made = LinearPrograms(solver, seed, threads)
+    made.backend()
+    return made

@@ -1,0 +1,90 @@
+"""Only exact forms are taken unasked; of a form that is named, no more is believed than its flag allows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from programs import program
+
+import waybound as wb
+from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.forms import FORMS, Form
+from waybound.formulations.programs.compiled import Compiled
+from waybound.formulations.programs.exactness import Exactness
+from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.solving.explaining import explain
+from waybound.solving.listing import missing_features
+
+PROBLEM = ArrayProblem(program([3, 2], [[2, 3]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max"), "knapsack")
+OPTIMUM = 12.0  # at (4, 0)
+
+
+ARRAYS = FORMS["arrays"]
+
+
+@pytest.fixture
+def form(registered: Any) -> Any:
+    """``form(exactness, most, name="limited")``: one of bare programs, before all others, whose variables are ``most`` at most."""
+
+    def add(exactness: Exactness, most: float, name: str = "limited") -> None:
+        def build(problem: ArrayProblem) -> Compiled:
+            made = ARRAYS.build(problem)
+            columns = tuple(replace(b, upper=np.full(b.size, most)) for b in made.program.variables)
+            return replace(made, program=replace(made.program, name=name, variables=columns))
+
+        registered(FORMS, name, Form(name, "arrays", ARRAYS.features, build, exactness, order=-1))
+
+    return add
+
+
+def test_a_restriction_is_never_the_default(form: Any) -> None:
+    form(Exactness.RESTRICTION, 1.0)
+    assert PROBLEM.forms() == ["limited", "arrays"]
+    assert PROBLEM.compile().form == "arrays"
+    for solver in (None, "highs", "cpsat", "pulp"):
+        solution = wb.solve(PROBLEM, solver, bound_time=0)
+        assert (solution.objective, solution.form, solution.status) == (OPTIMUM, "arrays", "optimal")
+
+
+def test_a_restriction_that_is_named_gives_answers_and_no_bound(form: Any) -> None:
+    form(Exactness.RESTRICTION, 1.0)
+    assert PROBLEM.compile("limited").exactness is Exactness.RESTRICTION
+    assert PROBLEM.compile("limited", relax=True).exactness is Exactness.NEITHER
+    solution = wb.solve(PROBLEM, "highs", form="limited", bound_time=0)
+    assert (solution.objective, solution.form, solution.status) == (5.0, "limited", "feasible")
+    assert solution.bound is None
+    bounded = wb.solve(PROBLEM, "highs", form="limited")
+    assert bounded.bound is not None and bounded.bound >= OPTIMUM
+
+
+def test_an_infeasible_restriction_proves_nothing(form: Any) -> None:
+    form(Exactness.RESTRICTION, -1.0)
+    assert wb.solve(PROBLEM, "highs", form="limited", bound_time=0).status == "unknown"
+    with pytest.raises(UsageError, match="limited is a restriction"):
+        explain(PROBLEM, form="limited")
+
+
+def test_a_relaxation_that_is_named_gives_a_bound(form: Any) -> None:
+    form(Exactness.RELAXATION, 10.0)
+    assert PROBLEM.compile().form == "arrays"
+    solution = wb.solve(PROBLEM, "highs", form="limited", bound_time=0)
+    assert solution.bound == 15.0  # at (5, 0), which is no answer
+    assert solution.answer is None or solution.objective <= OPTIMUM
+
+
+def test_where_no_form_is_exact_one_has_to_be_named(form: Any) -> None:
+    form(Exactness.RESTRICTION, 1.0, "arrays")
+    words = "no form of arrays is exact; name one of arrays"
+    for call in (PROBLEM.compile, lambda: wb.solve(PROBLEM), lambda: wb.solve(PROBLEM, "highs"), lambda: explain(PROBLEM)):
+        with pytest.raises(UsageError, match=words):
+            call()
+    assert missing_features("highs", PROBLEM) == (frozenset({"an exact form for this problem"}), ("arrays",))
+
+
+def test_where_no_form_fits_the_nearest_is_named_with_what_it_lacks() -> None:
+    free = wb.SubmodularSelection(wb.UserFunction(lambda sets: np.zeros(len(sets)), 2), wb.Cardinality(1))
+    with pytest.raises(UnsupportedError, match=r"^no form can take this problem: the nearest, [a-z-]+, lacks "):
+        free.compile()

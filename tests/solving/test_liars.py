@@ -1,0 +1,173 @@
+"""Planted liars of every sort, each caught by ``solve`` itself; and honest claims that count."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from programs import program
+
+import waybound as wb
+from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.evidence import Evidence
+from waybound.formulations.programs.exactness import Exactness
+from waybound.formulations.programs.program import INTEGERS
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
+from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
+from waybound.instances.errors import CheckFailedError, UsageError
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+from waybound.solvers.backend import BACKENDS, Engine, ProgramBackend, RawResult
+
+XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
+SITES = Sites.of(range(5), demand=[0, 1, 1, 1, 1], coordinates=XY)
+SQUARE = RoutingProblem(SITES, Travel("euclidean", coordinates=XY), (VehicleType(count=2, capacity=2),), name="square")
+BEST, WORSE, BROKEN = Routes.of([[1, 2], [3, 4]]), Routes.of([[1, 3], [2, 4]]), Routes.of([[1, 2, 3, 4]])
+LOSS = SQUARE.evaluate(WORSE).values[0]
+
+KNAPSACK = ArrayProblem(program([3.0, 2.0], [[2.0, 3.0]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max", offset=1.0))
+"""13 at (4, 0); its relaxation is worth 14 2/3."""
+FULL, LESS, OVER = np.array([4.0, 0.0]), np.array([3.0, 1.0]), np.array([4.0, 5.0])
+
+
+@pytest.fixture
+def engine(registered: Any) -> Callable[[RawResult], str]:
+    """Registers an engine that says the same whatever it is asked."""
+
+    def make(said: RawResult) -> str:
+        body = {
+            "name": "liar", "package": "numpy", "modules": ("numpy",), "summary": "", "family": "routing",
+            "features": SQUARE.features(), "run": lambda self, *given: said,
+        }  # fmt: skip
+        registered(BACKENDS, "liar", type("Liar", (Engine,), body))
+        return "liar"
+
+    return make
+
+
+@pytest.fixture
+def backend(registered: Any) -> Callable[[RawResult], str]:
+    def make(said: RawResult) -> str:
+        body = {
+            "name": "liar", "package": "numpy", "modules": ("numpy",), "summary": "", "programs": (INTEGERS,),
+            "search": lambda self, *given: said,
+        }  # fmt: skip
+        registered(BACKENDS, "liar", type("Liar", (ProgramBackend,), body))
+        return "liar"
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("said", "start", "fault"),
+    [
+        (RawResult("infeasible"), BEST, "claims that there is no answer, but one of value 24.0"),
+        (RawResult("feasible", answer=BEST, objective=24.0, bound=30.0), None, "claims the bound 30.0, but an answer of value 24.0"),
+        (RawResult("optimal", answer=WORSE, objective=LOSS), BEST, f"claims the optimum {LOSS!r}, but an answer of value 24.0"),
+        (RawResult("optimal", answer=BEST, objective=20.0), None, "claims the objective 20.0, the answer's value"),
+        (RawResult("feasible", answer=BROKEN, objective=18.0), BEST, "carries 4, capacity 2"),
+    ],
+    ids=["infeasibility", "bound", "optimum", "objective", "feasibility"],
+)  # fmt: skip
+def test_an_engine_that_lies_is_told_so_beside_the_answer(engine: Any, said: RawResult, start: Any, fault: str) -> None:
+    found = wb.solve(SQUARE, engine(said), start=start, bound_time=0)
+    assert (found.objective, found.status, found.bound) == (24.0, "feasible", None)
+    assert any(fault in line for line in found.faults), found.faults
+
+
+def test_an_engines_false_optimum_is_refuted_by_a_verified_bound(engine: Any) -> None:
+    with pytest.raises(CheckFailedError, match=r"claims the optimum 2\.0, but the verified bound is"):
+        wb.solve(SQUARE, engine(RawResult("optimal", objective=2.0)), bound_time=5)
+
+
+def test_false_evidence_of_an_engine_proves_nothing(engine: Any) -> None:
+    boast = Evidence("spanning-tree", "boast", 99.0, {"multipliers": [0.0] * 5, "depot": 0.0})
+    found = wb.solve(SQUARE, engine(RawResult("feasible", answer=BEST, objective=24.0, evidence=(boast,))), bound_time=0)
+    assert found.certificate.bound is not None
+    assert found.certificate.bound <= 24.0
+
+
+def test_an_honest_proof_of_an_engine_counts_as_its_word(engine: Any) -> None:
+    found = wb.solve(SQUARE, engine(RawResult("optimal", answer=BEST, objective=24.0, bound=24.0)), bound_time=0)
+    assert (found.status, found.bound, found.bound_kind, found.faults) == ("optimal", 24.0, "claimed", ())
+
+
+def test_an_engine_that_searches_a_restriction_claims_no_bound(engine: Any) -> None:
+    said = RawResult("optimal", answer=WORSE, objective=LOSS, bound=LOSS, holds=Exactness.RESTRICTION)
+    found = wb.solve(SQUARE, engine(said), start=BEST, bound_time=0)
+    assert (found.objective, found.status, found.bound, found.faults) == (24.0, "feasible", None, ())
+
+
+@pytest.mark.parametrize(
+    ("said", "start", "fault"),
+    [
+        (RawResult("infeasible"), FULL, "claims that there is no answer, but one of value 13.0"),
+        (RawResult("feasible", answer=FULL, objective=13.0, bound=12.0), None, "claims the bound 12.0"),
+        (RawResult("optimal", answer=LESS, objective=12.0), FULL, "claims the optimum 12.0, but an answer of value 13.0"),
+        (RawResult("optimal", answer=FULL, objective=14.0), None, "claims the objective 14.0"),
+        (RawResult("optimal", answer=OVER, objective=23.0), FULL, "claims a optimal answer, but it breaks"),
+    ],
+    ids=["infeasibility", "bound", "optimum", "objective", "feasibility"],
+)  # fmt: skip
+def test_a_backend_that_lies_is_told_so_beside_the_answer(backend: Any, said: RawResult, start: Any, fault: str) -> None:
+    found = wb.solve(KNAPSACK, backend(said), start=start, bound_time=0)
+    assert (found.objective, found.bound) == (13.0, None)
+    assert found.status == "feasible"
+    assert any(fault in line for line in found.faults), found.faults
+
+
+def test_a_backends_false_optimum_is_refuted_by_a_verified_bound(backend: Any) -> None:
+    with pytest.raises(CheckFailedError, match=r"claims the optimum 20\.0, but the verified bound is"):
+        wb.solve(KNAPSACK, backend(RawResult("optimal", objective=20.0)), bound_time=5)
+
+
+def test_a_heuristics_broken_answer_is_none_and_its_false_evidence_proves_nothing(registered: Any) -> None:
+    boast = Evidence("spanning-tree", "boast", 99.0, {"multipliers": [0.0] * 5, "depot": 0.0})
+    for answer, value in ((BROKEN, None), (BEST, 24.0)):
+        run = lambda problem, setting, answer=answer: Outcome(answer, evidence=(boast,))  # noqa: E731
+        registered(HEURISTICS, "liar", Heuristic("liar", ("routing",), SQUARE.features(), run, "for tests"))
+        found = wb.solve(SQUARE, heuristic="liar", bound_time=0)
+        assert found.objective == value
+        assert found.certificate.bound is not None
+        assert found.certificate.bound <= 24.0
+
+
+# -- what is asked for is kept to, or refused by name --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("asked", [{"iterations": 5}, {"gap": 0.1}, {"no_improvement": 5}])
+def test_a_heuristic_refuses_by_name_what_it_does_not_keep_to(asked: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match=f"heuristic savings does not keep to {next(iter(asked))}"):
+        wb.solve(SQUARE, heuristic="savings", **asked)
+
+
+@pytest.mark.parametrize("solver", ["highs", "ortools"])
+def test_a_solver_refuses_by_name_what_it_does_not_keep_to(solver: str) -> None:
+    with pytest.raises(UsageError, match=f"{solver} does not keep to no_improvement .*solvers that do: pyvrp"):
+        wb.solve(SQUARE, solver, no_improvement=5)
+
+
+def test_a_heuristic_runs_in_a_process_of_its_own_with_the_same_answer_and_guarantee() -> None:
+    graph = wb.SensingGraph.from_edges([0, 1, 1], [0, 1, 2], [0, 1, 0], np.array([3.0, 2.0, 1.0]))
+    problem = wb.WinnerTakesAllSATA(graph)
+    here, there = (wb.solve(problem, heuristic="greedy", isolate=isolate) for isolate in (False, True))
+    assert (here.objective, here.answer, here.certificate.guarantee) == (there.objective, there.answer, there.certificate.guarantee)
+    assert here.certificate.guarantee is not None
+
+
+def test_a_search_ends_without_improvement() -> None:
+    problem = wb.read("demo-c25")
+    found = wb.solve(problem, "pyvrp", no_improvement=40, time_limit=60, bound_time=0)
+    assert found.limit in ("iterations", "none")
+    assert found.seconds["solve"] < 30
+
+
+def test_a_search_ends_at_the_gap_that_is_asked_for() -> None:
+    found = wb.solve(SQUARE, "pyvrp", gap=0.5, time_limit=20)
+    assert found.limit in ("gap", "none")
+    assert found.seconds["solve"] < 10
+    assert found.gap is not None
+    assert found.gap <= 0.5
