@@ -64,7 +64,7 @@ frame: pd.DataFrame = solution.to_frame()
 wb.solve(problem.compile("three-index", relax=True), "highs", time_limit=1)
 wb.check(problem, wb.Routes.of([wb.Route((1, 2), vehicle=0), [1, 2]]), Path("certificate.json"))
 reveal_type(wb.solve)
-problem.fleets
+problem.colour
 """
 
 
@@ -83,7 +83,7 @@ def test_mypy_checks_a_users_script_against_an_installed_package(tmp_path: Path,
         cwd=tmp_path, capture_output=True, text=True,
     )  # fmt: skip
     *told, count = run.stdout.splitlines()
-    assert [line for line in told if "error" in line] == ['script.py:20: error: "RoutingProblem" has no attribute "fleets"  [attr-defined]']
+    assert [line for line in told if "error" in line] == ['script.py:20: error: "RoutingProblem" has no attribute "colour"  [attr-defined]']
     assert any(
         "Revealed type" in line and "RoutingProblem" not in line and "waybound.formulations.solution.Solution" in line for line in told
     )
