@@ -70,7 +70,7 @@ class ProgramBackend(Backend):
         """Whether it takes programs of ``features``, once they are reduced, as far as features tell."""
         for reduction in self.reductions:
             features = reduction.features(features)
-        return takes_features(features, self.programs, self.only_integers)
+        return any(features <= most for most in self.programs) and (not self.only_integers or features >= INTEGERS)
 
     def lacking(self, program: Program) -> frozenset[str]:
         """Features of ``program`` that the solver lacks, as far as features tell."""
@@ -223,11 +223,6 @@ def settled(program: Program) -> RawResult | None:
         return None
     duals = np.zeros(program.num_rows)
     return RawResult("optimal", answer=np.zeros(0), objective=program.offset, bound=program.offset, row_duals=duals)
-
-
-def takes_features(features: frozenset[str], programs: Iterable[frozenset[str]], only_integers: bool = False) -> bool:
-    """Whether ``features`` are among those of one of ``programs``."""
-    return any(features <= most for most in programs) and (not only_integers or features >= INTEGERS)
 
 
 def kinds_of(backend: type[ProgramBackend]) -> list[str]:

@@ -13,6 +13,7 @@ from ...formulations.programs.program import INTEGERS, Program
 from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.minimisation import MINIMISATION
 from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
+from ...formulations.programs.reductions.reduction import Reduction
 from ...instances.errors import MissingPackageError, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..children import scratch
@@ -36,9 +37,10 @@ class PuLP(ProgramBackend):
     package = "pulp"
     modules = ("pulp",)
     summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
+    order = 70
     interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME is ended without an answer"
     programs = (INTEGERS,)
-    reductions = (LINEAR_PRODUCTS,)
+    reductions: tuple[Reduction, ...] = (LINEAR_PRODUCTS,)
     variants = ("CBC", "HiGHS", "GLPK_CMD", "SCIP_CMD", "GUROBI", "CPLEX_PY")
 
     def __init__(self, variant: str = "") -> None:

@@ -51,6 +51,7 @@ class ORTools(Engine):
     package = "ortools"
     modules = ("ortools.constraint_solver.pywrapcp", "ortools.constraint_solver.routing_enums_pb2")
     summary = "OR-Tools routing library: insertion and guided local search"
+    order = 20
     interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
     needs_process = True
     one_thread = True
@@ -193,7 +194,7 @@ class Model:
             free.setdefault(kind, []).append(vehicle)
         routes: list[list[int]] = [[] for _ in self.types]
         for route in answer:
-            if not free.get(route.vehicle):
+            if not free.get(route.vehicle) or not self.node.keys() >= set(route.visits):
                 return None
             routes[free[route.vehicle].pop(0)] = [self.index(site) for site in route.visits]
         return self.routing.ReadAssignmentFromRoutes(routes, True)

@@ -13,10 +13,9 @@ from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends import cvxpy as module
 from waybound.solvers.backends.cvxpy import CVXPY, PROGRAMS
-from waybound.solvers.program_backend import takes_features
 
 INF = math.inf
-CONTINUOUS = [s for s in PROGRAMS if takes_features(LINEAR, PROGRAMS[s])]
+CONTINUOUS = [s for s in PROGRAMS if CVXPY(s).able(LINEAR)]
 
 
 def run(p, variant="", **options):

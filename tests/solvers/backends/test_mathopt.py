@@ -16,7 +16,6 @@ from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module
 from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, MathOpt
-from waybound.solvers.program_backend import takes_features
 
 INF = math.inf
 LP = program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)
@@ -52,7 +51,7 @@ def test_without_a_name_the_program_decides():
     assert run(MILP).statistics["solver"] == "gscip"
 
 
-@pytest.mark.parametrize("solver", [s for s in PROGRAMS if not takes_features(PRODUCT.features(), PROGRAMS[s])])
+@pytest.mark.parametrize("solver", [s for s in PROGRAMS if not MathOpt(s).able(PRODUCT.features())])
 def test_a_quadratic_objective_is_an_unsupported_feature_that_names_others(solver):
     with pytest.raises(UnsupportedError, match=r"MIQP programs; can take it: .*mathopt:gscip"):
         run(PRODUCT, solver)
@@ -90,7 +89,7 @@ def test_cp_sat_gets_whole_variables_only():
 @pytest.mark.parametrize("solver", PROGRAMS)
 def test_unknown_parameters_are_refused(solver):
     with pytest.raises(UsageError):
-        run(MILP if takes_features(INTEGERS, PROGRAMS[solver]) else LP, solver, extra={"no_such_option": 1})
+        run(MILP if MathOpt(solver).able(INTEGERS) else LP, solver, extra={"no_such_option": 1})
 
 
 @pytest.mark.parametrize(
@@ -105,7 +104,7 @@ def test_unknown_parameters_are_refused(solver):
     ],
 )
 def test_own_parameters_are_taken(solver, extra):
-    p = MILP if takes_features(INTEGERS, PROGRAMS[solver]) else LP
+    p = MILP if MathOpt(solver).able(INTEGERS) else LP
     assert run(p, solver, extra=extra).objective == pytest.approx(10.0 if p is MILP else 2.8, abs=1e-6)
 
 

@@ -18,7 +18,9 @@ from waybound.solvers.backends.highs import Highs
 def test_products_that_shall_be_large_are_held_from_above_and_squares_of_binaries_are_linear() -> None:
     given = program([1, 2], [[1, 1]], -INF, 3, 0, [1, 3], integer=[0], sense="max", quadratic=[[8, 5], [5, 0]])
     (step,) = LINEAR_PRODUCTS.apply(given)
-    assert lp_text(step.program) == """\
+    assert (
+        lp_text(step.program)
+        == """\
 Maximize
  obj: + 5.0 x0 + 2.0 x1 + 5.0 product(0,1)
 Subject To
@@ -33,6 +35,7 @@ General
  x0
 End
 """
+    )
     assert step.encoded(np.array([1.0, 2.0])).tolist() == [1.0, 2.0, 2.0]
     assert step.vector(np.array([1.0, 2.0, 2.0])).tolist() == [1.0, 2.0]
 
