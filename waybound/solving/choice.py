@@ -26,6 +26,8 @@ def default_solver(problem: Problem, given: Program | None, form: str | None, re
                 missing, _ = missing_features(name, problem)
             elif issubclass(backend, ProgramBackend):
                 missing = frozenset() if backend.takers(meant) else frozenset({f"{described(meant)} programs"})
+                if given is not None and not relax and not missing:
+                    missing = backend().missing(given)
             else:
                 continue
             if not missing:

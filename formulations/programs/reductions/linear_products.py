@@ -73,28 +73,27 @@ class LinearProducts(Reduction):
         )  # fmt: skip
         large = (q > 0) == (program.sense == "max")
         near, far = np.where(large, high, low), np.where(large, low, high)
-        none = np.zeros(count)
-        wanted = (
-            _rows("product-of-0", n, (b, -near), (None, none), large, none),
-            _rows("product-of-1", n, (b, -far), (y, np.full(count, -1.0)), large, -far),
+        own, every = n + np.arange(count), np.arange(count)
+        at_0 = sp.csr_matrix(
+            (np.concatenate([np.ones(count), -near]), (np.tile(every, 2), np.concatenate([own, b]))), shape=(count, n + count)
         )
+        at_1 = sp.csr_matrix(
+            (np.concatenate([np.ones(count), np.full(count, -1.0), -far]), (np.tile(every, 3), np.concatenate([own, y, b]))),
+            shape=(count, n + count),
+        )
+        wanted = (_rows("product_of_0", at_0, large, np.zeros(count)), _rows("product_of_1", at_1, large, 0.0 - far))
         ends = np.cumsum([0, *(v.size for v in program.variables)])
         blocks = tuple(replace(v, cost=cost[s:e]) for v, s, e in zip(program.variables, ends[:-1], ends[1:], strict=True))
         made = replace(program, variables=(*blocks, z), rows=(*program.rows, *wanted), quadratic=None)
         return (Linearised(program=made, told=f"{count} products", columns=n, rows=program.num_rows, pairs=np.stack([b, y], axis=1)),)
 
 
-def _rows(
-    name: str, first: int, one: tuple[np.ndarray, Floats], other: tuple[np.ndarray | None, Floats], most: np.ndarray, side: Floats
-) -> Rows:
-    """``z + a x + b x' <= side`` where ``most``, else ``>=``; z are the columns from ``first`` on."""
-    count = len(most)
-    columns = [one[0], *([] if other[0] is None else [other[0]]), first + np.arange(count)]
-    values = [one[1], *([] if other[0] is None else [other[1]]), np.ones(count)]
-    width = len(columns)
+def _rows(name: str, matrix: sp.csr_matrix, most: np.ndarray, side: Floats) -> Rows:
+    """``matrix x <= side`` where ``most``, else ``>=``."""
+    matrix.eliminate_zeros()
+    matrix.sort_indices()
     return Rows(
-        name, (np.arange(count),), indptr=(width * np.arange(count + 1)).astype(np.int32),
-        indices=np.stack(columns, axis=1).ravel().astype(np.int32), data=np.stack(values, axis=1).ravel(),
+        name, (np.arange(len(side)),), indptr=matrix.indptr.astype(np.int32), indices=matrix.indices.astype(np.int32), data=matrix.data,
         lower=np.where(most, -np.inf, side), upper=np.where(most, side, np.inf),
     )  # fmt: skip
 

@@ -15,7 +15,7 @@ from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAll
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module
-from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, MathOpt
+from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, REDUCTIONS, MathOpt
 
 INF = math.inf
 LP = program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)
@@ -59,9 +59,10 @@ def test_a_quadratic_objective_is_an_unsupported_feature_that_names_others(solve
 
 def test_the_user_meets_the_same_error_through_solve():
     problem = WinnerTakesAllSATA(CASES["S3"].graph)
+    with pytest.raises(UnsupportedError, match=r"mathopt:gscip"):
+        wb.solve(problem, "mathopt:pdlp", form="product")
     for solver in ("mathopt:highs", "mathopt:cp-sat"):
-        with pytest.raises(UnsupportedError, match=r"mathopt:gscip"):
-            wb.solve(problem, solver, form="product")
+        assert "linear-products" in [link.name for link in wb.solve(problem, solver, form="product", bound_time=0).chain]
     assert wb.solve(problem, "mathopt", form="product", bound_time=0).objective == 31.0
     assert wb.solve(problem, "mathopt:scip", form="product", bound_time=0).objective == 31.0
 
@@ -69,6 +70,7 @@ def test_the_user_meets_the_same_error_through_solve():
 def test_an_error_inside_mathopt_becomes_an_unsupported_feature(monkeypatch):
     # MathOpt raises the same for whatever a solver lacks; here the programs are declared too widely.
     monkeypatch.setitem(PROGRAMS, "highs", (INTEGERS | QUADRATIC,))
+    monkeypatch.setitem(REDUCTIONS, "highs", ())
     with pytest.raises(UnsupportedError, match=r"quadratic objectives.*can take it: .*mathopt:gscip"):
         run(PRODUCT, "highs")
 

@@ -25,8 +25,8 @@ Maximize
  obj: + 5.0 x0 + 2.0 x1 + 5.0 product(0,1)
 Subject To
  row: + 1.0 x0 + 1.0 x1 <= 3.0
- product-of-0(0): - 3.0 x0 + 1.0 product(0,1) <= 0.0
- product-of-1(0): - 1.0 x1 + 1.0 product(0,1) <= 0.0
+ product_of_0(0): - 3.0 x0 + 1.0 product(0,1) <= 0.0
+ product_of_1(0): - 1.0 x1 + 1.0 product(0,1) <= 0.0
 Bounds
  0.0 <= x0 <= 1.0
  0.0 <= x1 <= 3.0
