@@ -73,14 +73,10 @@ class LinearProducts(Reduction):
         )  # fmt: skip
         large = (q > 0) == (program.sense == "max")
         near, far = np.where(large, high, low), np.where(large, low, high)
-        own, every = n + np.arange(count), np.arange(count)
-        at_0 = sp.csr_matrix(
-            (np.concatenate([np.ones(count), -near]), (np.tile(every, 2), np.concatenate([own, b]))), shape=(count, n + count)
-        )
-        at_1 = sp.csr_matrix(
-            (np.concatenate([np.ones(count), np.full(count, -1.0), -far]), (np.tile(every, 3), np.concatenate([own, y, b]))),
-            shape=(count, n + count),
-        )
+        own, every, shape = n + np.arange(count), np.arange(count), (count, n + count)
+        ones = np.ones(count)
+        at_0 = sp.csr_matrix((np.concatenate([ones, -near]), (np.tile(every, 2), np.concatenate([own, b]))), shape)
+        at_1 = sp.csr_matrix((np.concatenate([ones, -ones, -far]), (np.tile(every, 3), np.concatenate([own, y, b]))), shape)
         wanted = (_rows("product_of_0", at_0, large, np.zeros(count)), _rows("product_of_1", at_1, large, 0.0 - far))
         ends = np.cumsum([0, *(v.size for v in program.variables)])
         blocks = tuple(replace(v, cost=cost[s:e]) for v, s, e in zip(program.variables, ends[:-1], ends[1:], strict=True))
