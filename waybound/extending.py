@@ -38,7 +38,10 @@ from .instances.kinds import KINDS, Kind
 from .instances.registry import Registry
 from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from .instances.routing.travel import Travel
+from .instances.selection.constraints import Constraint, LimitRows, LinearConstraint
+from .instances.selection.functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunction, ItemWeights, SetFunction
 from .instances.selection.instance import SelectionInstance
+from .instances.selection.json_kind import CONSTRAINTS, SET_FUNCTIONS, JsonPart
 from .instances.sensing.graph import SensingGraph
 from .instances.worlds import WORLDS, World, WorldKind
 from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
@@ -48,21 +51,26 @@ from .solvers.bounds import BOUNDS, BoundMethod
 from .solvers.linear_programs import LinearPrograms
 
 __all__ = [
+    "AT_ENTRY",
+    "AT_ITEM",
     "BACKENDS",
     "BOUNDS",
     "CHECKERS",
     "CONES",
+    "CONSTRAINTS",
     "FORMATS",
     "FORMS",
     "GENERATORS",
     "HEURISTICS",
     "INTEGERS",
+    "IN_MATRIX",
     "KINDS",
     "LINEAR",
     "MISSIONS",
     "NEVER",
     "PROBLEMS",
     "QUADRATIC",
+    "SET_FUNCTIONS",
     "STUDIES",
     "WORLDS",
     "BottleneckSATA",
@@ -71,6 +79,7 @@ __all__ = [
     "Checklist",
     "Compiled",
     "Cones",
+    "Constraint",
     "Control",
     "DataSetting",
     "Decision",
@@ -90,7 +99,12 @@ __all__ = [
     "Heuristic",
     "InputError",
     "Instance",
+    "ItemFunction",
+    "ItemWeights",
+    "JsonPart",
     "Kind",
+    "LimitRows",
+    "LinearConstraint",
     "LinearPrograms",
     "MaxMinLP",
     "MissingPackageError",
@@ -113,6 +127,7 @@ __all__ = [
     "Selection",
     "SelectionInstance",
     "SensingGraph",
+    "SetFunction",
     "Setting",
     "Sites",
     "Stop",

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.errors import UsageError
+from ...instances.printable import printable
 from ..evaluation import Check, Violation, judge
+from ..references import indices_of
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,15 @@ class Selection:
         return len(self.elements)
 
 
+def selection_of(given: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
+    """``given`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
+    if isinstance(given, Selection):
+        return given
+    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
+        raise UsageError(f"{printable(repr(given), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth")
+    return Selection(tuple(indices_of(given, names(), thing)))
+
+
 def judge_elements(
     selection: Selection, count: int, check: str, thing: str, name_of: Callable[[int], str]
 ) -> tuple[NDArray[np.int64], tuple[Check, list[Violation]]]:
@@ -61,10 +73,3 @@ def judge_elements(
         return f"{thing} number {numbers[k]} does not exist" if given[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
 
     return once[once >= 0], judge(check, ((given < 0) | twice).astype(np.float64), fault)
-
-
-def entries_of(indptr: NDArray[np.integer], rows: NDArray[np.integer]) -> NDArray[np.int64]:
-    """Places of the entries of some rows of a CSR matrix, row after row."""
-    starts, length = indptr[rows].astype(np.int64), (indptr[rows + 1] - indptr[rows]).astype(np.int64)
-    before = np.cumsum(length) - length
-    return np.repeat(starts - before, length) + np.arange(int(length.sum()))

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from oracles import ASYM_5, SQUARE_4, TWO_INDEX, best_routes, optimum, routing, small_problems, solved
+from oracles import ASYM_5, SQUARE_4, TWO_INDEX, best_routes, optimum, route_is_feasible, routing, small_problems, solved
 
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.reachability import minimum_vehicles, unreachable
+from waybound.formulations.routing.reachability import minimum_vehicles, servable_alone, unreachable
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 
@@ -31,6 +31,13 @@ def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProb
 def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
     visited = {site for table in best_routes(problem) for sites in table for site in sites}
     assert not visited & set(unreachable(problem))
+
+
+@settings(DRAWN, max_examples=300)
+@given(problem=small_problems(most=3, hetero=True))
+def test_sites_are_called_servable_alone_exactly_where_a_route_of_their_own_is_feasible(problem: RoutingProblem) -> None:
+    for site, good in zip(problem.customers.tolist(), servable_alone(problem).tolist(), strict=True):
+        assert good == any(route_is_feasible(problem, kind, (site,)) for kind in problem.fleet)
 
 
 @DRAWN
