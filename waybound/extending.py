@@ -32,7 +32,7 @@ from .instances.document import dump_json, fields, parse_json
 from .instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from .instances.formats import FORMATS, Format
 from .instances.generators import GENERATORS, Draw, Generator
-from .instances.generators import Setting as DataSetting
+from .instances.generators.settings import Setting as DataSetting
 from .instances.instance import Instance, digest
 from .instances.kinds import KINDS, Kind
 from .instances.registry import Registry
