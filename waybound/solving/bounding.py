@@ -13,7 +13,7 @@ from ..formulations.stop import Stop
 from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control
-from ..solvers.bounds import BOUNDS, BoundMethod
+from ..solvers.bounds import BOUNDS, BoundMethod, replaced
 from ..solvers.linear_programs import LinearPrograms
 
 
@@ -58,11 +58,10 @@ def find_bounds(
         return found
     control = control or Control()
     methods: list[BoundMethod] = []
-    every = sorted(BOUNDS.values(), key=lambda method: method.order)
-    replaced = frozenset[str]().union(*(method.replaces(problem) for method in every))
-    for method in every:
+    others = replaced(problem)
+    for method in sorted(BOUNDS.values(), key=lambda method: method.order):
         try:
-            if method.name not in replaced and not method.missing(problem):
+            if method.name not in others and not method.missing(problem):
                 method.prepare()
                 methods.append(method)
         except Exception as fault:
