@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exact_routing import routes
 from hypothesis import HealthCheck, given, settings
-from oracles import ASYM_5, SQUARE_4, TWO_INDEX, best_routes, optimum, routing, small_problems, solved
+from oracles import ASYM_5, SQUARE_4, TWO_INDEX, optimum, routing, small_problems, solved
 
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
@@ -22,14 +23,14 @@ DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthC
 @DRAWN
 @given(problem=small_problems(most=3))
 def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
-    visited = {site for table in best_routes(problem) for sites in table for site in sites}
+    visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
 
 
 @settings(DRAWN, max_examples=60)
 @given(problem=small_problems(most=3, hetero=True))
 def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
-    visited = {site for table in best_routes(problem) for sites in table for site in sites}
+    visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 import pytest
+from exact_routing import routes
 from hypothesis import given, settings
-from oracles import route_is_feasible, routing, small_problems
+from oracles import routing, small_problems
 
 from waybound.formulations.routing.checking.route_limits import (
     LARGEST_RATE,
@@ -41,21 +41,14 @@ def test_every_route_that_can_be_driven_is_found_possible(problem: RoutingProble
     for kind, vehicle in enumerate(problem.fleet):
         limits, possible = limits_of(problem, vehicle), servable(problem, kind)
         near = dict(zip(customers, within_reach(limits).tolist(), strict=True))
-        for size in range(1, len(customers) + 1):
-            for visits in itertools.permutations(customers, size):
-                if route_is_feasible(problem, vehicle, visits):
-                    assert frozenset(visits) in possible
-                    assert all(near[site] for site in visits)
+        for visits in routes(problem, vehicle):
+            assert frozenset(visits) in possible
+            assert all(near[site] for site in visits)
 
 
 def test_without_detours_what_is_found_possible_can_be_driven() -> None:
     problem = routing(xy=LINE, sites={"demand": [0, 2, 2, 3], "due": [math.inf, 1, 9, 9]}, capacity=5, max_distance=10)
-    driven = {
-        frozenset(visits)
-        for size in range(1, 4)
-        for visits in itertools.permutations([1, 2, 3], size)
-        if route_is_feasible(problem, problem.fleet[0], visits)
-    }
+    driven = {frozenset(visits) for visits in routes(problem, problem.fleet[0])}
     assert servable(problem) == driven == {frozenset(s) for s in ([1], [2], [3], [1, 2], [1, 3], [2, 3])}
     assert servable(problem, most=1) == {frozenset(s) for s in ([1], [2], [3])}
 
