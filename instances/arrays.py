@@ -125,6 +125,13 @@ def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: s
         raise InputError(f"the {column}s of each {row} must ascend, none twice")
 
 
+def entries_of(indptr: NDArray[np.integer[Any]], rows: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Places of all entries of some rows of a CSR matrix, row after row, and how many each row has."""
+    counts = (indptr[rows + 1] - indptr[rows]).astype(np.int64)
+    before = np.cumsum(counts) - counts
+    return np.repeat(indptr[rows] - before, counts) + np.arange(int(counts.sum())), counts
+
+
 def names(what: str, given: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
     """One printable name each, all different; None stays None."""
     if given is None:

@@ -24,7 +24,8 @@ from waybound.formulations.problem import Problem
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.instances.selection.instance import Cardinality, Knapsack
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
 
 
 def truth(problem: Problem) -> Truth:
@@ -50,49 +51,60 @@ class SelectionTruth(Truth):
         super().__init__(("max",))
         self.problem, f = problem, problem.function
         self.gives: list[list[Fraction]] | None = None
-        if f.name != "user":
+        if isinstance(f, Coverage | FacilityLocation | DenseFacilityLocation):
             self.gives = [[Fraction(float(v)) for v in row] for row in _dense(f).tolist()]
-        n = problem.num_elements
-        for size in range(n + 1):
-            for chosen in itertools.combinations(range(n), size):
-                excess = self._excess(chosen)
-                if excess is not None:
-                    self.meet(self._values(chosen), excess == 0, Selection(chosen))
-
-    def _excess(self, chosen: tuple[int, ...]) -> Fraction | None:
-        """By how much the constraint is exceeded, as a share; None where that is more than doubles can."""
-        c = self.problem.constraint
-        if isinstance(c, Knapsack):
-            over = sum((Fraction(float(c.costs[e])) for e in chosen), Fraction(0)) - Fraction(c.budget)
-            return Fraction(0) if over <= 0 else None if over * PARTS > Fraction(c.budget) else over
-        if isinstance(c, Cardinality):
-            return Fraction(0) if len(chosen) <= c.limit else None
-        counts = np.bincount(c.groups[list(chosen)], minlength=len(c.limits))
-        return Fraction(0) if (counts <= c.limits).all() else None
+        for chosen in every_set(problem):
+            excess = excess_of(problem, chosen)
+            if excess is not None:
+                self.meet(self._values(chosen), excess == 0, Selection(chosen))
 
     def _values(self, chosen: tuple[int, ...]) -> Values:
         if self.gives is None:
-            mask = np.zeros((1, self.problem.num_elements), dtype=bool)
-            mask[0, list(chosen)] = True
-            return (Fraction(float(np.asarray(self.problem.function.evaluate(mask))[0])),)  # type: ignore[union-attr]
+            return (Fraction(float(self.problem.function.values(_mask(self.problem, chosen))[0])),)
         return (
             sum((max(column) for column in zip(*(self.gives[e] for e in chosen), strict=True)), Fraction(0)) if chosen else Fraction(0),
         )
 
     def value(self, answer: Any) -> Values | None:
-        chosen = tuple(sorted(answer.elements))
-        if len(set(chosen)) < len(chosen) or any(not 0 <= e < self.problem.num_elements for e in chosen) or self._excess(chosen) is None:
+        chosen, n = tuple(sorted(answer.elements)), self.problem.num_elements
+        if len(set(chosen)) < len(chosen) or any(not 0 <= e < n for e in chosen) or excess_of(self.problem, chosen) is None:
             return None
         return self._values(chosen)
 
 
+def every_set(problem: SubmodularSelection) -> Iterator[tuple[int, ...]]:
+    """All sets of elements, the small ones first."""
+    n = problem.num_elements
+    return itertools.chain.from_iterable(itertools.combinations(range(n), size) for size in range(n + 1))
+
+
+def excess_of(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Fraction | None:
+    """By how much a set exceeds the constraint, as a share; None where that is more than doubles can."""
+    c = problem.constraint
+    if isinstance(c, Knapsack):
+        over = sum((Fraction(float(c.costs[e])) for e in chosen), Fraction(0)) - Fraction(c.budget)
+        return Fraction(0) if over <= 0 else None if over * PARTS > Fraction(c.budget) else over
+    if isinstance(c, Cardinality):
+        return Fraction(0) if len(chosen) <= c.limit else None
+    if isinstance(c, PartitionMatroid):
+        counts = np.bincount(c.groups[list(chosen)], minlength=len(c.limits))
+        return Fraction(0) if (counts <= c.limits).all() else None
+    return Fraction(0) if c.allows(_mask(problem, chosen))[0] else None
+
+
 def _dense(function: Any) -> Any:
-    if hasattr(function, "matrix"):
+    if isinstance(function, DenseFacilityLocation):
         return function.matrix
     made = np.zeros((function.num_elements, function.num_items))
     element = np.repeat(np.arange(function.num_elements), np.diff(function.indptr))
-    made[element, function.indices] = function.item_weights[function.indices] if function.name == "coverage" else function.weights
+    made[element, function.indices] = function.item_weights[function.indices] if isinstance(function, Coverage) else function.weights
     return made
+
+
+def _mask(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Any:
+    mask = np.zeros((1, problem.num_elements), dtype=bool)
+    mask[0, list(chosen)] = True
+    return mask
 
 
 class BottleneckTruth(Truth):

@@ -22,19 +22,12 @@ from waybound.formulations.problem import Problem
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.routing.objective import Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.instances.selection.instance import (
-    Cardinality,
-    Constraint,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
-)
+from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
 from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
 
 Floats = np.ndarray[Any, np.dtype[np.float64]]

@@ -2,31 +2,106 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
+from exact_truth import excess_of
+from numpy.typing import NDArray
 
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Outcome, Setting
-from waybound.instances.selection.instance import (
-    Cardinality,
-    Constraint,
+from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, LimitRows, LinearConstraint, PartitionMatroid
+from waybound.instances.selection.functions import (
     Coverage,
     DenseFacilityLocation,
     FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
+    ItemFunction,
+    ItemWeights,
     SetFunction,
+    UserFunction,
 )
 from waybound.solvers.linear_programs import LinearPrograms
 
 KINDS = ("coverage", "facility-location", "dense", "dense32", "user")
 CONSTRAINTS = ("cardinality", "partition", "knapsack")
+OWN_KINDS = ("own-items", "own-values")
+OWN_CONSTRAINTS = ("own-rows", "own-oracle")
+"""Classes of the tests' own, of which no module knows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Weights(ItemFunction):
+    """The largest weight for each item, from a table that is stored by item."""
+
+    name: ClassVar[str] = "weights"
+    kind: ClassVar[str] = "weights"
+    table: NDArray[np.float64]
+
+    @property
+    def num_elements(self) -> int:
+        return self.table.shape[1]
+
+    def as_item_weights(self) -> ItemWeights:
+        return ItemWeights.dense(np.ascontiguousarray(self.table.T))
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.name, self.table)
+
+
+@dataclass(frozen=True, eq=False)
+class Roots(SetFunction):
+    """Roots of sums."""
+
+    name: ClassVar[str] = "roots"
+    worth: NDArray[np.float64]
+    monotone = True
+    submodular = True
+
+    @property
+    def num_elements(self) -> int:
+        return len(self.worth)
+
+    def values(self, masks: NDArray[np.bool_]) -> NDArray[np.float64]:
+        return np.asarray(np.sqrt(masks @ self.worth).sum(axis=1))
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.name, self.worth)
+
+
+@dataclass(frozen=True, eq=False)
+class Budgets(LinearConstraint):
+    """Several budgets at once."""
+
+    name: ClassVar[str] = "budgets"
+    costs: NDArray[np.float64]
+    limits: NDArray[np.float64]
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.name, self.costs, self.limits)
+
+    def rows(self, elements: int) -> LimitRows:
+        row, element = np.nonzero(self.costs)
+        return LimitRows("budget", row, element, self.costs[row, element], self.limits, lambda k: f"no. {k + 1}")
+
+
+@dataclass(frozen=True, eq=False)
+class Apart(Constraint):
+    """No two elements that are neighbours on a ring."""
+
+    name: ClassVar[str] = "apart"
+    kind: ClassVar[str] = "apart"
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.name,)
+
+    def allows(self, masks: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        return ~(masks & np.roll(masks, 1, axis=1)).any(axis=1) if masks.shape[1] > 1 else np.ones(len(masks), dtype=bool)
 
 
 def setting(seed: int = 1, seconds: float = 60.0) -> Setting:
@@ -83,12 +158,16 @@ def half_tight(copies: int = 1, excess: float = 0.01) -> SubmodularSelection:
 # -- random problems ---------------------------------------------------------------------------------------------------
 
 
-def random_function(rng: np.random.Generator, kind: str, n: int, *, whole: bool = False) -> SetFunction | UserFunction:
+def random_function(rng: np.random.Generator, kind: str, n: int, *, whole: bool = False) -> SetFunction:
     """Whole weights make ties; others make sums that round."""
     items = int(rng.integers(1, 10))
     weights = rng.integers(0, 4, (n, items)).astype(float) if whole else rng.uniform(0, 3, (n, items)) * (rng.random((n, items)) < 0.5)
     if kind.startswith("dense"):
         return DenseFacilityLocation(weights.astype(np.float32 if kind == "dense32" else np.float64))
+    if kind == "own-items":
+        return Weights(np.ascontiguousarray(weights.T))
+    if kind == "own-values":
+        return Roots(weights)
     if kind == "user":
         return UserFunction(lambda masks: np.sqrt(masks @ weights).sum(axis=1), n, monotone=True, submodular=True, label="roots of sums")
     starts = np.concatenate([[0], np.cumsum((weights > 0).sum(axis=1))]).astype(np.int32)
@@ -104,6 +183,11 @@ def random_constraint(rng: np.random.Generator, kind: str, n: int) -> Constraint
     if kind == "partition":
         groups = rng.integers(0, int(rng.integers(1, n + 1)), n)
         return PartitionMatroid.of(groups, rng.integers(0, 3, int(groups.max()) + 1))
+    if kind == "own-oracle":
+        return Apart()
+    if kind == "own-rows":
+        table = rng.uniform(0.1, 2, (int(rng.integers(1, 4)), n)) * (rng.random(n) < 0.9)
+        return Budgets(table, table.sum(axis=1) * rng.uniform(0, 1.1, len(table)))
     costs = rng.uniform(0.1, 2, n) * (rng.random(n) < 0.9)
     return Knapsack(costs, float(rng.uniform(0, costs.sum() + 0.5)))
 
@@ -114,18 +198,12 @@ def random_problem(rng: np.random.Generator, function: str, constraint: str, mos
 
 
 def feasible_sets(problem: SubmodularSelection) -> Iterator[tuple[int, ...]]:
-    """All of them, judged by counting and adding up."""
-    c, n = problem.constraint, problem.num_elements
-    for size in range(min(n, c.limit if isinstance(c, Cardinality) else n) + 1):
-        for chosen in itertools.combinations(range(n), size):
-            if isinstance(c, Cardinality):
-                fits = True
-            elif isinstance(c, Knapsack):
-                fits = sum(float(c.costs[e]) for e in chosen) <= c.budget
-            else:
-                fits = all(sum(int(c.groups[e]) == g for e in chosen) <= limit for g, limit in enumerate(c.limits.tolist()))
-            if fits:
-                yield chosen
+    """All of them, the small ones first, judged by counting and adding up in exact arithmetic; with a set every subset is one."""
+    level: list[tuple[int, ...]] = [()]
+    while level:
+        yield from level
+        larger = ((*chosen, e) for chosen in level for e in range(chosen[-1] + 1 if chosen else 0, problem.num_elements))
+        level = [chosen for chosen in larger if excess_of(problem, chosen) == 0]
 
 
 def optimum(problem: SubmodularSelection) -> float:

@@ -12,7 +12,7 @@ PAGE = (Path(__file__).resolve().parent.parent / "docs" / "selection.md").read_t
 
 def test_its_code_runs() -> None:
     blocks = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     namespace: dict[str, object] = {}
     for block in blocks:
         exec(compile(block, "docs/selection.md", "exec"), namespace)

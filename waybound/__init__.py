@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .formulations.routing.problem import RoutingProblem
     from .formulations.routing.routes import Route, Routes
     from .formulations.selection.selections import Selection
-    from .formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+    from .formulations.selection.submodular_selection import SubmodularSelection
     from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
@@ -43,15 +43,9 @@ if TYPE_CHECKING:
     )
     from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
     from .instances.routing.travel import Travel
-    from .instances.selection.instance import (
-        Cardinality,
-        Coverage,
-        DenseFacilityLocation,
-        FacilityLocation,
-        Knapsack,
-        PartitionMatroid,
-        SelectionInstance,
-    )
+    from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+    from .instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
+    from .instances.selection.instance import SelectionInstance
     from .instances.sensing.graph import SensingGraph
     from .reports.missions.running import run
     from .solving.explaining import Explanation
@@ -70,7 +64,7 @@ _MODULES = {
     "formulations.max_min.bottleneck_sata": ("BottleneckSATA",),
     "formulations.max_min.max_min_lp": ("MaxMinLP",),
     "formulations.routing.problem": ("RoutingProblem",),
-    "formulations.selection.submodular_selection": ("SubmodularSelection", "UserFunction"),
+    "formulations.selection.submodular_selection": ("SubmodularSelection",),
     "formulations.selection.winner_takes_all_sata": ("WinnerTakesAllSATA",),
     "formulations.programs.compiled": ("Compiled",),
     "formulations.programs.program": ("Program", "Rows", "Variables"),
@@ -88,15 +82,9 @@ _MODULES = {
         "WayboundError",
     ),
     "instances.routing.instance": ("Energy", "RoutingInstance", "Sites", "VehicleType"),
-    "instances.selection.instance": (
-        "Cardinality",
-        "Coverage",
-        "DenseFacilityLocation",
-        "FacilityLocation",
-        "Knapsack",
-        "PartitionMatroid",
-        "SelectionInstance",
-    ),
+    "instances.selection.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
+    "instances.selection.functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
+    "instances.selection.instance": ("SelectionInstance",),
     "instances.sensing.graph": ("SensingGraph",),
     "instances.routing.travel": ("Travel",),
     "reports.missions.running": ("run",),

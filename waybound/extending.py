@@ -1,8 +1,10 @@
 """Everything that a package outside waybound imports to add to it: contracts, building blocks and the registries.
 
 Each registry has a group of entry points of its own: ``waybound.solvers``, ``waybound.heuristics``, ``waybound.forms``,
-``waybound.formats``, ``waybound.problems``, ``waybound.bounds``, ``waybound.checkers``, ``waybound.generators``, ``waybound.kinds``. An
-entry point names a module that registers itself on import, or the entry. How each is written, with an example: ``docs/adding-*.md``.
+``waybound.formats``, ``waybound.problems``, ``waybound.bounds``, ``waybound.checkers``, ``waybound.generators``, ``waybound.kinds``,
+``waybound.set_functions``, ``waybound.constraints``. An entry point names a module that registers itself on import, or the entry. How
+each is written, with an example: ``docs/adding-*.md``; set functions and constraints, which need an entry for files only:
+``docs/selection.md``.
 
 What stands here keeps its name and meaning within a minor version; other modules may move.
 """
@@ -29,15 +31,21 @@ from .instances.generators import GENERATORS, Generator
 from .instances.instance import Instance, digest
 from .instances.kinds import KINDS, Kind
 from .instances.registry import Registry
+from .instances.selection.constraints import Constraint, LimitRows, LinearConstraint
+from .instances.selection.functions import AT_ENTRY, AT_ITEM, ItemFunction, ItemWeights, SetFunction
+from .instances.selection.json_kind import CONSTRAINTS, SET_FUNCTIONS, JsonPart
 from .solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult
 from .solvers.bounds import BOUNDS, BoundMethod
 from .solvers.linear_programs import LinearPrograms
 
 __all__ = [
+    "AT_ENTRY",
+    "AT_ITEM",
     "BACKENDS",
     "BOUNDS",
     "CHECKERS",
     "CONES",
+    "CONSTRAINTS",
     "FORMATS",
     "FORMS",
     "GENERATORS",
@@ -48,10 +56,12 @@ __all__ = [
     "NEVER",
     "PROBLEMS",
     "QUADRATIC",
+    "SET_FUNCTIONS",
     "BoundMethod",
     "Check",
     "Compiled",
     "Cones",
+    "Constraint",
     "Control",
     "Engine",
     "Evaluation",
@@ -65,7 +75,12 @@ __all__ = [
     "Heuristic",
     "InputError",
     "Instance",
+    "ItemFunction",
+    "ItemWeights",
+    "JsonPart",
     "Kind",
+    "LimitRows",
+    "LinearConstraint",
     "LinearPrograms",
     "MissingPackageError",
     "Options",
@@ -76,6 +91,7 @@ __all__ = [
     "RawResult",
     "Registry",
     "Rows",
+    "SetFunction",
     "Setting",
     "Stop",
     "Stopped",

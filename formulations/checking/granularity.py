@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...instances.selection.functions import IN_MATRIX
+
 Floats = NDArray[np.float64]
 
 LIFT_TOLERANCE = 1e-6
@@ -107,7 +109,6 @@ def lift(bound: float, sense: str, size: Grain | None) -> float:
 
 
 def value_grain(function: Any) -> Grain | None:
-    """Of what every value of a coverage or facility-location function is a multiple; None for full matrices and users' functions."""
-    if function.name == "coverage":
-        return grain(function.item_weights)
-    return None if function.name == "user" or hasattr(function, "matrix") else grain(function.weights)
+    """Of what every value of a function with weights at items or entries is a multiple; None for full matrices and other functions."""
+    weights = function.as_item_weights()
+    return None if weights is None or weights.layout == IN_MATRIX else grain(weights.weights)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.arrays import entries_of
 from ...instances.sensing.graph import SensingGraph
 
 Floats = NDArray[np.float64]
@@ -23,13 +24,6 @@ NEAR_ONE = 8.0
 """Values from the inverse of this to this are near 1."""
 
 
-def slices(indptr: Indices, rows: Indices) -> tuple[Positions, Positions]:
-    """Positions of all entries of some rows of a CSR matrix, and how many each row has."""
-    counts = (indptr[rows + 1] - indptr[rows]).astype(np.int64)
-    before = np.cumsum(counts) - counts
-    return np.repeat(indptr[rows] - before, counts) + np.arange(int(counts.sum())), counts
-
-
 def num_entries(indptr: Indices, rows: Indices) -> int:
     """How many entries some rows of a CSR matrix have together."""
     return int((indptr[rows + 1].astype(np.int64) - indptr[rows]).sum())
@@ -38,19 +32,19 @@ def num_entries(indptr: Indices, rows: Indices) -> int:
 def robots_seeing(graph: SensingGraph, targets: Indices) -> Positions:
     """Robots with an action that sees one of ``targets``, ascending."""
     sight = graph.by_target
-    found, _ = slices(sight.indptr, targets)
+    found, _ = entries_of(sight.indptr, targets)
     return np.unique(graph.robot_of_action[sight.indices[found]]).astype(np.int64)
 
 
 def actions_of(graph: SensingGraph, robots: Indices) -> Positions:
     """The actions of some robots, robot after robot."""
     starts, members = graph.by_robot
-    return members[slices(starts, robots)[0]].astype(np.int64)
+    return members[entries_of(starts, robots)[0]].astype(np.int64)
 
 
 def targets_seen(graph: SensingGraph, actions: Indices) -> Positions:
     """Targets that one of ``actions`` sees, ascending."""
-    return np.unique(graph.indices[slices(graph.indptr, actions)[0]]).astype(np.int64)
+    return np.unique(graph.indices[entries_of(graph.indptr, actions)[0]]).astype(np.int64)
 
 
 def num_edges(graph: SensingGraph, targets: Indices) -> int:
@@ -68,7 +62,7 @@ def ball_graph(graph: SensingGraph, targets: Indices) -> SensingGraph:
         Ascending, none twice.
     """
     sight = graph.by_target
-    found, counts = slices(sight.indptr, targets)
+    found, counts = entries_of(sight.indptr, targets)
     actions, of_edge = np.unique(sight.indices[found], return_inverse=True)
     robots, owners = np.unique(graph.robot_of_action[actions], return_inverse=True)
     order = np.argsort(of_edge, kind="stable")  # targets ascend already, so they do within an action

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
+from ...instances.selection.constraints import PartitionMatroid
 from ...instances.sensing.graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, Problem
@@ -61,6 +63,17 @@ class BottleneckSATA(Problem):
     @property
     def convention(self) -> str:
         return "exact"
+
+    @property
+    def num_elements(self) -> int:
+        """Elements that are chosen: actions."""
+        return self.graph.num_actions
+
+    @functools.cached_property
+    def constraint(self) -> PartitionMatroid:
+        """At most one action a robot."""
+        g = self.graph
+        return PartitionMatroid(g.robot_of_action, np.ones(g.num_robots, dtype=np.int32), "robot", g.robot_name)
 
     def digest(self) -> str:
         return digest(self.graph.digest(), self.problem)

@@ -61,10 +61,3 @@ def judge_elements(
         return f"{thing} number {numbers[k]} does not exist" if given[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
 
     return once[once >= 0], judge(check, ((given < 0) | twice).astype(np.float64), fault)
-
-
-def entries_of(indptr: NDArray[np.integer], rows: NDArray[np.integer]) -> NDArray[np.int64]:
-    """Places of the entries of some rows of a CSR matrix, row after row."""
-    starts, length = indptr[rows].astype(np.int64), (indptr[rows + 1] - indptr[rows]).astype(np.int64)
-    before = np.cumsum(length) - length
-    return np.repeat(starts - before, length) + np.arange(int(length.sum()))

@@ -2,34 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...instances import arrays
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
-from ...instances.selection.instance import (
-    Cardinality,
-    Constraint,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
-    SelectionInstance,
-    SetFunction,
-    check_selection,
-)
+from ...instances.selection.constraints import Cardinality, Constraint, PartitionMatroid
+from ...instances.selection.functions import Coverage, FacilityLocation, SetFunction
+from ...instances.selection.instance import SelectionInstance
 from ...instances.sensing.graph import SensingGraph
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, Problem
-from ..tolerance import EQUAL, room
+from ..tolerance import EQUAL
 from .assignments import graph_for
-from .selections import Selection, entries_of, judge_elements
+from .feasibility import spendable
+from .selections import Selection, judge_elements
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,66 +28,13 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class UserFunction:
-    """A set function of the user's own, evaluated for many sets at once.
-
-    Parameters
-    ----------
-    evaluate : callable
-        From a boolean array of shape (sets, elements) to the values, shape (sets,).
-    num_elements : int
-    monotone, submodular : bool
-        What the user declares; guarantees and bounds rest on it and say so. ``check_submodular`` samples it.
-    label : str
-        What names the function, for the digest of the problem.
-    """
-
-    name: ClassVar[str] = "user"
-    evaluate: Callable[[NDArray[np.bool_]], ArrayLike]
-    num_elements: int
-    monotone: bool = False
-    submodular: bool = False
-    label: str = "user function"
-
-    def values(self, masks: NDArray[np.bool_]) -> Floats:
-        """Values of the sets given by the rows of ``masks``.
-
-        Raises
-        ------
-        InputError
-            If the function returns anything but one finite number a set.
-        """
-        returned = self.evaluate(masks)
-        try:
-            found = np.asarray(returned, dtype=np.float64)
-        except (TypeError, ValueError):
-            kind = type(returned).__name__
-            raise InputError(f"the set function {self.label} must return numbers", expected=f"({len(masks)},)", found=kind) from None
-        if found.shape != (len(masks),):
-            raise InputError(
-                f"the set function {self.label} must return one number a set", expected=f"({len(masks)},)", found=str(found.shape)
-            )
-        if not np.isfinite(found).all():
-            raise InputError(f"the set function {self.label} must return finite numbers", found=str(found[~np.isfinite(found)][0]))
-        return found
-
-    def facts(self) -> dict[str, Any]:
-        """Kind and size, as plain JSON values."""
-        return {"kind": self.name, "elements": self.num_elements}
-
-    def parts(self) -> tuple[Any, ...]:
-        """What the digest covers: the function itself cannot be hashed."""
-        return (self.name, self.label, self.num_elements, self.monotone, self.submodular)
-
-
 class SubmodularSelection(Problem):
     """Maximise f(S) over the sets S that a constraint allows.
 
     Parameters
     ----------
-    function : Coverage, FacilityLocation, DenseFacilityLocation or UserFunction
-    constraint : Cardinality, PartitionMatroid or Knapsack
+    function : SetFunction
+    constraint : Constraint
     element_names : sequence of str, optional
         None stands for "1", "2", ...
     name, problem, notes
@@ -112,7 +50,7 @@ class SubmodularSelection(Problem):
 
     def __init__(
         self,
-        function: SetFunction | UserFunction,
+        function: SetFunction,
         constraint: Constraint,
         *,
         element_names: tuple[str, ...] | None = None,
@@ -120,10 +58,12 @@ class SubmodularSelection(Problem):
         problem: str = "selection",
         notes: tuple[str, ...] = (),
     ) -> None:
-        check_selection(function.num_elements, constraint, element_names)
+        function.check()
+        constraint.check(function.num_elements)
+        arrays.names("element", element_names, function.num_elements)
         self.function, self.constraint, self.element_names = function, constraint, element_names
         self.name, self.problem, self.notes = name, problem, notes
-        if isinstance(function, UserFunction):
+        if function.as_item_weights() is None:
             ends = np.zeros((2, function.num_elements), dtype=bool)
             ends[1] = True
             empty, everything = function.values(ends).tolist()
@@ -149,9 +89,8 @@ class SubmodularSelection(Problem):
         return digest("selection", *self.function.parts(), *self.constraint.parts())
 
     def features(self) -> frozenset[str]:
-        """``function:coverage``, ``function:facility-location`` or ``function:user``, and ``constraint:cardinality``,
-        ``constraint:partition`` or ``constraint:knapsack``."""
-        return frozenset({f"function:{self.function.name}", f"constraint:{self.constraint.name}"})
+        """What function and constraint ask of a method, such as ``function:coverage`` and ``constraint:knapsack``."""
+        return frozenset({self.function.feature, self.constraint.feature})
 
     def facts(self) -> dict[str, Any]:
         """Function and constraint."""
@@ -159,49 +98,11 @@ class SubmodularSelection(Problem):
 
     def value(self, elements: ArrayLike) -> float:
         """f of a set of elements, from the data."""
-        chosen = np.unique(np.asarray(elements, dtype=np.int64))
-        f = self.function
-        if isinstance(f, UserFunction):
-            mask = np.zeros((1, f.num_elements), dtype=bool)
-            mask[0, chosen] = True
-            return float(f.values(mask)[0])
-        if not len(chosen):
-            return 0.0
-        if isinstance(f, DenseFacilityLocation):
-            return math.fsum(f.matrix[chosen].max(axis=0, initial=0.0).astype(np.float64))
-        return math.fsum(self._best(chosen))
-
-    def _best(self, chosen: NDArray[np.int64]) -> Floats:
-        f = self.function
-        assert isinstance(f, Coverage | FacilityLocation)
-        best, entries = np.zeros(f.num_items), entries_of(f.indptr, chosen)
-        at = f.indices[entries]
-        np.maximum.at(best, at, f.item_weights[at] if isinstance(f, Coverage) else f.weights[entries])
-        return best
+        return self.function.value(np.unique(np.asarray(elements, dtype=np.int64)))
 
     def gains(self, elements: Sequence[int]) -> Floats:
         """What each element adds to the value of those before it, shape (elements,)."""
-        f, added = self.function, np.zeros(len(elements))
-        if isinstance(f, UserFunction):
-            mask, value = np.zeros((1, f.num_elements), dtype=bool), 0.0
-            for k, element in enumerate(elements):
-                mask[0, element] = True
-                after = float(f.values(mask)[0])
-                added[k], value = after - value, after
-            return added
-        best = np.zeros(f.num_items)
-        for k, element in enumerate(elements):
-            at: Any = slice(None)
-            if isinstance(f, DenseFacilityLocation):
-                given = f.matrix[element].astype(np.float64)
-            else:
-                entries = slice(f.indptr[element], f.indptr[element + 1])
-                at = f.indices[entries]
-                given = f.item_weights[at] if isinstance(f, Coverage) else f.weights[entries]
-            more = np.maximum(given, best[at])
-            added[k] = math.fsum(more - best[at])
-            best[at] = more
-        return added
+        return self.function.gains(elements)
 
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute the value, and test that the elements exist, none twice, and that the constraint holds."""
@@ -218,22 +119,10 @@ class SubmodularSelection(Problem):
         return self.constraint.name
 
     def _judge_constraint(self, chosen: NDArray[np.int64]) -> tuple[Check, list[Violation]]:
-        c, name = self.constraint, self._constraint_name()
-        if isinstance(c, Cardinality):
-            message = f"{len(chosen)} elements are chosen, at most {c.limit} are allowed"
-            return judge(name, np.array([float(len(chosen) - c.limit)]), lambda _: message)
-        if isinstance(c, Knapsack):
-            cost = math.fsum(c.costs[chosen])
-            message = f"the chosen elements cost {cost:.12g}, the budget is {c.budget:.12g}"
-            return judge(name, np.array([cost - c.budget]), lambda _: message, room(c.costs, c.budget) - c.budget)
-        used, counts = np.unique(c.groups[chosen], return_counts=True)
-        return judge(
-            name, counts.astype(np.float64) - c.limits[used],
-            lambda k: f"{counts[k]} elements of {self._group_name(int(used[k]))} are chosen, {c.limits[used[k]]} allowed",
-        )  # fmt: skip
-
-    def _group_name(self, group: int) -> str:
-        return f"group {group + 1}"
+        c, n = self.constraint, self.num_elements
+        excess, message = c.excess(chosen, n)
+        rows = None if c.as_partition(n) is not None else c.rows(n)  # whole numbers are compared exactly
+        return judge(self._constraint_name(), excess, message, 0.0 if rows is None else spendable(rows) - rows.limit)
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.arrays import entries_of
 from ...instances.errors import InputError, UsageError
-from ...instances.selection.instance import FacilityLocation, PartitionMatroid
+from ...instances.selection.constraints import PartitionMatroid
+from ...instances.selection.functions import FacilityLocation
 from ...instances.sensing.graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS
 from .assignments import actions_from_json, actions_to_json, graph_for
-from .selections import Selection, entries_of
+from .selections import Selection
 from .submodular_selection import SubmodularSelection, refuse_settings
 
 if TYPE_CHECKING:
@@ -41,7 +43,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
         self.graph = graph
         super().__init__(
             FacilityLocation(graph.indptr, graph.indices, graph.weights, graph.num_targets),
-            PartitionMatroid(graph.robot_of_action, np.ones(graph.num_robots, dtype=np.int32)),
+            PartitionMatroid(graph.robot_of_action, np.ones(graph.num_robots, dtype=np.int32), "robot", graph.robot_name),
             name=graph.name, problem="winner-takes-all", notes=graph.notes,
         )  # fmt: skip
 
@@ -58,17 +60,14 @@ class WinnerTakesAllSATA(SubmodularSelection):
     def _constraint_name(self) -> str:
         return "one-action"
 
-    def _group_name(self, group: int) -> str:
-        return f"robot {self.graph.robot_name(group)}"
-
     def winners(self, elements: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """The best credit: the robot for each target (-1 where no chosen action sees it) and the weight it brings.
 
         Ties go to the action that comes first in ``elements``.
         """
         g, chosen = self.graph, np.array(elements, dtype=np.int64)
-        entries = entries_of(g.indptr, chosen)
-        rank = np.repeat(np.arange(len(chosen)), np.diff(g.indptr)[chosen])
+        entries, counts = entries_of(g.indptr, chosen)
+        rank = np.repeat(np.arange(len(chosen)), counts)
         at, weight = g.indices[entries], g.weights[entries]
         order = np.lexsort((rank, -weight, at))
         seen, first = np.unique(at[order], return_index=True)
@@ -104,9 +103,9 @@ class WinnerTakesAllSATA(SubmodularSelection):
         if answer.winners is None:
             return self.winners(answer.elements)[1]
         chosen = np.array(sorted({e for e in answer.elements if 0 <= e < g.num_actions}), dtype=np.int64)
-        entries = entries_of(g.indptr, chosen)
+        entries, counts = entries_of(g.indptr, chosen)
         at = g.indices[entries]
-        mine = np.asarray(answer.winners)[at] == np.repeat(g.robot_of_action[chosen], np.diff(g.indptr)[chosen])
+        mine = np.asarray(answer.winners)[at] == np.repeat(g.robot_of_action[chosen], counts)
         return np.asarray(np.bincount(at[mine], g.weights[entries][mine], minlength=g.num_targets), dtype=np.float64)
 
     def answer_to_json(self, answer: Selection) -> dict[str, Any]:

@@ -20,9 +20,9 @@ from ...instances.errors import UsageError
 from ...instances.sensing.graph import SensingGraph
 from ...solvers.engines.local_max_min.arrays import MOST_LAYERS, check_options, local_shares
 from ...solvers.engines.local_max_min.cleaning import CleanGraph, clean
-from ...solvers.engines.local_max_min.rounding import check_ties, largest_shares
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from ..selection.greedy_steps.ending import CUT_SHORT
+from .rounding import check_ties, largest_shares
 
 Floats = NDArray[np.float64]
 

@@ -5,26 +5,22 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.evidence import Evidence
 from ...formulations.forms import FORMS
-from ...formulations.problem import Problem
+from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.programs.exactness import Exactness
 from ...formulations.programs.program import INTEGERS
 from ...formulations.programs.scaling import scaled
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
-from ...instances.errors import UnsupportedError, UsageError
-from ...instances.selection.instance import Knapsack
+from ...instances.errors import UnsupportedError
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from ..selection.greedy_steps.limits import ANY_CONSTRAINT, FUNCTIONS, Limits, that_fit
-
-ALIKE = 1e-9
-"""Shares no further apart are equal: an LP solver's zeros are not exact."""
+from ..selection.greedy_steps.limits import FORMULATED, FUNCTIONS, first_allowed, not_whole
+from .rounding import by_share, check_ties
 
 
-def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Outcome:
+def lp_rounding(problem: SubmodularSelection | BottleneckSATA, setting: Setting, *, ties: str = "last") -> Outcome:
     """Solve the linear relaxation of the problem's first linear form, and take the elements of largest share.
 
     Parameters
@@ -33,26 +29,25 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     setting : Setting
         Hands in the LP solver.
     ties : str
-        Which of equal shares is taken: ``last`` or ``first``.
+        Which of equal shares is taken: ``last``, ``first`` or ``random``.
 
     Returns
     -------
     Outcome
         Robots: each takes its action of largest share. Cardinality limit and partition matroid: the largest shares that there is room
-        for. Knapsack: in order of share, what still fits. The LP's bound is the evidence. No guarantee: none is true for a bottleneck,
+        for. Others: in order of share, what is still allowed. The LP's bound is the evidence. No guarantee: none is true for a bottleneck,
         whose rounded value can be 0 beside an LP value of 1.2.
 
     Raises
     ------
     UsageError
-        If ``ties`` is neither.
+        If ``ties`` is no rule.
 
     Notes
     -----
     Source: Sung (2019), 3.4.1; where it fails: docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
-    if ties not in ("last", "first"):
-        raise UsageError(f"ties must be last or first, not {ties!r}")
+    check_ties(ties)
     stop = setting.begin()
     linear = [f for f in problem.forms() if FORMS[f].exactness is Exactness.EXACT and FORMS[f].makes(problem) <= INTEGERS]
     if not linear:
@@ -69,7 +64,7 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     point = units.vector(np.asarray(result.answer, dtype=np.float64))
     shares = point[:n]
     statistics["lp_value"] = program.value(point)
-    answer = Selection(tuple(_rounded(problem, shares, ties)))
+    answer = Selection(tuple(first_allowed(problem, by_share(shares, ties, setting.rng))))
     setting.publish(answer)  # which outlives a fault in its evidence
     evidence: tuple[Evidence, ...] = ()
     if result.row_duals is not None and made.dual_evidence is not None:
@@ -77,37 +72,15 @@ def lp_rounding(problem: Problem, setting: Setting, *, ties: str = "last") -> Ou
     return Outcome(answer, evidence=evidence, statistics=statistics)
 
 
-def _rounded(problem: Any, shares: NDArray[np.float64], ties: str) -> list[int]:
-    n = len(shares)
-    index = np.arange(n) if ties == "first" else np.arange(n)[::-1]
-    order = np.lexsort((index, -_levelled(shares)))
-    if isinstance(problem, SubmodularSelection) and isinstance(problem.constraint, Knapsack):
-        return that_fit(order.tolist(), problem.constraint)
-    return [int(e) for e in Limits.of(problem).first(order)]
-
-
-def _levelled(shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Shares in which a run of neighbours no further than ``ALIKE`` apart is one level."""
-    order = np.argsort(shares, kind="stable")
-    step = np.diff(shares[order], prepend=shares[order][:1])
-    level = np.empty(len(shares))
-    level[order] = np.cumsum(step > ALIKE)
-    return level
-
-
-def _refuses(problem: Any) -> frozenset[str]:
-    return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
-
-
 HEURISTICS.add(
     "lp-rounding",
     Heuristic(
         name="lp-rounding",
         families=("selection", "max-min"),
-        features=FUNCTIONS | ANY_CONSTRAINT | {"sensing", "whole-actions"},
+        features=FUNCTIONS | FORMULATED | {"sensing", "whole-actions"},
         run=lp_rounding,
         summary="the largest shares of the linear relaxation, whose bound comes with the answer",
         stated="no guarantee (none is true for a bottleneck)",
-        refuses=_refuses,
+        refuses=not_whole,
     ),
 )

@@ -12,16 +12,17 @@ from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.problem import Problem
+from ...formulations.selection.feasibility import allowed
 from ...formulations.selection.selections import Selection
-from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
+from ...formulations.tolerance import room
 from ...instances.errors import UsageError
-from ...instances.selection.instance import Knapsack
+from ...solvers.bounds.selection.growing_sets import WeightedSet
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions
-from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, spendable
+from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, not_whole
 
 MOST_ANSWERS = 10_000_000
 """Answers that are enumerated at most."""
@@ -38,7 +39,7 @@ CHUNK = 4096
 Floats = NDArray[np.float64]
 
 
-def brute_force(problem: Problem, setting: Setting) -> Outcome:
+def brute_force(problem: SubmodularSelection | BottleneckSATA, setting: Setting) -> Outcome:
     """Enumerate all answers, but for branches that a bound shows to be no better, and keep the first of the best.
 
     Parameters
@@ -61,33 +62,30 @@ def brute_force(problem: Problem, setting: Setting) -> Outcome:
     stop = setting.begin()
     if isinstance(problem, BottleneckSATA):
         return _bottleneck(problem, stop)
-    assert isinstance(problem, SubmodularSelection)
-    if isinstance(problem.function, UserFunction):
-        return _of_user(problem, problem.function, stop)
-    c, n = problem.constraint, problem.num_elements
-    from ...solvers.bounds.selection._gains import as_arrays, gains_of
+    c, n, weights = problem.constraint, problem.num_elements, problem.function.as_item_weights()
+    limits, knapsack = Limits.if_any(problem), c.as_knapsack()
+    if weights is None or (limits is None and knapsack is None):
+        return _valued(problem, limits, stop)
     from .greedy_steps.enumeration import best_set
 
-    knapsack = isinstance(c, Knapsack)
-    limits = Limits(np.zeros(n, np.int32), np.full(1, n, np.int64)) if knapsack else Limits.of(problem)
-    total = 2**n if knapsack else _full_sets(limits)
+    total = 2**n if limits is None else _full_sets(limits)
     _refuse(total, MOST_ANSWERS)
-    arrays, items = as_arrays(problem.function), int(problem.function.num_items)
-    single = gains_of(stop.flag, np.arange(n), np.zeros(items), *arrays)
-    starts, members = limits.members()
-    slot_group = np.repeat(np.arange(len(limits.room)), limits.room)
-    _refuse_memory(len(slot_group), items)
-    rest = _rest(single, limits)
+    costs, budget = (np.zeros(n), 0.0) if knapsack is None else (np.array(knapsack.costs), room(knapsack.costs, knapsack.budget))
+    slots = limits or Limits(np.zeros(n, np.int32), np.full(1, n, np.int64))
+    single = WeightedSet(weights).gains(np.arange(n), stop)
+    starts, members = slots.members()
+    slot_group = np.repeat(np.arange(len(slots.room)), slots.room)
+    _refuse_memory(len(slot_group), weights.num_items)
+    rest = _rest(single, slots)
     tail = np.append(np.cumsum(single[members][::-1])[::-1], 0.0)
-    costs, budget = (np.array(c.costs), spendable(c)) if isinstance(c, Knapsack) else (np.zeros(n), 0.0)
-    _, picks, looked, whole = best_set(
-        stop.flag, slot_group, starts, members, _up(rest), costs, budget, _up(tail), knapsack, items, *arrays
+    _, found, looked, whole = best_set(
+        stop.flag, slot_group, starts, members, _up(rest), costs, budget, _up(tail), limits is None, weights.num_items, *weights.arrays
     )
     statistics = {"answers": total, "enumerated": int(looked)}
     holds, _ = assumptions(problem)
-    chosen = picks.tolist() if knapsack else _filled(picks.tolist(), limits)
+    picks = found.tolist() if limits is None else _filled(found.tolist(), limits)
     guarantee, message = (_optimal(total, holds), "") if whole else (None, _cut(looked, "sets"))
-    return concluded(problem, stop, chosen, holds, guarantee, statistics, message, whole=bool(whole), in_order=False)
+    return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=bool(whole), in_order=False)
 
 
 def _filled(picks: list[int], limits: Limits) -> list[int]:
@@ -165,16 +163,14 @@ def _bottleneck(problem: BottleneckSATA, stop: Stop) -> Outcome:
     return Outcome(chosen, _optimal(total, ("weights >= 0, so that every robot may act",)), statistics=statistics)
 
 
-def _of_user(problem: SubmodularSelection, f: UserFunction, stop: Stop) -> Outcome:
-    c, n = problem.constraint, problem.num_elements
-    if isinstance(c, Knapsack):
+def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> Outcome:
+    """By the values of sets: all that the constraint allows, or where it limits groups and the function is monotone the full ones."""
+    f, n = problem.function, problem.num_elements
+    if limits is None:
         total = 2**n
         _refuse(total, MOST_USER_SETS)
-        room = spendable(c)
-        everything = itertools.chain.from_iterable(itertools.combinations(range(n), k) for k in range(n + 1))
-        sets: Iterator[Any] = (s for s in everything if math.fsum(c.costs[list(s)]) <= room)
+        sets: Iterator[Any] = itertools.chain.from_iterable(itertools.combinations(range(n), k) for k in range(n + 1))
     else:
-        limits = Limits.of(problem)
         starts, members = limits.members()
         groups = [members[a:b].tolist() for a, b in itertools.pairwise(starts)]
         fewest = limits.room.tolist() if f.monotone else [0] * len(groups)
@@ -188,22 +184,23 @@ def _of_user(problem: SubmodularSelection, f: UserFunction, stop: Stop) -> Outco
         masks = np.zeros((len(some), n), dtype=bool)
         for row, members_of in zip(masks, some, strict=True):
             row[list(members_of)] = True
-        found = f.values(masks)
-        looked += len(some)
-        if found.max() > best:
-            best, picks = float(found.max()), some[int(np.argmax(found))]
+        if limits is None:
+            fits = allowed(problem.constraint, masks)
+            masks, some = masks[fits], list(itertools.compress(some, fits))
+        if some:
+            found = f.values(masks)
+            looked += len(some)
+            if found.max() > best:
+                best, picks = float(found.max()), some[int(np.argmax(found))]
         if stop.reached():
             whole = next(sets, None) is None
             break
     holds, message = assumptions(problem)
-    guarantee = _optimal(total, ("monotone as declared by the user: only full sets are tried",) if f.monotone else ()) if whole else None
+    assumed = ("monotone as declared by the user: only full sets are tried",) if f.monotone and limits is not None else ()
+    guarantee = _optimal(total, assumed) if whole else None
     outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole, in_order=False)
     said = "" if whole else "; ".join(m for m in (outcome.message, _cut(looked, "sets")) if m)
     return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said, outcome.limit)
-
-
-def _refuses(problem: Any) -> frozenset[str]:
-    return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
 
 
 HEURISTICS.add(
@@ -215,6 +212,6 @@ HEURISTICS.add(
         run=brute_force,
         summary=f"all answers of small instances (up to {MOST_ANSWERS:,}); a measure for the others",
         stated="optimal",
-        refuses=_refuses,
+        refuses=not_whole,
     ),
 )

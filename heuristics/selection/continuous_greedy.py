@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
-from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
-from ...instances.selection.instance import DenseFacilityLocation, FacilityLocation
+from ...instances.selection.functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemWeights
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, rounded_down
@@ -63,23 +63,20 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
     """
     if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
         raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS:,}, not {steps!r}")
-    from ...solvers.bounds.selection._gains import COVERAGE, as_arrays
     from .greedy_steps import multilinear
 
     stop = setting.begin()
-    limits, f = Limits.of(problem), problem.function
-    assert not isinstance(f, UserFunction)
-    if isinstance(f, DenseFacilityLocation):
-        f = _sparse(f)
-    kind, indptr, indices, weights, _ = as_arrays(f)
-    items = int(f.num_items)
-    if kind == COVERAGE:
-        state, by_item, position = np.ones(items), (np.zeros(1, np.int64), np.zeros(0, np.int32), np.zeros(0)), np.zeros(0, np.int64)
+    limits, found = Limits.of(problem), problem.function.as_item_weights()
+    assert found is not None
+    weights = _sparse(found)
+    if weights.layout == AT_ITEM:
+        state, position = np.ones(weights.num_items), np.zeros(0, np.int64)
+        by_item = np.zeros(1, np.int64), np.zeros(0, np.int32), np.zeros(0)
     else:
-        position, by_item = _by_item(indptr, indices, weights, items, stop)
+        position, by_item = _by_item(weights, stop)
         state = by_item[2].copy()  # the slope of an item's value when nothing is chosen
     count = np.zeros(problem.num_elements, np.int64)
-    data = (state, position, *by_item, kind, indptr, indices, weights)
+    data = (state, position, *by_item, *weights.arrays[:4])
     bounds = np.full(problem.num_elements, np.inf)
     done = evaluations = 0
     while done < steps and not stop.reached():
@@ -102,21 +99,20 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
 
 
 def _by_item(
-    indptr: NDArray[np.int32], indices: NDArray[np.int32], weights: NDArray[np.float64], items: int, stop: Stop
+    weights: ItemWeights, stop: Stop
 ) -> tuple[NDArray[np.int64], tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]]:
     """The place of each entry in the transpose, and this with the elements of an item by falling weight; as far as the time goes."""
-    from ...solvers.bounds.selection._gains import SPARSE
     from .greedy_steps.loops import transpose
 
-    everything = np.arange(len(indices), dtype=np.float64)
-    starts, elements, entries = transpose(stop.flag, items, SPARSE, indptr, indices, everything)
+    items, everything = weights.num_items, np.arange(weights.entries, dtype=np.float64)
+    starts, elements, entries = transpose(stop.flag, items, AT_ENTRY, weights.indptr, weights.indices, everything)
     entries = entries.astype(np.int64)
     sorted_weights, position = np.empty(len(entries)), np.zeros(len(entries), np.int64)
     first = 0
     while first < items and not stop.reached():
         last = max(first + 1, int(np.searchsorted(starts, starts[first] + SORTED, side="right")) - 1)
         some = slice(int(starts[first]), int(starts[last]))
-        given = weights[entries[some]]
+        given = weights.weights[entries[some]]
         order = np.lexsort((-given, np.repeat(np.arange(last - first), np.diff(starts[first : last + 1]))))
         elements[some], sorted_weights[some] = elements[some][order], given[order]
         position[entries[some][order]] = np.arange(some.start, some.stop)
@@ -134,14 +130,15 @@ def _of_counts(
     return concluded(problem, stop, picks, assumptions(problem)[0], None, statistics, message, whole=False, in_order=False)
 
 
-def _sparse(f: DenseFacilityLocation) -> FacilityLocation:
-    entries = int(np.count_nonzero(f.matrix))
+def _sparse(weights: ItemWeights) -> ItemWeights:
+    if weights.layout != IN_MATRIX:
+        return weights
+    entries = int(np.count_nonzero(weights.matrix))
     if entries > MOST_ENTRIES:
         raise UsageError(f"continuous-greedy keeps a number an entry: at most {MOST_ENTRIES:,} positive weights, not {entries:,}")
-    element, item = np.nonzero(f.matrix)
-    starts = np.zeros(f.num_elements + 1, np.int32)
-    np.cumsum(np.bincount(element, minlength=f.num_elements), out=starts[1:])
-    return FacilityLocation(starts, item.astype(np.int32), f.matrix[element, item].astype(np.float64), f.num_items)
+    element, item, weight = weights.edges()
+    starts = np.searchsorted(element, np.arange(len(weights.matrix) + 1))
+    return ItemWeights.sparse(AT_ENTRY, starts.astype(np.int32), item.astype(np.int32), weight, weights.num_items)
 
 
 HEURISTICS.add(

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.problem import Problem
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, greedy_guarantee
-from .greedy_steps.limits import ANY_FUNCTION, GROUPED, Limits
+from .greedy_steps.limits import ANY_FUNCTION, ASKED, GROUPED, not_whole
 from .greedy_steps.picking import check_threshold, pick
 
 
-def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
+def greedy(problem: SubmodularSelection | BottleneckSATA, setting: Setting, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
     """Take what gains most, until the constraint allows no more.
 
     Parameters
@@ -51,18 +48,14 @@ def greedy(problem: Problem, setting: Setting, *, eps: float = 0.0, evaluation: 
         if eps > 0 or evaluation != "auto":
             raise UsageError("eps and evaluation are options for selection problems; a bottleneck has none")
         return _bottleneck(problem, setting)
-    assert isinstance(problem, SubmodularSelection)
-    limits = Limits.of(problem)
     stop = setting.begin()
-    taken = pick(problem, limits, stop, evaluation=evaluation, eps=float(eps))
+    taken = pick(problem, stop, evaluation=evaluation, eps=float(eps))
     holds, message = assumptions(problem)
     guarantee = greedy_guarantee(problem, holds)
     if taken.ended != "full":
         why = f"no element gains {eps:g} any more" if taken.ended == "eps" else CUT_SHORT
         guarantee, message = None, "; ".join(m for m in (message, f"ended with {len(taken.elements)} elements: {why}") if m)
-    statistics = {
-        "evaluation": taken.evaluation, "evaluations": taken.evaluations, "plain_evaluations": limits.plain_evaluations(taken.elements),
-    }  # fmt: skip
+    statistics = {"evaluation": taken.evaluation, "evaluations": taken.evaluations, "plain_evaluations": taken.plain_evaluations}
     return concluded(problem, stop, taken.elements, holds, guarantee, statistics, message, whole=taken.ended != "stopped")
 
 
@@ -80,22 +73,16 @@ def _bottleneck(problem: BottleneckSATA, setting: Setting) -> Outcome:
     return Outcome(answer, statistics={"evaluations": g.num_actions})
 
 
-def _refuses(problem: Any) -> frozenset[str]:
-    if problem.family != "max-min" or problem.problem == "bottleneck":
-        return frozenset()
-    return frozenset({f"{problem.problem} problems"})
-
-
 HEURISTICS.add(
     "greedy",
     Heuristic(
         name="greedy",
         families=("selection", "max-min"),
-        features=ANY_FUNCTION | GROUPED | {"sensing", "whole-actions"},
+        features=ANY_FUNCTION | GROUPED | ASKED | {"sensing", "whole-actions"},
         run=greedy,
         summary="the largest gain again and again; for a bottleneck, the best worst target robot by robot",
         stated="1 - (1 - 1/k)^k > 1 - 1/e under a cardinality limit, 1/2 under a partition matroid, for monotone submodular "
         "functions; none for a bottleneck",
-        refuses=_refuses,
+        refuses=not_whole,
     ),
 )

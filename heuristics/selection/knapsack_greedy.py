@@ -5,22 +5,23 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
+from ...formulations.selection.feasibility import in_budgets
 from ...formulations.selection.selections import Selection
-from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
+from ...formulations.tolerance import room
 from ...instances.errors import UsageError
-from ...instances.selection.instance import DenseFacilityLocation, Knapsack
+from ...instances.selection.functions import ItemWeights, SetFunction
+from ...solvers.bounds.selection.growing_sets import GrowingSet, ValuedSet, WeightedSet
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, rounded_down
-from .greedy_steps.limits import ANY_FUNCTION, in_budgets
-from .greedy_steps.sets import UserSet
+from .greedy_steps.limits import ANY_FUNCTION
 
 WORK, USER_WORK = 300_000_000, 300_000
 """Entries of the data, or sets of a user's function, up to which ``enumerate`` is deepened by itself: about a second."""
@@ -72,14 +73,18 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
     """
     if enumerate is not None and (isinstance(enumerate, bool) or not isinstance(enumerate, int | np.integer) or not 0 <= enumerate <= 3):
         raise UsageError(f"enumerate must be 0, 1, 2 or 3, not {enumerate!r}")
-    c = problem.constraint
-    assert isinstance(c, Knapsack)
-    costs, budget = in_budgets(c)
+    c = problem.constraint.as_knapsack()
+    assert c is not None
+    costs, budget = in_budgets(c.costs, room(c.costs, c.budget))
     usable = np.nonzero((costs > 0) & (costs <= budget))[0]
-    depth = _affordable(problem, len(usable)) if enumerate is None else int(enumerate)
+    weights = problem.function.as_item_weights()
+    depth = _affordable(weights, len(usable)) if enumerate is None else int(enumerate)
     stop = setting.begin()
     free = np.nonzero(c.costs == 0)[0].tolist()
-    filling = (_UserFilling if isinstance(problem.function, UserFunction) else _ArrayFilling)(problem, free, costs, budget, stop)
+    filling = (
+        _ValuedFilling(problem.function, free, costs, budget, stop) if weights is None
+        else _WeightedFilling(weights, free, costs, budget, stop)
+    )  # fmt: skip
     best, picks = filling.after(np.zeros(0, np.int64), -1, 0, -1.0)
     if len(usable):
         best, picks = filling.single(usable, best, picks)
@@ -112,10 +117,8 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
     return concluded(problem, stop, [*free, *picks], holds, guarantee, statistics, message, whole=whole)
 
 
-def _affordable(problem: SubmodularSelection, n: int) -> int:
-    f = problem.function
-    entries = n if isinstance(f, UserFunction) else f.matrix.size if isinstance(f, DenseFacilityLocation) else len(f.indices)
-    limit = USER_WORK if isinstance(f, UserFunction) else WORK
+def _affordable(weights: ItemWeights | None, n: int) -> int:
+    entries, limit = (n, USER_WORK) if weights is None else (weights.entries, WORK)
     return max((q for q in range(4) if sum(math.comb(n, i) for i in range(q + 1)) * (entries + n) <= limit), default=0)
 
 
@@ -129,57 +132,46 @@ def _starts(usable: NDArray[np.int64], size: int, n: int) -> Iterator[tuple[NDAr
             yield np.array(begun, np.int64), begun[-1] + 1, n
 
 
-class _ArrayFilling:
-    """Fillings of a knapsack beside the elements ``free``, for functions given by arrays."""
+def _single(chosen: GrowingSet, usable: NDArray[np.int64], stop: Stop, most: float, picks: list[int]) -> tuple[float, list[int]]:
+    element, gain = chosen.best_of(usable, stop)
+    return (chosen.value + gain, [element]) if element >= 0 and chosen.value + gain > most else (most, picks)
 
-    def __init__(self, problem: SubmodularSelection, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
-        from ...solvers.bounds.selection._gains import as_arrays, take
 
-        assert isinstance(problem.constraint, Knapsack)
-        self.costs, self.budget = costs, budget
-        self.arrays = as_arrays(problem.function)  # type: ignore[arg-type]
-        self.free_best = np.zeros(problem.function.num_items)  # type: ignore[union-attr]
-        self.stop = stop
-        for e in free:
-            take(e, self.free_best, *self.arrays)
+class _WeightedFilling:
+    """Fillings of a knapsack beside the elements ``free``, for functions given by the weights of items."""
+
+    def __init__(self, weights: ItemWeights, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
+        self.costs, self.budget, self.stop = costs, budget, stop
+        self.begun = WeightedSet(weights)
+        self.begun.add(free)
 
     def single(self, usable: NDArray[np.int64], most: float, picks: list[int]) -> tuple[float, list[int]]:
         """The best single element, if it is worth more than ``most``, the value of ``picks``."""
-        from ...solvers.bounds.selection._gains import gains_of
-
-        gains = gains_of(self.stop.flag, usable, self.free_best, *self.arrays)
-        at = int(np.argmax(gains))
-        value = float(self.free_best.sum() + gains[at])
-        return (value, [int(usable[at])]) if value > most else (most, picks)
+        return _single(self.begun, usable, self.stop, most, picks)
 
     def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
         """See ``fill_after``."""
         from .greedy_steps.filling import fill_after
 
-        value, picks = fill_after(self.stop.flag, begun, lo, hi, most, self.free_best, self.costs, self.budget, *self.arrays)
+        value, picks = fill_after(self.stop.flag, begun, lo, hi, most, self.begun.best, self.costs, self.budget, *self.begun.arrays)
         return float(value), picks.tolist()
 
 
-class _UserFilling:
-    """The same for a user's function, all gains of a round in one call."""
+class _ValuedFilling:
+    """The same for a function known by its values, all gains of a round in one call."""
 
-    def __init__(self, problem: SubmodularSelection, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
-        assert isinstance(problem.constraint, Knapsack) and isinstance(problem.function, UserFunction)
-        self.function, self.free = problem.function, free
-        self.costs: Any = costs
-        self.budget, self.stop = budget, stop
+    def __init__(self, function: SetFunction, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
+        self.function, self.free = function, free
+        self.costs, self.budget, self.stop = costs, budget, stop
 
-    def _begin(self, picks: list[int]) -> UserSet:
-        chosen = UserSet(self.function)
-        chosen.inside[[*self.free, *picks]] = True
-        if chosen.inside.any():
-            chosen.value = float(self.function.values(chosen.inside[None, :])[0])
+    def _begin(self, picks: list[int]) -> ValuedSet:
+        chosen = ValuedSet(self.function)
+        if self.free or picks:
+            chosen.add([*self.free, *picks])
         return chosen
 
     def single(self, usable: NDArray[np.int64], most: float, picks: list[int]) -> tuple[float, list[int]]:
-        chosen = self._begin([])
-        element, gain = chosen.best_of(usable, self.stop)
-        return (chosen.value + gain, [element]) if element >= 0 and chosen.value + gain > most else (most, picks)
+        return _single(self._begin([]), usable, self.stop, most, picks)
 
     def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
         winner: list[int] = []

@@ -8,7 +8,7 @@ from ...formulations.selection.submodular_selection import SubmodularSelection
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, greedy_guarantee
-from .greedy_steps.limits import ANY_FUNCTION, GROUPED, Limits, chosen_elements
+from .greedy_steps.limits import ANY_FUNCTION, ASKED, GROUPED, chosen_elements
 from .greedy_steps.picking import check_threshold, pick
 
 
@@ -45,17 +45,14 @@ def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 
     """
     check_threshold(eps)
     begun = chosen_elements("base", base, problem)
-    limits = Limits.of(problem)
     stop = setting.begin()
-    taken = pick(problem, limits, stop, evaluation="lazy", eps=float(eps), base=begun)
+    taken = pick(problem, stop, evaluation="lazy", eps=float(eps), base=begun)
     holds, message = assumptions(problem)
     guarantee = None if begun else greedy_guarantee(problem, holds)
     if taken.ended != "full":
         why = f"no element gains {eps:g} any more" if taken.ended == "eps" else CUT_SHORT
         guarantee, message = None, "; ".join(m for m in (message, f"ended with {len(taken.elements)} elements: {why}") if m)
-    statistics = {
-        "evaluation": "lazy", "evaluations": taken.evaluations, "plain_evaluations": limits.plain_evaluations(taken.elements, begun),
-    }  # fmt: skip
+    statistics = {"evaluation": "lazy", "evaluations": taken.evaluations, "plain_evaluations": taken.plain_evaluations}
     return concluded(problem, stop, [*begun, *taken.elements], holds, guarantee, statistics, message, whole=taken.ended != "stopped")
 
 
@@ -64,7 +61,7 @@ HEURISTICS.add(
     Heuristic(
         name="lazy-greedy",
         families=("selection",),
-        features=ANY_FUNCTION | GROUPED,
+        features=ANY_FUNCTION | GROUPED | ASKED,
         run=lazy_greedy,
         summary="greedy's answer with few evaluations: old gains are upper bounds",
         stated="as greedy: 1 - (1 - 1/k)^k > 1 - 1/e under a cardinality limit, 1/2 under a partition matroid, for monotone "

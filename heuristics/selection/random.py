@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.problem import Problem
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
-from ...instances.selection.instance import Knapsack
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
-from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, that_fit
+from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, first_allowed, not_whole
 
 
-def random(problem: Problem, setting: Setting) -> Outcome:
+def random(problem: SubmodularSelection | BottleneckSATA, setting: Setting) -> Outcome:
     """A random maximal answer.
 
     Parameters
@@ -27,23 +23,18 @@ def random(problem: Problem, setting: Setting) -> Outcome:
     Returns
     -------
     Outcome
-        Robots: each takes one of its actions, all alike. Cardinality limit and partition matroid: all full sets are alike. Knapsack:
-        the elements come in a random order, and each is taken that still fits. No guarantee.
+        Robots: each takes one of its actions, all alike. Cardinality limit and partition matroid: all full sets are alike. Others:
+        the elements come in a random order, and each is taken that is still allowed. No guarantee.
 
     Notes
     -----
     Source: the baseline of Sung (2019), 3.5.1.
     """
-    assert isinstance(problem, SubmodularSelection | BottleneckSATA)
-    if isinstance(problem, SubmodularSelection) and isinstance(problem.constraint, Knapsack):
-        return Outcome(Selection(tuple(that_fit(setting.rng.permutation(problem.num_elements).tolist(), problem.constraint))))
-    limits = Limits.of(problem)
-    picks = limits.first(setting.rng.permutation(len(limits.groups)))
-    return Outcome(Selection(tuple(picks[np.argsort(limits.groups[picks], kind="stable")].tolist())))  # robot by robot
-
-
-def _refuses(problem: Any) -> frozenset[str]:
-    return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
+    picks = np.array(first_allowed(problem, setting.rng.permutation(problem.num_elements)), dtype=np.int64)
+    limits = Limits.if_any(problem)
+    if limits is not None:  # robot by robot
+        picks = picks[np.argsort(limits.groups[picks], kind="stable")]
+    return Outcome(Selection(tuple(picks.tolist())))
 
 
 HEURISTICS.add(
@@ -54,6 +45,6 @@ HEURISTICS.add(
         features=ANY_FUNCTION | ANY_CONSTRAINT | {"sensing", "whole-actions"},
         run=random,
         summary="a random action for each robot, or a random maximal set",
-        refuses=_refuses,
+        refuses=not_whole,
     ),
 )

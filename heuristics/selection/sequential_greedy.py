@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
-from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
-from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
+from ...solvers.bounds.selection.growing_sets import empty_set
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import FNW, assumptions
 from .greedy_steps.limits import ANY_FUNCTION, Limits
-from .greedy_steps.sets import UserSet
+
+SOURCE = f"{FNW}; for winner takes all Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, theorem 2"
 
 
 def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: Sequence[int | str] | str | None = None) -> Outcome:
@@ -50,25 +51,21 @@ def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: 
     """
     stop, limits = setting.begin(), Limits.of(problem)
     turns = _turns(problem, order, len(limits.room))
-    if isinstance(problem.function, UserFunction):
-        picks, evaluations, whole = _of_user(problem.function, limits, turns, stop)
+    weights = problem.function.as_item_weights()
+    if weights is None:
+        picks, evaluations, whole = _valued(problem, limits, turns, stop)
     else:
-        from ...solvers.bounds.selection._gains import as_arrays
         from .greedy_steps.loops import in_order
 
-        taken, _, evaluations = in_order(
-            stop.flag, turns, *limits.members(), limits.room, np.zeros(problem.function.num_items), *as_arrays(problem.function)
-        )
+        best = np.zeros(weights.num_items)
+        taken, _, evaluations = in_order(stop.flag, turns, *limits.members(), limits.room, best, *weights.arrays)
         picks, whole = taken.tolist(), len(taken) == limits.most
     holds, message = assumptions(problem)
     guarantee: Guarantee | None = None
     if not whole:
         message = "; ".join(m for m in (message, f"ended with {len(picks)} elements: {CUT_SHORT}") if m)
     elif holds:
-        source = "Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, theorem 2"
-        if not isinstance(problem, WinnerTakesAllSATA):
-            source = FNW
-        guarantee = Guarantee(2.0, "f(S) >= f(OPT) / 2, for every order", (*holds, "partition matroid"), source)
+        guarantee = Guarantee(2.0, "f(S) >= f(OPT) / 2, for every order", (*holds, "partition matroid"), SOURCE)
     statistics = {"evaluations": evaluations, "communication_rounds": len(turns)}
     return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=whole)
 
@@ -76,21 +73,22 @@ def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: 
 def _turns(problem: SubmodularSelection, order: Any, groups: int) -> NDArray[np.int64]:
     if order is None:
         return np.arange(groups)
-    name: Callable[[int], str] = problem.graph.robot_name if isinstance(problem, WinnerTakesAllSATA) else lambda g: str(g + 1)
+    partition = problem.constraint.as_partition(problem.num_elements)
+    assert partition is not None
     given = [part.strip() for part in order.split(",")] if isinstance(order, str) else order
     if isinstance(given, int):  # a command line's only robot
         given = [str(given)]
     if isinstance(given, Sequence | np.ndarray) and all(isinstance(g, str | int | np.integer) and not isinstance(g, bool) for g in given):
-        number = {name(g): g for g in range(groups)} if any(isinstance(g, str) for g in given) else {}
+        number = {partition.group_label(g): g for g in range(groups)} if any(isinstance(g, str) for g in given) else {}
         found = [number.get(g, -1) if isinstance(g, str) else int(g) for g in given]
         if sorted(found) == list(range(groups)):
             return np.array(found, dtype=np.int64)
-    what = "robots" if isinstance(problem, WinnerTakesAllSATA) else "groups"
-    raise UsageError(f"order must be a permutation of all {groups} {what}, by number from 0 or by name, not {str(order)[:80]!r}")
+    what = f"all {groups} {partition.thing}s"
+    raise UsageError(f"order must be a permutation of {what}, by number from 0 or by name, not {str(order)[:80]!r}")
 
 
-def _of_user(f: UserFunction, limits: Limits, turns: NDArray[np.int64], stop: Stop) -> tuple[list[int], int, bool]:
-    chosen = UserSet(f)
+def _valued(problem: SubmodularSelection, limits: Limits, turns: NDArray[np.int64], stop: Stop) -> tuple[list[int], int, bool]:
+    chosen = empty_set(problem.function)
     picks: list[int] = []
     starts, members = limits.members()
     for g in turns.tolist():

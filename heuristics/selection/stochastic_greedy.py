@@ -9,11 +9,11 @@ import numpy as np
 from ...formulations.evidence import Guarantee
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
+from ...solvers.bounds.selection.growing_sets import empty_set
 from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import ANY_FUNCTION, Limits
-from .greedy_steps.sets import empty_set
 
 SOURCE = "Mirzasoleiman, Badanidiyuru, Karbasi, Vondrák and Krause (2015), Lazier than lazy greedy"
 
@@ -50,7 +50,7 @@ def stochastic_greedy(problem: SubmodularSelection, setting: Setting, *, eps: fl
     limits = Limits.of(problem)
     n, k = problem.num_elements, limits.most
     size = math.ceil(-n / max(k, 1) * math.log(eps))  # 1 / eps may overflow
-    chosen, picks = empty_set(problem), []
+    chosen, picks = empty_set(problem.function), []
     # The first ``left`` places hold what is not chosen; a chosen element changes places with the last of these.
     order, place, left = np.arange(n), np.arange(n), n
     stop, rounds = setting.begin(), 0

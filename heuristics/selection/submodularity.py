@@ -10,17 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.feasibility import CHUNK, allowed
+from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
-from ...instances.selection.instance import (
-    Cardinality,
-    Constraint,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    check_selection,
-)
+from ...instances.selection.constraints import Constraint
+from ...instances.selection.functions import SetFunction, UserFunction
 
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
@@ -30,9 +24,6 @@ TOLERANCE = 1e-9
 
 MOST_AT_ONCE = 1_000_000
 """Triples up to which all are tried instead of a sample."""
-
-CHUNK = 1 << 24
-"""Bytes of masks that a function is given at once."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +96,7 @@ class SubmodularityReport:
 
 
 def check_submodular(
-    f: SubmodularSelection | UserFunction | Coverage | FacilityLocation | DenseFacilityLocation | Callable[[Masks], ArrayLike],
+    f: SubmodularSelection | SetFunction | Callable[[Masks], ArrayLike],
     elements: int | None = None,
     *,
     samples: int = 1000,
@@ -123,7 +114,7 @@ def check_submodular(
     samples : int
         Triples to draw. Where no more exist that matter (A, e, and B one element larger than A: together these decide), all are tried.
     seed : int
-    constraint : Cardinality, PartitionMatroid or Knapsack, optional
+    constraint : Constraint, optional
         Only sets B + e that it allows are looked at.
 
     Returns
@@ -149,7 +140,7 @@ def check_submodular(
         raise UsageError(f"seed must be a whole number of at least 0, not {seed!r}")
     values, n = _values_of(f, elements)
     if constraint is not None:
-        check_selection(n, constraint, None)
+        constraint.check(n)
     rng, everything = np.random.default_rng(seed), n == 0 or (constraint is None and _number_of_adjacent(n) <= min(samples, MOST_AT_ONCE))
     worst: dict[str, tuple[float, SubmodularityViolation]] = {}
     looked, largest = 0, 1e-300
@@ -180,7 +171,7 @@ def check_submodular(
 def _values_of(f: Any, elements: int | None) -> tuple[Callable[[Masks], Floats], int]:
     if isinstance(f, SubmodularSelection):
         f = f.function
-    if not isinstance(f, UserFunction | Coverage | FacilityLocation | DenseFacilityLocation):
+    if not isinstance(f, SetFunction):
         if not callable(f):
             raise UsageError(f"check_submodular takes a problem, a set function or a callable over masks, not {type(f).__name__}")
         if isinstance(elements, bool) or not isinstance(elements, int | np.integer) or elements < 1:
@@ -188,19 +179,7 @@ def _values_of(f: Any, elements: int | None) -> tuple[Callable[[Masks], Floats],
         f = UserFunction(f, int(elements))
     elif elements is not None and elements != f.num_elements:
         raise UsageError(f"the function has {f.num_elements} elements, not {elements!r}")
-    n = int(f.num_elements)
-    if isinstance(f, UserFunction):
-        whole: Callable[[Masks], Floats] = f.values
-    else:
-        from ...solvers.bounds.selection._gains import as_arrays
-        from .greedy_steps.loops import values
-
-        arrays, items = as_arrays(f), f.num_items
-
-        def whole(masks: Masks) -> Floats:
-            found: Floats = values(masks, np.zeros(items), *arrays)
-            return found
-
+    whole, n = f.values, f.num_elements
     step = max(1, CHUNK // max(1, n))
     return lambda masks: np.concatenate([whole(masks[k : k + step]) for k in range(0, len(masks), step)]), n
 
@@ -213,12 +192,12 @@ def _number_of_adjacent(n: int) -> float:
 def _triples(n: int, samples: int, rng: np.random.Generator, constraint: Constraint | None) -> tuple[Masks, Masks, NDArray[np.int64]]:
     # The first elements of a random order are B, the next is e, and some of the first are A.
     order = np.argsort(rng.random((samples, n)), axis=1)
-    room = np.full(samples, n) if constraint is None else _allowed(order, constraint)
-    drawn = np.minimum(rng.integers(min(1, n - 1), n, samples), room - 1)
-    keep = drawn >= 0
-    order, drawn, count = order[keep], drawn[keep], int(keep.sum())
     place = np.empty_like(order)
     np.put_along_axis(place, order, np.arange(n)[None, :], axis=1)
+    room = np.full(samples, n) if constraint is None else _allowed(place, constraint)
+    drawn = np.minimum(rng.integers(min(1, n - 1), n, samples), room - 1)
+    keep = drawn >= 0
+    order, place, drawn, count = order[keep], place[keep], drawn[keep], int(keep.sum())
     b = place < drawn[:, None]
     e = order[np.arange(count), drawn]
     smaller = np.where(rng.random(count) < 0.5, drawn - 1, np.floor(rng.random(count) * (drawn + 1)).astype(np.int64))
@@ -226,21 +205,14 @@ def _triples(n: int, samples: int, rng: np.random.Generator, constraint: Constra
     return a, b, e
 
 
-def _allowed(order: NDArray[np.int64], c: Constraint) -> NDArray[np.int64]:
-    """How many of the first elements of each order the constraint allows together."""
-    samples, n = order.shape
-    if isinstance(c, Cardinality):
-        return np.full(samples, min(c.limit, n))
-    if isinstance(c, Knapsack):
-        return np.asarray((np.cumsum(c.costs[order], axis=1) <= c.budget).sum(axis=1))
-    fits = np.empty((samples, n), dtype=bool)
-    used = np.zeros((samples, len(c.limits)), dtype=np.int64)
-    rows = np.arange(samples)
-    for k in range(n):
-        group = c.groups[order[:, k]]
-        used[rows, group] += 1
-        fits[:, k] = used[rows, group] <= c.limits[group]
-    return np.asarray(np.logical_and.accumulate(fits, axis=1).sum(axis=1))
+def _allowed(place: NDArray[np.int64], constraint: Constraint) -> NDArray[np.int64]:
+    """How many of the first elements of each order, given by their places in it, the constraint allows together: by bisection."""
+    low, high = np.zeros(len(place), dtype=np.int64), np.full(len(place), place.shape[1])
+    while (low < high).any():
+        middle = (low + high + 1) // 2
+        fits = allowed(constraint, place < middle[:, None])
+        low, high = np.where(fits, middle, low), np.where(fits, high, middle - 1)
+    return low
 
 
 def _all_adjacent(n: int) -> tuple[Masks, Masks, NDArray[np.int64]]:

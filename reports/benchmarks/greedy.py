@@ -27,9 +27,9 @@ import numpy as np
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Setting
-from waybound.heuristics.selection.greedy_steps.limits import Limits
 from waybound.heuristics.selection.greedy_steps.picking import pick
-from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation
+from waybound.instances.selection.constraints import Cardinality
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation
 from waybound.solvers.linear_programs import LinearPrograms
 
 ITEMS_OF_ELEMENT, ITEMS, CLIENTS = 20, 2000, 500
@@ -67,7 +67,7 @@ def with_waybound(problem: SubmodularSelection, heuristic: str, **options: Any) 
 
 def picking_alone(problem: SubmodularSelection) -> tuple[float, list[int], dict[str, Any]]:
     began = time.process_time()
-    taken = pick(problem, Limits.of(problem), setting().begin())
+    taken = pick(problem, setting().begin())
     return time.process_time() - began, taken.elements, {"evaluation": taken.evaluation}
 
 
@@ -75,7 +75,7 @@ def with_submodlib(problem: SubmodularSelection) -> Callable[[], tuple[float, li
     import submodlib
 
     f, n = problem.function, problem.num_elements
-    budget = problem.constraint.limit  # type: ignore[union-attr]
+    budget = problem.constraint.limit  # type: ignore[attr-defined]
     if isinstance(f, Coverage):
         sets = [set(f.indices[f.indptr[e] : f.indptr[e + 1]].tolist()) for e in range(n)]
         weights = f.item_weights.tolist()

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.problem import Problem
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...heuristics.max_min.rounding import largest_shares
 from ...instances.errors import UsageError
 from ...instances.generators import Draw
 from ...instances.sensing.graph import SensingGraph
 from ...instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ...instances.worlds.tracking import TrackingObservation, TrackingWorld, distances, linked, scenario_values
-from ...solvers.engines.local_max_min.rounding import largest_shares
 from . import force_vectors
 from .mission import MISSIONS, Actions, Decision, Mission, Scene
 

@@ -16,10 +16,10 @@ from ...formulations.evidence import Evidence
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
+from ...formulations.selection.feasibility import allowed
 from ...formulations.selection.selections import Selection
-from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import CheckFailedError, UsageError
-from ...instances.selection.instance import Cardinality, DenseFacilityLocation, Knapsack
 
 Floats = NDArray[np.float64]
 
@@ -81,13 +81,12 @@ def optimum(problem: Problem) -> Optimum:
 def set_values(problem: SubmodularSelection) -> Floats:
     """f of every subset of the ground set, shape (2^elements,); bit e of the position is element e."""
     n, f = problem.num_elements, problem.function
-    if isinstance(f, UserFunction):
+    weights = f.as_item_weights()
+    if weights is None:
         return f.values(_members(n))
-    if isinstance(f, DenseFacilityLocation):
-        worth = f.matrix.astype(np.float64)
-    else:
-        worth = np.zeros((n, f.num_items))
-        worth[np.repeat(np.arange(n), np.diff(f.indptr)), f.indices] = f.edge_weights
+    worth = np.zeros((n, weights.num_items))
+    element, item, weight = weights.edges()
+    worth[element, item] = weight
     best = np.zeros((1, worth.shape[1]))
     for row in worth:  # the sets with one element more, beside those without it
         best = np.concatenate([best, np.maximum(best, row)])
@@ -96,15 +95,7 @@ def set_values(problem: SubmodularSelection) -> Floats:
 
 def allowed_sets(problem: SubmodularSelection) -> NDArray[np.bool_]:
     """Which subsets the constraint allows, in the order of ``set_values``."""
-    members, rule = _members(problem.num_elements), problem.constraint
-    if isinstance(rule, Cardinality):
-        return np.asarray(members.sum(axis=1) <= rule.limit)
-    if isinstance(rule, Knapsack):
-        # Sums of costs that meet the budget exactly must not fail by a rounding.
-        return np.asarray(members @ rule.costs <= rule.budget * (1.0 + 1e-12))
-    of_group = np.zeros((problem.num_elements, len(rule.limits)))
-    of_group[np.arange(problem.num_elements), rule.groups] = 1.0
-    return np.asarray((members @ of_group <= rule.limits).all(axis=1))
+    return allowed(problem.constraint, _members(problem.num_elements))
 
 
 def best_selection(problem: SubmodularSelection) -> Optimum:

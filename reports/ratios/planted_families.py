@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from ...instances.selection.instance import Cardinality, Constraint, Coverage, Knapsack, PartitionMatroid
+from ...instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from ...instances.selection.functions import Coverage
 from ...instances.sensing.graph import graph_of_edges
 from .families import Family
 from .judging import Case

@@ -8,18 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from ...instances.selection.instance import (
-    Cardinality,
-    Constraint,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
-)
-from ...instances.selection.instance import SetFunction as ArrayFunction
+from ...instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from ...instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, SetFunction, UserFunction
 from ...instances.sensing.graph import SensingGraph, graph_of_edges
 from .families import Family
 from .judging import Case
@@ -27,7 +19,6 @@ from .judging import Case
 Floats = NDArray[np.float64]
 Rng = np.random.Generator
 
-SetFunction = ArrayFunction | UserFunction
 RandomFunction = Callable[[Rng, int], SetFunction]
 RandomConstraint = Callable[[Rng, int], Constraint]
 

@@ -10,7 +10,8 @@ import numpy as np
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from ...instances.selection.instance import Cardinality, Constraint, Coverage, Knapsack, PartitionMatroid
+from ...instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from ...instances.selection.functions import Coverage
 from ...instances.sensing.graph import graph_of_edges
 from .families import Family, listed
 from .judging import Case

@@ -11,8 +11,8 @@ from .table import Row
 
 
 def _function(f: dict[str, Any]) -> list[Row]:
-    text = "{kind} of {items} items by {elements} elements, {entries} entries" if "items" in f else "the user's own, of {elements} elements"
-    return [("function", text.format(**f))]
+    text = "{kind} of {items} items by {elements} elements, {entries} entries" if "items" in f else "{kind}, of {elements} elements"
+    return [("function", text.format(**{**f, "kind": "the user's own" if f["kind"] == "user" else f["kind"]}))]
 
 
 def _constraint(c: dict[str, Any]) -> list[Row]:

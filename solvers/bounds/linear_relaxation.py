@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ...formulations.problem import Problem
     from ...formulations.routing.preparation import Preparation
     from ...formulations.routing.problem import RoutingProblem
+    from ...instances.selection.functions import SetFunction
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -91,10 +92,11 @@ def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: Linear
 
 def _entries(problem: Problem) -> int:
     """Fewest entries that a linear form of the problem can have: writing down a far too large one is not worth its time either."""
-    f: Any = getattr(problem, "function", None)
-    if hasattr(f, "matrix"):
-        return int(np.count_nonzero(f.matrix))
-    return len(getattr(f, "indices", getattr(getattr(problem, "graph", None), "indices", ())))
+    f: SetFunction | None = getattr(problem, "function", None)
+    weights = None if f is None else f.as_item_weights()
+    if weights is None:
+        return len(getattr(getattr(problem, "graph", None), "indices", ()))
+    return len(weights.indices) or int(np.count_nonzero(weights.matrix))
 
 
 def _sifted(problem: RoutingProblem, stop: Stop, linear: LinearPrograms) -> Evidence | None:

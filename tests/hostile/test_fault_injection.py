@@ -21,7 +21,8 @@ from waybound.cli.app import app
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.problem import Problem
 from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.selection.instance import Coverage, PartitionMatroid
+from waybound.instances.selection.constraints import PartitionMatroid
+from waybound.instances.selection.functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.bounds import BOUNDS
 

@@ -15,14 +15,15 @@ from programs import AnsweredBy
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import WayboundError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, UserFunction
 from waybound.instances.sensing.graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options
 from waybound.solvers.bounds import BOUNDS

@@ -23,7 +23,7 @@ from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.instances.errors import CheckFailedError, InputError
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy
-from waybound.instances.selection.instance import Knapsack
+from waybound.instances.selection.constraints import Knapsack
 from waybound.solving.bounding import find_bounds
 
 SEED = 82

@@ -111,3 +111,14 @@ def test_more_unused_things_than_could_be_meant_are_refused() -> None:
     arrays.refuse_unused("targets", arrays.MOST_UNUSED + 5, 5, "edges")
     with pytest.raises(InputError, match="there are 1000006 targets, but only 5 edges"):
         arrays.refuse_unused("targets", arrays.MOST_UNUSED + 6, 5, "edges")
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_entries_of_rows_come_row_after_row(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    indptr = np.concatenate([[0], np.cumsum(rng.integers(0, 4, 6))])
+    rows = rng.integers(0, 6, rng.integers(0, 8))
+    found, counts = arrays.entries_of(indptr, rows)
+    expected = [list(range(indptr[row], indptr[row + 1])) for row in rows.tolist()]
+    assert found.tolist() == [k for entries in expected for k in entries]
+    assert counts.tolist() == [len(entries) for entries in expected]

@@ -23,15 +23,9 @@ from waybound.instances.max_min.instance import MaxMinInstance, SparseMatrix
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats import sites_csv
 from waybound.instances.routing.solution_files import routes_from_text
-from waybound.instances.selection.instance import (
-    Cardinality,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
-    SelectionInstance,
-)
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
+from waybound.instances.selection.instance import SelectionInstance
 from waybound.instances.sensing.graph import SensingGraph
 
 TSP = (

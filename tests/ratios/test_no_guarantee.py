@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Cardinality
+from waybound.instances.selection.constraints import Cardinality
+from waybound.instances.selection.functions import UserFunction
 from waybound.reports.ratios import max_min_families as graphs
 from waybound.reports.ratios import selection_families as random
 from waybound.reports.ratios import selection_traps as traps

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.instances.selection.instance import Cardinality
+from waybound.instances.selection.constraints import Cardinality
 from waybound.reports.ratios import max_min_families as graphs
 from waybound.reports.ratios import selection_traps as traps
 from waybound.reports.ratios.judging import judge, ratio_of, run_heuristic

@@ -5,7 +5,8 @@ For prices p >= 0 of the items and any set S of elements, each item is worth its
     f(S) = sum_j max_{e in S} c_ej  <=  sum_j p_j + sum_{e in S} sum_j max(0, c_ej - p_j)
 
 and the last sum is at most that of the best set that the constraint allows, elements now counting each for itself: the k best, the
-best of each group, or for a knapsack the best by worth for cost with the last one in part.
+best of each group, or under a budget the best by worth for cost with the last one in part (of several budgets, and any sum of them,
+the tightest).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 from ...checking.granularity import lift, value_grain
 from ...evidence import CHECKERS
 from ...routing.checking.multipliers import numbers
@@ -39,7 +41,8 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     ----------
     problem : SubmodularSelection
     data : dict
-        ``prices``: one number an item. Negative ones count as 0.
+        ``prices``: one number an item. Negative ones count as 0. Under several budgets ``multipliers``, if there are any: one number a
+        row, for a budget that they make of all.
 
     Returns
     -------
@@ -56,32 +59,32 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);
     docs/formulations/winner-takes-all.md#item-prices. All sums are of nonnegative terms, and are rounded upwards.
     """
-    function = getattr(problem, "function", None)
-    if problem.family != "selection" or function is None or function.name not in ("coverage", "facility-location"):
+    weights = problem.function.as_item_weights() if problem.family == "selection" else None  # data: each layout is added up here
+    if weights is None:
         raise InputError("prices of items are evidence for coverage and facility-location problems", found=problem.problem)
-    p = np.maximum(numbers(data, "prices", function.num_items), 0.0)
+    p = np.maximum(numbers(data, "prices", weights.num_items), 0.0)
     with np.errstate(over="ignore", invalid="ignore"):
-        worth, longest = _worths(function, p)
-        parts = _best(problem.constraint, worth)
+        worth, longest = _worths(weights, p, problem.num_elements)
+        parts = _best(problem.constraint, worth, data)
         if not (np.isfinite(worth).all() and np.isfinite(parts).all()):
             return math.inf
         try:
             total = math.fsum(p) + math.fsum(parts)
         except OverflowError:
             return math.inf
-        return lift(total * (1.0 + (longest + 16) * _EPS) + (_TINY if total > 0 else 0.0), "max", value_grain(function))
+        return lift(total * (1.0 + (longest + 16) * _EPS) + (_TINY if total > 0 else 0.0), "max", value_grain(problem.function))
 
 
-def _worths(function: Any, p: Floats) -> tuple[Floats, int]:
+def _worths(weights: Any, p: Floats, n: int) -> tuple[Floats, int]:
     """What each element gives beyond the prices, and the number of terms in the longest of these sums."""
-    if hasattr(function, "matrix"):
-        parts = [np.maximum(strip - p, 0.0).sum(axis=1) for strip in _strips(function.matrix)]
-        return np.concatenate([np.zeros(0), *parts]), function.num_items
-    element = np.repeat(np.arange(function.num_elements), np.diff(function.indptr))
-    given = function.item_weights[function.indices] if function.name == "coverage" else function.weights
-    beyond = np.maximum(given - p[function.indices], 0.0)
-    longest = int(np.diff(function.indptr).max(initial=0))
-    return np.bincount(element, beyond, minlength=function.num_elements).astype(np.float64), longest
+    if weights.layout == IN_MATRIX:
+        parts = [np.maximum(strip - p, 0.0).sum(axis=1) for strip in _strips(weights.matrix)]
+        return np.concatenate([np.zeros(0), *parts]), weights.num_items
+    counts = np.diff(weights.indptr)
+    element = np.repeat(np.arange(n), counts)
+    given = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
+    beyond = np.maximum(given - p[weights.indices], 0.0)
+    return np.bincount(element, beyond, minlength=n).astype(np.float64), int(counts.max(initial=0))
 
 
 def _strips(matrix: Any) -> Iterator[Floats]:
@@ -91,16 +94,27 @@ def _strips(matrix: Any) -> Iterator[Floats]:
         yield matrix[first : first + step].astype(np.float64)
 
 
-def _best(constraint: Any, worth: Floats) -> Floats:
-    """Terms whose sum no allowed set of elements exceeds, each counting for itself."""
-    if constraint.name == "cardinality":
-        return np.sort(worth)[::-1][: constraint.limit]
-    if constraint.name == "knapsack":
-        return _fractional_knapsack(constraint.costs, constraint.budget, worth)
-    order = np.lexsort((-worth, constraint.groups))
-    groups = constraint.groups[order]
-    rank = np.arange(len(order)) - np.searchsorted(groups, groups)
-    return np.asarray(worth[order[rank < constraint.limits[groups]]], dtype=np.float64)
+def _best(constraint: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
+    """Terms whose sum no allowed set of elements exceeds, each counting for itself; all where nothing is known of the constraint."""
+    partition, rows = constraint.as_partition(len(worth)), constraint.rows(len(worth))
+    if partition is not None:
+        order = np.lexsort((-worth, partition.groups))
+        groups = partition.groups[order]
+        rank = np.arange(len(order)) - np.searchsorted(groups, groups)
+        return np.asarray(worth[order[rank < partition.limits[groups]]], dtype=np.float64)
+    if rows is None:
+        return worth
+    budgets = []
+    for row, limit in enumerate(rows.limit.tolist()):
+        costs, mine = np.zeros(len(worth)), rows.row == row
+        costs[rows.element[mine]] = rows.coefficient[mine]
+        budgets.append((costs, limit))
+    if "multipliers" in data:  # what the rows allow, so does their sum, each times a number >= 0
+        y = np.maximum(numbers(data, "multipliers", len(budgets)), 0.0)
+        total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, budgets, strict=True))
+        together = sum((factor * costs for factor, (costs, _) in zip(y, budgets, strict=True)), np.zeros(len(worth)))
+        budgets.append((together, total * (1.0 + (len(budgets) + 4) * _EPS)))
+    return min([worth, *(_fractional_knapsack(costs, limit, worth) for costs, limit in budgets)], key=np.sum)
 
 
 def _fractional_knapsack(costs: Floats, budget: float, worth: Floats) -> Floats:

@@ -5,7 +5,8 @@ For a monotone submodular f with f({}) = 0, any set S and any feasible set O
     f(O)  <=  f(S u O)  <=  f(S) + sum over o in O of (f(S + o) - f(S))  <=  f(S) + the best sum of gains that the constraint allows
 
 (Nemhauser, Wolsey and Fisher 1978). Under a cardinality limit the best sum is that of the largest gains, under a partition matroid that
-of the largest of each group, and for a knapsack it is bounded by its linear relaxation. An element of S gains nothing.
+of the largest of each group, and for a budget it is bounded by its linear relaxation, of several budgets by the tightest. An element of
+S gains nothing.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 from ...checking.granularity import lift, value_grain
 from ...evidence import CHECKERS
 from ...tolerance import EQUAL, room
@@ -42,7 +44,7 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     Returns
     -------
     float
-        Infinity for a user's function that is not declared monotone and submodular, or is seen not to be.
+        Infinity for a function known by its values that is not declared monotone and submodular, or is seen not to be.
 
     Raises
     ------
@@ -73,34 +75,35 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _value_and_gains(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
-    if f.name == "user":
-        return _of_user(f, chosen, n) if f.monotone and f.submodular else (math.inf, np.zeros(n))
-    best: Floats = np.zeros(f.num_items)
+    weights = f.as_item_weights()  # data: each layout is added up here
+    if weights is None:
+        return _of_values(f, chosen, n) if f.monotone and f.submodular else (math.inf, np.zeros(n))
+    best: Floats = np.zeros(weights.num_items)
     gains: Floats
-    if hasattr(f, "matrix"):
+    if weights.layout == IN_MATRIX:
         for e in chosen.tolist():
-            best = np.maximum(best, f.matrix[e].astype(np.float64))
+            best = np.maximum(best, weights.matrix[e].astype(np.float64))
         gains = np.empty(n)
-        step = max(1, _ENTRIES // max(1, f.num_items))
+        step = max(1, _ENTRIES // max(1, weights.num_items))
         for first in range(0, n, step):
-            over = f.matrix[first : first + step].astype(np.float64) - best
+            over = weights.matrix[first : first + step].astype(np.float64) - best
             gains[first : first + step] = np.maximum(over, 0.0, out=over).sum(axis=1)
-        longest = f.num_items
+        longest = weights.num_items
     else:
-        counts = np.diff(f.indptr)
-        weights = f.item_weights[f.indices] if f.name == "coverage" else f.weights
+        counts = np.diff(weights.indptr)
+        given = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
         inside = np.zeros(n, dtype=bool)
         inside[chosen] = True
         mine = np.repeat(inside, counts)
-        np.maximum.at(best, f.indices[mine], weights[mine])
+        np.maximum.at(best, weights.indices[mine], given[mine])
         owner = np.repeat(np.arange(n), counts)
-        gains = np.bincount(owner, np.maximum(weights - best[f.indices], 0.0), minlength=n).astype(np.float64)
+        gains = np.bincount(owner, np.maximum(given - best[weights.indices], 0.0), minlength=n).astype(np.float64)
         longest = int(counts.max(initial=0))
     # A running sum of m terms of one sign is off by less than m roundings.
     return math.fsum(best), gains * (1.0 + (longest + 2) * _EPS)
 
 
-def _of_user(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
+def _of_values(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
     """Value and gains; infinite where they contradict the declaration: a loss, or a gain over S, or of all, above that over nothing."""
     inside = np.zeros(n, dtype=bool)
     alone = _after_each(f, inside)
@@ -127,17 +130,25 @@ def _after_each(f: Any, inside: NDArray[np.bool_]) -> Floats:
 
 def _best_sum(constraint: Any, gains: Floats) -> float:
     """At least the largest sum of ``gains`` over the elements of an answer that passes the check."""
-    if constraint.name == "cardinality":
-        return math.fsum(np.sort(gains)[::-1][: constraint.limit])
-    if constraint.name == "partition":
-        order = np.lexsort((-gains, constraint.groups))
-        group = constraint.groups[order]
+    partition, rows = constraint.as_partition(len(gains)), constraint.rows(len(gains))
+    if partition is not None:
+        order = np.lexsort((-gains, partition.groups))
+        group = partition.groups[order]
         starts = np.concatenate([[True], group[1:] != group[:-1]]) if len(group) else np.zeros(0, dtype=bool)
         place = np.arange(len(group)) - np.maximum.accumulate(np.where(starts, np.arange(len(group)), 0))
-        return math.fsum(gains[order][place < constraint.limits[group]])
-    most = room(constraint.costs, constraint.budget) * (1.0 + 8 * _EPS)
+        return math.fsum(gains[order][place < partition.limits[group]])
+    best = math.fsum(gains)  # where nothing is known of the constraint
+    for row in range(0 if rows is None else len(rows.limit)):
+        costs, mine = np.zeros(len(gains)), rows.row == row
+        costs[rows.element[mine]] = rows.coefficient[mine]
+        best = min(best, _within(costs, float(rows.limit[row]), gains))
+    return best
+
+
+def _within(costs: Floats, budget: float, gains: Floats) -> float:
+    most = room(costs, budget) * (1.0 + 8 * _EPS)
     with np.errstate(over="ignore"):  # in a unit in which the budget is below 1
-        costs, most = (np.ldexp(v, -np.frexp(constraint.budget)[1]) for v in (constraint.costs, most))
+        costs, most = (np.ldexp(v, -np.frexp(budget)[1]) for v in (costs, most))
     paid = (costs > 0) & (costs <= most)
     c, g = costs[paid], gains[paid]
     free = math.fsum(gains[costs == 0])

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ....instances.selection.instance import Cardinality, DenseFacilityLocation, Knapsack, PartitionMatroid
 from ...certificate import verified_bound
 from ...evidence import Evidence
 from ...programs.program import Floats, Rows, Variables
@@ -20,15 +19,14 @@ from ...routing.forms._routes import INTEGRALITY
 from ..selections import Selection
 
 if TYPE_CHECKING:
-    from ....instances.selection.instance import SetFunction
     from ...problem import Problem
     from ..submodular_selection import SubmodularSelection
 
 Ints = NDArray[np.integer[Any]]
 
-FEATURES = frozenset(
-    {"function:coverage", "function:facility-location", "constraint:cardinality", "constraint:partition", "constraint:knapsack"}
-)
+FEATURES = frozenset({f"function:{name}" for name in ("coverage", "facility-location")}) | {
+    f"constraint:{name}" for name in ("cardinality", "partition", "knapsack", "rows")
+}
 
 
 class Labels(Sequence[str]):
@@ -111,20 +109,12 @@ class Edges:
 
 def edges_of(problem: SubmodularSelection) -> Edges:
     """The weights of coverage and facility location as edges; coverage is facility location with the items' weights."""
-    f = cast("SetFunction", problem.function)  # a user's function has no forms
-    if isinstance(f, DenseFacilityLocation):
-        element, item = np.nonzero(f.matrix)
-        weight = f.matrix[element, item].astype(np.float64)
-    else:
-        element, item = np.repeat(np.arange(f.num_elements), np.diff(f.indptr)), f.indices.astype(np.int64)
-        weight = f.edge_weights
-        if not weight.all():
-            keep = weight > 0
-            element, item, weight = element[keep], item[keep], weight[keep]
+    weights = problem.function.as_item_weights()
+    assert weights is not None  # no form takes a function that is known by its values only
     graph = getattr(problem, "graph", None)
     return Edges(
-        element, item, weight, problem.num_elements, f.num_items, Labels(problem.num_elements, problem.element_name),
-        Labels(f.num_items, (lambda j: str(j + 1)) if graph is None else graph.target_name),
+        *weights.edges(), problem.num_elements, weights.num_items, Labels(problem.num_elements, problem.element_name),
+        Labels(weights.num_items, (lambda j: str(j + 1)) if graph is None else graph.target_name),
     )  # fmt: skip
 
 
@@ -136,16 +126,12 @@ def choice(edges: Edges) -> Variables:
 
 def constraint_rows(problem: SubmodularSelection) -> Rows:
     """What may be chosen together: ``cardinality``, ``budget``, or a row a group (a robot)."""
-    c, every = problem.constraint, np.arange(problem.num_elements)
-    none = np.zeros(len(every), dtype=np.int64)
-    if isinstance(c, Cardinality):
-        return rows("cardinality", 1, [(none, every, 1.0)], upper=float(c.limit))
-    if isinstance(c, Knapsack):
-        paid = np.nonzero(c.costs)[0]
-        return rows("budget", 1, [(none[paid], paid, c.costs[paid])], upper=c.budget)
-    graph, size = getattr(problem, "graph", None), len(c.limits)
-    name, label = ("group", lambda g: str(g + 1)) if graph is None else ("robot", graph.robot_name)
-    return rows(name, size, [(c.groups, every, 1.0)], upper=c.limits, keys=(np.arange(size),), labels=(Labels(size, label),))
+    limits = problem.constraint.rows(problem.num_elements)
+    assert limits is not None  # no form takes a constraint that is known by what it allows only
+    size, parts = len(limits.limit), [(limits.row, limits.element, limits.coefficient)]
+    if limits.label is None:
+        return rows(limits.name, size, parts, upper=limits.limit)
+    return rows(limits.name, size, parts, upper=limits.limit, keys=(np.arange(size),), labels=(Labels(size, limits.label),))
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,29 +154,28 @@ class Credits:
 
 def credits_of(problem: SubmodularSelection, edges: Edges) -> Credits:
     """Creditors are the groups whose limit is at most 1 (a robot's actions), and single elements where there are none."""
-    c, n = problem.constraint, edges.elements
+    partition, n = problem.constraint.as_partition(edges.elements), edges.elements
     groups, owner = 0, np.arange(n)
-    if isinstance(c, Cardinality) and c.limit == 1:
-        groups, owner = 1, np.zeros(n, dtype=np.int64)
-    elif isinstance(c, PartitionMatroid):
-        groups = len(c.limits)
-        owner = np.where(c.limits[c.groups] <= 1, c.groups, groups + owner)
-    graph = getattr(problem, "graph", None)
+    if partition is not None:
+        groups = len(partition.limits)
+        owner = np.where(partition.limits[partition.groups] <= 1, partition.groups, groups + owner)
 
     def name(creditor: int) -> str:
-        if creditor >= groups:
+        if creditor >= groups or partition is None:
             return problem.element_name(creditor - groups)
-        return f"group {creditor + 1}" if graph is None else str(graph.robot_name(creditor))
+        return f"{partition.thing} {creditor + 1}" if partition.label is None else partition.label(creditor)
 
     keys, of_edge = np.unique(owner[edges.element] * np.int64(max(edges.items, 1)) + edges.item, return_inverse=True)
     creditor, item = np.divmod(keys, max(edges.items, 1))
     return Credits(creditor, item, of_edge, (Labels(groups + n, name), edges.item_names))
 
 
-def prices_evidence(prices: Floats, source: str, problem: SubmodularSelection) -> Evidence:
-    """Evidence ``item-prices`` from prices of the items, which solvers may tell with either sign."""
-    p = np.maximum(prices if prices.sum() > 0 else -prices, 0.0)
-    return proved(problem, "item-prices", source, {"prices": p.tolist()})
+def prices_evidence(prices: Floats, limits: Floats, source: str, problem: SubmodularSelection) -> Evidence:
+    """Evidence ``item-prices`` from prices of the items and duals of the constraint's rows, which solvers may tell with either sign."""
+    data = {"prices": np.maximum(prices if prices.sum() > 0 else -prices, 0.0).tolist()}
+    if len(limits) > 1 and problem.constraint.as_partition(problem.num_elements) is None:
+        data["multipliers"] = np.abs(limits).tolist()
+    return proved(problem, "item-prices", source, data)
 
 
 def at_most(limit: float = 0.0) -> dict[str, float]:

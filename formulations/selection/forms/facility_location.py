@@ -70,11 +70,13 @@ def build(problem: SubmodularSelection) -> Compiled:
         return np.concatenate([x, (weight <= given[item]).astype(np.float64)])
 
     def dual_evidence(row_duals: Floats) -> Evidence:
-        v = np.asarray(row_duals, dtype=np.float64)[limits.size :]
+        duals = np.asarray(row_duals, dtype=np.float64)
+        v = duals[limits.size :]
         v = np.maximum(v if v.sum() > 0 else -v, 0.0)
         previous = np.where(lowest, 0.0, np.concatenate([[0.0], v[:-1]])[:size])
         prices = np.bincount(item, np.maximum(step - v + previous, 0.0), minlength=edges.items)
-        return prices_evidence(np.asarray(prices, dtype=np.float64), "item prices of the facility-location LP", problem)
+        of_items, of_limits = np.asarray(prices, dtype=np.float64), duals[: limits.size]
+        return prices_evidence(of_items, of_limits, "item prices of the facility-location LP", problem)
 
     program = Program("facility-location", "max", (choice(edges), u), (limits, levels))
     return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)

@@ -54,8 +54,9 @@ def build(problem: SubmodularSelection) -> Compiled:
         return np.concatenate([x, served_by])
 
     def dual_evidence(row_duals: Floats) -> Evidence:
-        prices = np.asarray(row_duals, dtype=np.float64)[limits.size : limits.size + edges.items]
-        return prices_evidence(prices, "item prices of the strong LP", problem)
+        duals = np.asarray(row_duals, dtype=np.float64)
+        prices = duals[limits.size : limits.size + edges.items]
+        return prices_evidence(prices, duals[: limits.size], "item prices of the strong LP", problem)
 
     program = Program("strong-linearisation", "max", (choice(edges), z), (limits, served, link))
     return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)

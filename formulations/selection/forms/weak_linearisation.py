@@ -61,8 +61,9 @@ def build(problem: SubmodularSelection) -> Compiled:
         return np.concatenate([x, credited, served_by])
 
     def dual_evidence(row_duals: Floats) -> Evidence:
-        prices = np.asarray(row_duals, dtype=np.float64)[-edges.items :] if edges.items else np.zeros(0)
-        return prices_evidence(prices, "item prices of the weak LP", problem)
+        duals = np.asarray(row_duals, dtype=np.float64)
+        prices = duals[len(duals) - edges.items :]
+        return prices_evidence(prices, duals[: limits.size], "item prices of the weak LP", problem)
 
     program = Program("weak-linearisation", "max", (choice(edges), y, z), (limits, link, given, served))
     return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)

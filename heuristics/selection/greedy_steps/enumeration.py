@@ -6,12 +6,12 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection._gains import gain, take
+from ....solvers.bounds.selection.gain_kernels import gain, take
 
 
 @kernel()
 def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, slot_group, starts, members, rest, costs, budget, tail, optional, items, kind, indptr, indices, weights, matrix
+    flag, slot_group, starts, members, rest, costs, budget, tail, optional, items, layout, indptr, indices, weights, matrix
 ):
     """The set of largest value: each slot holds an element of its group, ascending within a group.
 
@@ -43,7 +43,7 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         e = members[k]
         if costs[e] > left[t]:
             continue
-        reached = value[t] + gain(e, best[t], kind, indptr, indices, weights, matrix)
+        reached = value[t] + gain(e, best[t], layout, indptr, indices, weights, matrix)
         looked += optional or t + 1 == slots
         chosen[t] = e
         if reached > most:
@@ -52,7 +52,7 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         if t + 1 == slots or reached + (tail[k + 1] if optional else rest[t + 1]) <= most:
             continue
         best[t + 1] = best[t]
-        take(e, best[t + 1], kind, indptr, indices, weights, matrix)
+        take(e, best[t + 1], layout, indptr, indices, weights, matrix)
         value[t + 1], left[t + 1] = reached, left[t] - costs[e]
         t += 1
     return most, winner, looked, t < 0

@@ -6,12 +6,12 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection._gains import gain, take
+from ....solvers.bounds.selection.gain_kernels import gain, take
 from .loops import sift
 
 
 @kernel()
-def fill(flag, costs, left, heap, keys, size, best, picks, count, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add the element of largest gain per cost that still fits, until none does or the ``flag`` is set.
 
     ``keys`` on the heap are upper bounds of these rates.
@@ -24,14 +24,14 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, kind, indptr, 
         e = heap[0]
         if costs[e] <= left:
             if evaluated[e] != round_:
-                keys[0] = gain(e, best, kind, indptr, indices, weights, matrix) / costs[e]
+                keys[0] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
                 evaluated[e] = round_
                 sift(keys, heap, size, 0)
                 continue
             if keys[0] <= 0.0:  # nothing gains any more, least of all what was chosen at the start
                 break
             total += keys[0] * costs[e]
-            take(e, best, kind, indptr, indices, weights, matrix)
+            take(e, best, layout, indptr, indices, weights, matrix)
             picks[count] = e
             count += 1
             round_ += 1
@@ -44,7 +44,7 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, kind, indptr, 
 
 @kernel()
 def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, begun, lo, hi, most_value, free_best, costs, budget, kind, indptr, indices, weights, matrix
+    flag, begun, lo, hi, most_value, free_best, costs, budget, layout, indptr, indices, weights, matrix
 ):
     """The best filling that starts with ``begun`` and one element of ``lo`` to ``hi`` (with ``begun`` alone where ``lo`` is negative).
 
@@ -56,8 +56,8 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     picks = np.empty(n, np.int64)
     winner = np.empty(0, np.int64)
     for k in range(len(begun)):
-        value += gain(begun[k], best, kind, indptr, indices, weights, matrix)
-        take(begun[k], best, kind, indptr, indices, weights, matrix)
+        value += gain(begun[k], best, layout, indptr, indices, weights, matrix)
+        take(begun[k], best, layout, indptr, indices, weights, matrix)
         left -= costs[begun[k]]
         picks[k] = begun[k]
     if left < 0.0:
@@ -69,7 +69,7 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             return most_value, winner
         if 0.0 < costs[e] <= left:
             first_heap[size] = e
-            first_keys[size] = gain(e, best, kind, indptr, indices, weights, matrix) / costs[e]
+            first_keys[size] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
             size += 1
     for at in range(size // 2 - 1, -1, -1):
         sift(first_keys, first_heap, size, at)
@@ -83,12 +83,12 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         heap[:size], keys[:size] = first_heap[:size], first_keys[:size]
         count, reached, rest = len(begun), value, left
         if e >= 0:
-            reached += gain(e, trial, kind, indptr, indices, weights, matrix)
-            take(e, trial, kind, indptr, indices, weights, matrix)
+            reached += gain(e, trial, layout, indptr, indices, weights, matrix)
+            take(e, trial, layout, indptr, indices, weights, matrix)
             picks[count] = e
             count += 1
             rest -= costs[e]
-        more, count = fill(flag, costs, rest, heap, keys, size, trial, picks, count, kind, indptr, indices, weights, matrix)
+        more, count = fill(flag, costs, rest, heap, keys, size, trial, picks, count, layout, indptr, indices, weights, matrix)
         if reached + more > most_value:
             most_value = reached + more
             winner = picks[:count].copy()

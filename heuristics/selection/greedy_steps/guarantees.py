@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from ....formulations.evidence import Guarantee
-from ....formulations.selection.submodular_selection import SubmodularSelection, UserFunction
-from ....instances.selection.instance import Cardinality
+from ....formulations.selection.submodular_selection import SubmodularSelection
 from ..submodularity import check_submodular
+from .limits import Limits
 
 SAMPLES = 200
 """Triples of sets and element on which a user's declaration is tried before a guarantee rests on it."""
@@ -19,7 +19,7 @@ FNW = "Fisher, Nemhauser and Wolsey (1978), An analysis of approximations for ma
 def assumptions(problem: SubmodularSelection) -> tuple[tuple[str, ...], str]:
     """What makes ``f`` monotone and submodular with f({}) = 0; where nothing does, no assumptions and the reason in words."""
     f = problem.function
-    if not isinstance(f, UserFunction):
+    if f.as_item_weights() is not None:
         return (f"{f.name} with weights >= 0: monotone, submodular, 0 for the empty set",), ""
     if not (f.monotone and f.submodular):
         return (), f"nothing is guaranteed or bounded: {f.label} is not declared monotone and submodular"
@@ -30,16 +30,16 @@ def assumptions(problem: SubmodularSelection) -> tuple[tuple[str, ...], str]:
 
 
 def greedy_guarantee(problem: SubmodularSelection, holds: tuple[str, ...]) -> Guarantee | None:
-    """Of the best element again and again: 1 - (1 - 1/k)^k under a cardinality limit k, 1/2 under a partition matroid."""
-    if not holds:
-        return None
+    """Of the best element again and again: 1 - (1 - 1/k)^k under a cardinality limit k, 1/2 under any other matroid."""
     c = problem.constraint
-    if isinstance(c, Cardinality):
-        k = max(1, min(c.limit, problem.num_elements))
+    if not holds or not c.matroid:
+        return None
+    if c.matroid == "uniform":
+        k = max(1, Limits.of(problem).most)
         share = 1.0 - (1.0 - 1.0 / k) ** k
         statement = f"f(S) >= (1 - (1 - 1/{k})^{k}) f(OPT), that is {rounded_down(share)} f(OPT); for every k more than 1 - 1/e"
         return Guarantee(1.0 / share, statement, (*holds, f"at most k = {k} elements"), NWF)
-    return Guarantee(2.0, "f(S) >= f(OPT) / 2", (*holds, "partition matroid"), FNW)
+    return Guarantee(2.0, "f(S) >= f(OPT) / 2", (*holds, f"{c.matroid} matroid"), FNW)
 
 
 def rounded_down(share: float) -> str:

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.max_min.bottleneck_sata import BottleneckSATA
+from ....formulations.problem import Problem
+from ....formulations.selection.feasibility import Openings
 from ....formulations.selection.submodular_selection import SubmodularSelection
-from ....formulations.tolerance import room
 from ....instances.errors import UsageError
-from ....instances.selection.instance import Cardinality, Knapsack, PartitionMatroid
 
 FUNCTIONS = frozenset({"function:coverage", "function:facility-location"})
 ANY_FUNCTION = FUNCTIONS | {"function:user"}
 GROUPED = frozenset({"constraint:cardinality", "constraint:partition"})
-ANY_CONSTRAINT = GROUPED | {"constraint:knapsack"}
+FORMULATED = GROUPED | {"constraint:knapsack", "constraint:rows"}
+ASKED = frozenset({"constraint:rows", "constraint:user"})
+"""Constraints of others, which are asked what may still be chosen."""
+ANY_CONSTRAINT = FORMULATED | ASKED
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,16 +39,20 @@ class Limits:
 
     @classmethod
     def of(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits:
-        """The limits of a problem whose constraint is a cardinality limit or a partition matroid; a robot takes one action."""
-        if isinstance(problem, BottleneckSATA):
-            owner, robots = problem.graph.robot_of_action, problem.graph.num_robots
-            return cls(owner, np.minimum(np.bincount(owner, minlength=robots), 1).astype(np.int64))
-        c, n = problem.constraint, problem.num_elements
-        if isinstance(c, Cardinality):
-            return cls(np.zeros(n, np.int32), np.array([min(c.limit, n)], np.int64))
-        assert isinstance(c, PartitionMatroid)
-        sizes = np.bincount(c.groups, minlength=len(c.limits))
-        return cls(np.array(c.groups, np.int32), np.minimum(c.limits, sizes).astype(np.int64))
+        """The limits of a problem whose constraint is a partition; raises TypeError for another."""
+        found = cls.if_any(problem)
+        if found is None:
+            raise TypeError(f"the constraint {problem.constraint.name} is no limit for each group")
+        return found
+
+    @classmethod
+    def if_any(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits | None:
+        """The same, or None."""
+        partition = problem.constraint.as_partition(problem.num_elements)
+        if partition is None:
+            return None
+        sizes = np.bincount(partition.groups, minlength=len(partition.limits))
+        return cls(np.array(partition.groups, np.int32), np.minimum(partition.limits, sizes).astype(np.int64))
 
     @property
     def most(self) -> int:
@@ -93,26 +100,17 @@ class Limits:
         return total
 
 
-def spendable(constraint: Knapsack) -> float:
-    """What an answer may cost: the budget and what a check lets pass beyond it, so that three costs of 0.1 fit into 0.3."""
-    return room(constraint.costs, constraint.budget)
+def first_allowed(problem: SubmodularSelection | BottleneckSATA, order: NDArray[np.int64]) -> list[int]:
+    """The elements of ``order``, one after the other, that the constraint still allows."""
+    limits = Limits.if_any(problem)
+    if limits is not None:
+        return [int(e) for e in limits.first(order)]
+    return Openings(problem.constraint, problem.num_elements).take_in_order(order.tolist())
 
 
-def in_budgets(constraint: Knapsack) -> tuple[NDArray[np.float64], float]:
-    """Costs and what may be spent, times the power of two that brings the budget below 1: no gain per cost overflows for its unit."""
-    exponent = int(np.frexp(constraint.budget)[1])
-    with np.errstate(over="ignore"):
-        return np.ldexp(constraint.costs, -exponent), float(np.ldexp(spendable(constraint), -exponent))
-
-
-def that_fit(order: Iterable[int], constraint: Knapsack) -> list[int]:
-    """The elements of ``order``, one after the other, that the budget still allows."""
-    picks, left = [], spendable(constraint)
-    for element in order:
-        if constraint.costs[element] <= left:
-            picks.append(element)
-            left -= float(constraint.costs[element])
-    return picks
+def not_whole(problem: Problem) -> frozenset[str]:
+    """Why a heuristic for whole actions cannot take a max-min problem: it is another than the bottleneck."""
+    return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
 
 
 def chosen_elements(what: str, given: object, problem: SubmodularSelection) -> list[int]:

@@ -3,7 +3,7 @@
 All of them pick the largest gain, the smallest index among equal ones, until each group has as many elements as it has room for
 (a cardinality limit is one group), ``most`` are picked, the gain is below ``eps``, or the ``flag`` of a ``Stop`` is set: then what was
 picked so far is a prefix of the whole. They return ``(picks, gains, evaluations)``.
-A function comes as the arrays of ``waybound.solvers.bounds.selection._gains``, and a set as ``best``, which is raised in place.
+A function comes as the arrays of its ``ItemWeights``, and a set as ``best``, which is raised in place.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection._gains import COVERAGE, gain, take
+from ....instances.selection.functions import AT_ITEM
+from ....solvers.bounds.selection.gain_kernels import gain, take
 
 
 @kernel()
-def plain(flag, free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Every gain afresh in every round."""
     n, count, evaluations = len(groups), 0, 0
     picks, gains = np.empty(most, np.int64), np.empty(most)
@@ -26,13 +27,13 @@ def plain(flag, free, groups, room, most, eps, best, kind, indptr, indices, weig
             if asked(flag):
                 return picks[:count], gains[:count], evaluations
             if free[e] and room[groups[e]] > 0:
-                found = gain(e, best, kind, indptr, indices, weights, matrix)
+                found = gain(e, best, layout, indptr, indices, weights, matrix)
                 evaluations += 1
                 if found > most_gain:
                     chosen, most_gain = e, found
         if chosen < 0 or most_gain < eps:
             break
-        take(chosen, best, kind, indptr, indices, weights, matrix)
+        take(chosen, best, layout, indptr, indices, weights, matrix)
         picks[count], gains[count] = chosen, most_gain
         count += 1
         free[chosen] = False
@@ -61,7 +62,7 @@ def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cov
 
 
 @kernel()
-def lazy(flag, free, groups, room, most, eps, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gains of earlier rounds, which can only have fallen since, on a heap; only what comes up is evaluated again."""
     n, count, size = len(groups), 0, 0
     heap, keys = np.empty(n, np.int32), np.empty(n)
@@ -71,7 +72,7 @@ def lazy(flag, free, groups, room, most, eps, best, kind, indptr, indices, weigh
         if asked(flag):
             return picks[:0], gains[:0], size
         if free[e] and room[groups[e]] > 0:
-            keys[size] = gain(e, best, kind, indptr, indices, weights, matrix)
+            keys[size] = gain(e, best, layout, indptr, indices, weights, matrix)
             heap[size] = e
             size += 1
     evaluations = size
@@ -81,7 +82,7 @@ def lazy(flag, free, groups, room, most, eps, best, kind, indptr, indices, weigh
         e = heap[0]
         full = room[groups[e]] == 0
         if not full and evaluated[e] != count:
-            keys[0] = gain(e, best, kind, indptr, indices, weights, matrix)
+            keys[0] = gain(e, best, layout, indptr, indices, weights, matrix)
             evaluations += 1
             evaluated[e] = count
             sift(keys, heap, size, 0)
@@ -89,7 +90,7 @@ def lazy(flag, free, groups, room, most, eps, best, kind, indptr, indices, weigh
         if not full:
             if keys[0] < eps:
                 break
-            take(e, best, kind, indptr, indices, weights, matrix)
+            take(e, best, layout, indptr, indices, weights, matrix)
             picks[count], gains[count] = e, keys[0]
             count += 1
             room[groups[e]] -= 1
@@ -100,7 +101,7 @@ def lazy(flag, free, groups, room, most, eps, best, kind, indptr, indices, weigh
 
 
 @kernel()
-def transpose(flag, items, kind, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def transpose(flag, items, layout, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """The elements of each item, and (but for coverage) the weights that they give it."""
     starts = np.zeros(items + 1, np.int64)
     for p in range(len(indices)):
@@ -108,14 +109,14 @@ def transpose(flag, items, kind, indptr, indices, weights):  # type: ignore[no-u
     for j in range(items):
         starts[j + 1] += starts[j]
     at = starts[:-1].copy()
-    elements, given = np.empty(len(indices), np.int32), np.empty(0 if kind == COVERAGE else len(indices))
+    elements, given = np.empty(len(indices), np.int32), np.empty(0 if layout == AT_ITEM else len(indices))
     for e in range(len(indptr) - 1):
         if asked(flag):
             break
         for p in range(indptr[e], indptr[e + 1]):
             j = indices[p]
             elements[at[j]] = e
-            if kind != COVERAGE:
+            if layout != AT_ITEM:
                 given[at[j]] = weights[p]
             at[j] += 1
     return starts, elements, given
@@ -126,7 +127,7 @@ BLOCK = 256
 
 @kernel()
 def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, kind, indptr, indices, weights, matrix
+    flag, free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, layout, indptr, indices, weights, matrix
 ):
     """Gains kept up to date through the transposed CSR: when an item's weight rises, the gains of its elements fall.
 
@@ -143,7 +144,7 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         if asked(flag):
             return picks[:0], gains[:0], evaluations
         if free[e]:
-            near[e] = gain(e, best, kind, indptr, indices, weights, matrix)
+            near[e] = gain(e, best, layout, indptr, indices, weights, matrix)
             evaluations += 1
             highest[e // BLOCK] = max(highest[e // BLOCK], near[e])
     slack = 4.0 * np.finfo(np.float64).eps * (changes + 2.0) * max(0.0, highest.max()) if blocks > 0 else 0.0
@@ -167,7 +168,7 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             if highest[b] >= top - slack and highest[b] > -np.inf:
                 for e in range(b * BLOCK, min(n, (b + 1) * BLOCK)):
                     if near[e] >= top - slack and room[groups[e]] > 0:
-                        found = gain(e, best, kind, indptr, indices, weights, matrix)
+                        found = gain(e, best, layout, indptr, indices, weights, matrix)
                         evaluations += 1
                         if found > most_gain:
                             chosen, most_gain = e, found
@@ -177,11 +178,11 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             if asked(flag):
                 break
             j = indices[p]
-            old, w = best[j], weights[j] if kind == COVERAGE else weights[p]
+            old, w = best[j], weights[j] if layout == AT_ITEM else weights[p]
             if w > old:
                 best[j] = w
                 for q in range(item_starts[j], item_starts[j + 1]):
-                    if kind == COVERAGE:
+                    if layout == AT_ITEM:
                         near[item_elements[q]] -= w
                     elif item_weights[q] > old:
                         near[item_elements[q]] -= min(item_weights[q], w) - old
@@ -193,7 +194,7 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 
 
 @kernel()
-def in_order(flag, order, starts, members, room, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def in_order(flag, order, starts, members, room, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One group after the other picks its best elements, as many as it has room for."""
     most = 0
     for g in order:
@@ -208,25 +209,12 @@ def in_order(flag, order, starts, members, room, best, kind, indptr, indices, we
                 if asked(flag):
                     return picks[:count], gains[:count], evaluations
                 if left[k] >= 0:
-                    found = gain(left[k], best, kind, indptr, indices, weights, matrix)
+                    found = gain(left[k], best, layout, indptr, indices, weights, matrix)
                     evaluations += 1
                     if found > most_gain:
                         at, most_gain = k, found
-            take(left[at], best, kind, indptr, indices, weights, matrix)
+            take(left[at], best, layout, indptr, indices, weights, matrix)
             picks[count], gains[count] = left[at], most_gain
             count += 1
             left[at] = -1
     return picks, gains, evaluations
-
-
-@kernel()
-def values(masks, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """f of the set in each row of ``masks``; ``best`` is scratch space."""
-    found = np.empty(len(masks))
-    for k in range(len(masks)):
-        best[:] = 0.0
-        for e in range(masks.shape[1]):
-            if masks[k, e]:
-                take(e, best, kind, indptr, indices, weights, matrix)
-        found[k] = best.sum()
-    return found

@@ -9,7 +9,7 @@ T_i+1 (what the elements after i are expected to give)::
 Coverage: equal weights make dF_j/dx_i = w_j prod_{h != i} (1 - x_h), the product formula, which is kept as one product an item.
 Probabilities are counts out of ``steps``: what is summed up and moved is exact, and a full element is recognised as such.
 
-``data`` is ``(state, position, item_starts, item_elements, item_weights, kind, indptr, indices, weights)``: the CSR of the function, its
+``data`` is ``(state, position, item_starts, item_elements, item_weights, layout, indptr, indices, weights)``: the CSR of the function, its
 transpose with the elements of an item by falling weight, the place of each entry in it, and the state, which is kept up to date: for
 coverage prod (1 - x_h) of each item, else dF_j/dx_i of each entry of the transpose.
 """
@@ -20,16 +20,16 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection._gains import COVERAGE
+from ....instances.selection.functions import AT_ITEM
 from .loops import sift
 
 
 @kernel()
 def slope(e, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """dF/dx_e; for coverage only while element ``e`` is not full."""
-    state, position, _, _, _, kind, indptr, indices, weights = data
+    state, position, _, _, _, layout, indptr, indices, weights = data
     total = 0.0
-    if kind == COVERAGE:
+    if layout == AT_ITEM:
         for p in range(indptr[e], indptr[e + 1]):
             total += weights[indices[p]] * state[indices[p]]
         return total * steps / (steps - count[e])
@@ -41,8 +41,8 @@ def slope(e, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no c
 @kernel()
 def move(e, to, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Set x_e to ``to`` steps, and bring the items of ``e`` up to date."""
-    state, _, item_starts, item_elements, item_weights, kind, indptr, indices, _ = data
-    if kind == COVERAGE:
+    state, _, item_starts, item_elements, item_weights, layout, indptr, indices, _ = data
+    if layout == AT_ITEM:
         factor = (steps - to) / (steps - count[e])
         for p in range(indptr[e], indptr[e + 1]):
             state[indices[p]] *= factor
@@ -66,9 +66,9 @@ def move(e, to, count, steps, data):  # type: ignore[no-untyped-def] # pragma: n
 @kernel()
 def value(flag, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """F(x); a part of it where it was asked to stop."""
-    state, _, item_starts, item_elements, item_weights, kind, _, _, weights = data
+    state, _, item_starts, item_elements, item_weights, layout, _, _, weights = data
     total = 0.0
-    if kind == COVERAGE:
+    if layout == AT_ITEM:
         for j in range(len(weights)):
             total += weights[j] * (1.0 - state[j])
         return total

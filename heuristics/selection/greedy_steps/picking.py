@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from ....formulations.selection.feasibility import Openings
+from ....formulations.selection.submodular_selection import SubmodularSelection
 from ....formulations.stop import Stop
 from ....instances.errors import UsageError
-from ....instances.selection.instance import Coverage, DenseFacilityLocation, FacilityLocation
+from ....instances.selection.functions import AT_ITEM, IN_MATRIX, Floats, ItemWeights, SetFunction
+from ....solvers.bounds.selection.growing_sets import GrowingSet, WeightedSet, empty_set
 from .limits import Limits
-from .sets import UserSet
 
 EVALUATIONS = ("auto", "plain", "lazy", "incremental")
 
@@ -32,8 +33,8 @@ class Picked:
     elements : list of int
         In the order of choice.
     gains : list of float
-    evaluations : int
-        Gains evaluated.
+    evaluations, plain_evaluations : int
+        Gains evaluated, and those that a plain greedy evaluates on the way to these picks.
     evaluation : str
         ``plain, lazy`` or ``incremental``.
     ended : str
@@ -43,6 +44,7 @@ class Picked:
     elements: list[int]
     gains: list[float]
     evaluations: int
+    plain_evaluations: int
     evaluation: str
     ended: str
 
@@ -53,9 +55,7 @@ def check_threshold(eps: Any) -> None:
         raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
 
 
-def pick(
-    problem: SubmodularSelection, limits: Limits, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()
-) -> Picked:
+def pick(problem: SubmodularSelection, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()) -> Picked:
     """The best element that there is room for, again and again; ties go to the smallest index.
 
     Parameters
@@ -68,83 +68,71 @@ def pick(
     base : sequence of int
         Elements that are chosen already, and take room.
     """
-    how = _chosen_evaluation(problem, evaluation)
+    weights, limits = problem.function.as_item_weights(), Limits.if_any(problem)
+    compiled = weights is not None and limits is not None
+    how = _chosen_evaluation(problem.function, weights if compiled else None, evaluation)
+    if weights is None or limits is None:
+        return _asked(problem, how, eps, base, stop)
     room, free = limits.without(base), np.ones(problem.num_elements, dtype=bool)
     free[list(base)] = False
     open_ = np.bincount(limits.groups[free], minlength=len(limits.room))
     most = int(np.minimum(room, open_).sum())
-    f = problem.function
-    if isinstance(f, UserFunction):
-        elements, gains, count, stopped = _of_user(f, limits, room.copy(), free, most, eps, base, how == "lazy", stop)
-    else:
-        picks, found, count = _of_arrays(f, how, (stop.flag, free, limits.groups, room.copy(), most, eps), base)
-        elements, gains, stopped = picks.tolist(), found.tolist(), bool(stop.reached())
-    ended = "full" if len(elements) == most else "stopped" if stopped else "eps"
-    return Picked(elements, gains, count, how, ended)
+    picks, gains, count = _compiled(weights, how, (stop.flag, free, limits.groups, room.copy(), most, eps), base)
+    elements = picks.tolist()
+    ended = "full" if len(elements) == most else "stopped" if stop.reached() else "eps"
+    return Picked(elements, gains.tolist(), count, limits.plain_evaluations(elements, base), how, ended)
 
 
-def _chosen_evaluation(problem: SubmodularSelection, evaluation: str) -> str:
-    f = problem.function
+def _chosen_evaluation(f: SetFunction, compiled: ItemWeights | None, evaluation: str) -> str:
     if evaluation not in EVALUATIONS:
         raise UsageError(f"evaluation must be one of {', '.join(EVALUATIONS)}, not {evaluation!r}")
-    if evaluation == "incremental" and isinstance(f, UserFunction | DenseFacilityLocation):
+    sparse = compiled if compiled is not None and compiled.layout != IN_MATRIX else None
+    if evaluation == "incremental" and sparse is None:
         raise UsageError("incremental evaluation is for coverage and sparse facility location; choose plain or lazy")
     if evaluation != "auto":
         return evaluation
-    if isinstance(f, UserFunction):
-        return "lazy" if f.submodular else "plain"
-    if isinstance(f, Coverage):
+    if sparse is not None and (sparse.layout == AT_ITEM or sparse.entries <= THIN * f.num_elements * sparse.num_items):
         return "incremental"
-    if isinstance(f, FacilityLocation) and len(f.indices) <= THIN * f.num_elements * f.num_items:
-        return "incremental"
-    return "lazy"
+    return "lazy" if f.submodular else "plain"
 
 
-def _of_arrays(
-    f: Coverage | FacilityLocation | DenseFacilityLocation, how: str, state: tuple[Any, ...], base: Sequence[int]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], int]:
-    from ....solvers.bounds.selection._gains import as_arrays, take
+def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequence[int]) -> tuple[NDArray[np.int64], Floats, int]:
     from . import loops
 
-    arrays = as_arrays(f)
-    best = np.zeros(f.num_items)
-    for e in base:
-        take(e, best, *arrays)
+    chosen = WeightedSet(weights)
+    chosen.add(base)
     if how != "incremental":
-        return getattr(loops, how)(*state, best, *arrays)  # type: ignore[no-any-return]
-    assert not isinstance(f, DenseFacilityLocation)
+        return getattr(loops, how)(*state, chosen.best, *weights.arrays)  # type: ignore[no-any-return]
     # How often a gain can change: an item of a coverage once, one of a facility location with each pick.
-    changes = int(np.diff(f.indptr).max(initial=0)) * (1 if isinstance(f, Coverage) else state[4])
-    return loops.incremental(*state, best, *loops.transpose(state[0], f.num_items, *arrays[:4]), changes, *arrays)  # type: ignore[no-any-return]
+    changes = int(np.diff(weights.indptr).max(initial=0)) * (1 if weights.layout == AT_ITEM else state[4])
+    items = loops.transpose(state[0], weights.num_items, *weights.arrays[:4])
+    return loops.incremental(*state, chosen.best, *items, changes, *weights.arrays)  # type: ignore[no-any-return]
 
 
-def _of_user(
-    f: UserFunction, limits: Limits, room: NDArray[np.int64], free: NDArray[np.bool_], most: int, eps: float, base: Sequence[int],
-    lazy: bool, stop: Stop,
-) -> tuple[list[int], list[float], int, bool]:  # fmt: skip
-    chosen = UserSet(f)
-    if len(base):
-        chosen.inside[list(base)] = True
-        chosen.value = float(f.values(chosen.inside[None, :])[0])
+def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[int], stop: Stop) -> Picked:
+    """For any function and constraint: in each round the constraint is asked what is open, and the function for gains."""
+    chosen, openings = empty_set(problem.function), Openings(problem.constraint, problem.num_elements)
+    if len(openings.take_in_order(base)) < len(base):
+        raise UsageError("the elements of base break the constraint already")
+    if base:
+        chosen.add(base)
     picks: list[int] = []
     gains: list[float] = []
-    known = np.full(f.num_elements, np.inf)
-    while len(picks) < most:
-        left = np.nonzero(free & (room > 0)[limits.groups])[0]
-        element, gain = _lazy_round(chosen, left, known, stop) if lazy else chosen.best_of(left, stop)
-        if element < 0:
-            return picks, gains, chosen.evaluations, True
-        if gain < eps:
+    known, plain, ended = np.full(problem.num_elements, np.inf), 0, "full"
+    while len(left := openings.open()):
+        element, gain = _lazy_round(chosen, left, known, stop) if how == "lazy" else chosen.best_of(left, stop)
+        if element < 0 or gain < eps:
+            ended = "stopped" if element < 0 else "eps"
             break
+        plain += len(left)
         chosen.take(element, gain)
+        openings.take(element)
         picks.append(element)
         gains.append(gain)
-        free[element] = False
-        room[limits.groups[element]] -= 1
-    return picks, gains, chosen.evaluations, False
+    return Picked(picks, gains, chosen.evaluations, plain, how, ended)
 
 
-def _lazy_round(chosen: UserSet, left: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
+def _lazy_round(chosen: GrowingSet, left: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
     """The best of ``left``, whose gains are at most ``known``; in calls of 1, 2, 4, ... sets, so that few do where many must be asked."""
     order = left[np.lexsort((left, -known[left]))]
     best, gain, at, size = -1, -np.inf, 0, 1

@@ -13,7 +13,9 @@ import numpy as np
 from ...errors import UsageError
 from ...generators import GENERATORS, Draw, Generator
 from ...generators.settings import Setting
-from ..instance import Cardinality, Constraint, Coverage, Knapsack, PartitionMatroid, SelectionInstance
+from ..constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from ..functions import Coverage
+from ..instance import SelectionInstance
 
 SETTINGS = {
     "elements": Setting(1000, "number of elements", least=1, most=10_000_000),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from ....formulations.selection.submodular_selection import UserFunction
 from .. import planted_families as planted
 from .. import selection_families as random
 from .. import selection_traps as traps
@@ -34,7 +33,7 @@ guarantee_study(
     2000,
     [
         Configuration(f"{steps} step{'s' * (steps > 1)}", "continuous-greedy", _ratio(steps), {"steps": steps},
-                      takes=lambda problem: not isinstance(problem.function, UserFunction))
+                      takes=lambda problem: problem.function.as_item_weights() is not None)
         for steps in (1, 10, 100)
     ],
     (

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ....instances.selection.instance import Cardinality, PartitionMatroid
 from .. import planted_families as planted
 from .. import selection_families as random
 from .. import selection_traps as traps
@@ -22,10 +21,10 @@ def greedy_ratio(problem: Any) -> float | None:
     Source: Nemhauser, Wolsey and Fisher (1978), theorem 4.2; Fisher, Nemhauser and Wolsey (1978), theorem 2.1.
     """
     rule = problem.constraint
-    if isinstance(rule, Cardinality):
+    if rule.matroid == "uniform":
         k = min(rule.limit, problem.num_elements)
         return float(1.0 / (1.0 - (1.0 - 1.0 / k) ** k))
-    return 2.0 if isinstance(rule, PartitionMatroid) else None
+    return 2.0 if rule.matroid else None
 
 
 def reversed_order(problem: Any, rng: np.random.Generator) -> dict[str, Any]:
@@ -39,7 +38,7 @@ def random_order(problem: Any, rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _limited(problem: Any) -> bool:
-    return isinstance(problem.constraint, Cardinality)
+    return bool(problem.constraint.matroid == "uniform")
 
 
 CARDINALITY = (*random.random_families("cardinality"), planted.planted_covers("cardinality"), traps.geometric_covers("cardinality"))

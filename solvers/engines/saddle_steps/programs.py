@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.max_min.balls import Floats, Indices, actions_of, num_entries, robots_seeing, slices, targets_seen
+from ....formulations.max_min.balls import Floats, Indices, actions_of, num_entries, robots_seeing, targets_seen
 from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.stop import NEVER, Stop
+from ....instances.arrays import entries_of
 from ....instances.errors import InputError
 from ....instances.sensing.graph import SensingGraph
 from ...backend import RawResult
@@ -128,7 +129,7 @@ def lift(
         None if the program was not solved, or no target could be below ``level``.
     """
     actions = actions_of(graph, robots_seeing(graph, ball))
-    edges, counts = slices(graph.indptr, actions)
+    edges, counts = entries_of(graph.indptr, actions)
     column, weights = np.repeat(np.arange(len(actions)), counts), graph.weights[edges]
     targets = targets_seen(graph, actions)
     row = np.searchsorted(targets, graph.indices[edges])

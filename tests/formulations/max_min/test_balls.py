@@ -15,7 +15,6 @@ from waybound.formulations.max_min.balls import (
     near_one,
     num_edges,
     robots_seeing,
-    slices,
     targets_seen,
     weights_bound,
 )  # fmt: skip
@@ -32,14 +31,6 @@ def dense(graph):
     made = np.zeros((graph.num_actions, graph.num_targets))
     made[graph.action_of_edge, graph.indices] = graph.weights
     return made
-
-
-def test_slices_are_the_entries_of_the_rows_in_the_order_asked_for():
-    indptr = np.array([0, 2, 2, 5])
-    positions, counts = slices(indptr, np.array([2, 0, 1]))
-    assert positions.tolist() == [2, 3, 4, 0, 1]
-    assert counts.tolist() == [3, 2, 0]
-    assert slices(indptr, np.array([], dtype=int))[0].size == 0
 
 
 def test_neighbours_are_those_of_the_dense_matrix(graph):

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.formulations.selection.selections import Selection, entries_of, judge_elements
+from waybound.formulations.selection.selections import Selection, judge_elements
 from waybound.instances.errors import UsageError
 
 
@@ -31,13 +30,3 @@ def test_elements_that_exist_and_stand_once_pass(elements):
     bad = sum(not 0 <= e < 5 for e in elements) + sum(elements[:k].count(e) > 0 for k, e in enumerate(elements) if 0 <= e < 5)
     assert len(faults) == bad
     assert (check.passed, check.tested) == (bad == 0, len(elements))
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_entries_of_rows_come_row_after_row(seed):
-    rng = np.random.default_rng(seed)
-    matrix = sp.random(6, 5, density=0.4, format="csr", random_state=seed % 2**31)
-    rows = rng.integers(0, 6, rng.integers(0, 8))
-    found = entries_of(matrix.indptr, rows)
-    expected = [k for row in rows.tolist() for k in range(matrix.indptr[row], matrix.indptr[row + 1])]
-    assert found.tolist() == expected

@@ -15,7 +15,8 @@ from waybound.formulations.selection.submodular_selection import SubmodularSelec
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Coverage, PartitionMatroid
+from waybound.instances.selection.constraints import PartitionMatroid
+from waybound.instances.selection.functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.linear_programs import LinearPrograms
 from waybound.solving.solve import solve
@@ -75,7 +76,7 @@ def test_without_a_solved_lp_there_is_no_answer() -> None:
 
 
 def test_unknown_ties_are_refused() -> None:
-    with pytest.raises(UsageError, match="ties must be last or first"):
+    with pytest.raises(UsageError, match="ties must be last, first or random"):
         solve(cover_30(6), heuristic="lp-rounding", ties="middle")
 
 

@@ -12,11 +12,12 @@ from selection_problems import CONSTRAINTS, KINDS, optimum, random_problem, run,
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, UserFunction
 from waybound.instances.sensing.graph import SensingGraph
 from waybound.solving.solve import solve
 

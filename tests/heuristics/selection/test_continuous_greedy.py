@@ -14,7 +14,8 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation
 
 
 @given(st.integers(0, 10**6), st.sampled_from(KINDS[:4]), st.sampled_from(["cardinality", "partition"]), st.sampled_from([1, 2, 7, 40]))

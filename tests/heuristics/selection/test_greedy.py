@@ -27,10 +27,11 @@ from selection_problems import (
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import InputError, UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation, FacilityLocation, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
 from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
 
 

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from selection_problems import KINDS, cover_tight, only_evidence, optimum, random_problem, run, setting, value
 
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage, Knapsack
+from waybound.instances.selection.constraints import Cardinality, Knapsack
+from waybound.instances.selection.functions import Coverage, UserFunction
 
 E = 1 - math.exp(-1)
 SHARES = {0: E / 2, 1: E / 2, 2: E, 3: E}

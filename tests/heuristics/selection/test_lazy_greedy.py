@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import KINDS, cover_30, cover_30_sets, greedy_by_hand, random_problem, run, value
 
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Cardinality, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, PartitionMatroid
+from waybound.instances.selection.functions import UserFunction
 
 
 def weight_of_cover_30(sets: list[int]) -> int:

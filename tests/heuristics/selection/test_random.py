@@ -14,7 +14,8 @@ from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.selection.instance import Coverage, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage
 from waybound.instances.sensing.graph import SensingGraph
 
 

@@ -16,7 +16,8 @@ from waybound.formulations.selection.submodular_selection import SubmodularSelec
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Coverage, PartitionMatroid
+from waybound.instances.selection.constraints import PartitionMatroid
+from waybound.instances.selection.functions import Coverage
 from waybound.instances.sensing.graph import SensingGraph
 
 

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, feasible_sets, random_constraint, random_function, run
 
 import waybound as wb
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.heuristics.selection.submodularity import check_submodular
 from waybound.instances.errors import InputError, UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage
+from waybound.instances.selection.constraints import Cardinality
+from waybound.instances.selection.functions import Coverage, UserFunction
 
 
 def csqmi(p: float, hit_occupied: float, hit_free: float, readings: int) -> UserFunction:

@@ -11,18 +11,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from selection_problems import Apart, Weights
 
 from waybound.instances.errors import InputError
 from waybound.instances.formats.waybound_json import read, write
-from waybound.instances.selection.instance import (
-    Cardinality,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    Knapsack,
-    PartitionMatroid,
-    SelectionInstance,
-)
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
+from waybound.instances.selection.instance import SelectionInstance
+from waybound.instances.selection.json_kind import CONSTRAINTS, SET_FUNCTIONS, JsonPart
 
 COVERAGE = {"kind": "coverage", "item_weights": [1, 2.5, 3], "sets": [[0, 2], [1], []]}
 FACILITY = {"kind": "facility-location", "items": 3, "sets": [[0, 2], [1], []], "weights": [[1, 2], [0.5], []]}
@@ -77,7 +73,7 @@ def test_precision_is_kept() -> None:
         ({"function": 5}, "function must be an object; found 5"),
         (
             {"function": {"kind": "sum"}},
-            "function.kind is unknown; expected coverage, facility-location, dense-facility-location; found sum",
+            "function.kind is unknown; expected coverage, dense-facility-location, facility-location; found sum",
         ),
         ({"function": {**COVERAGE, "items": 3}}, "function has an unknown key 'items'"),
         ({"function": {"kind": "coverage", "sets": []}}, "function lacks the key 'item_weights'"),
@@ -98,7 +94,7 @@ def test_precision_is_kept() -> None:
         ({"function": {**DENSE, "matrix": [[1, -2], [3, 1], [4, 0]]}}, "weights must be finite and not negative"),
         ({"function": {**DENSE, "single": 1}}, "function.single[0] must be true or false"),
         ({"function": {**DENSE, "matrix": [[0.1]], "single": True}}, "function.matrix holds numbers that single precision does not"),
-        ({"constraint": {"kind": "matroid"}}, "constraint.kind is unknown; expected cardinality, partition, knapsack; found matroid"),
+        ({"constraint": {"kind": "matroid"}}, "constraint.kind is unknown; expected cardinality, knapsack, partition; found matroid"),
         ({"constraint": {"limit": 2}}, "constraint lacks the key 'kind'"),
         ({"constraint": {"kind": "cardinality", "limit": 0}}, "constraint.limit must be a whole number; expected 1 or more; found 0"),
         ({"constraint": {"kind": "cardinality", "limit": 2, "budget": 1}}, "constraint has an unknown key 'budget'"),
@@ -137,3 +133,15 @@ def test_nothing_to_choose_from_is_legal() -> None:
     for constraint in (Cardinality(1), PartitionMatroid.of([], []), Knapsack(np.zeros(0), 0.0)):
         made = SelectionInstance(Coverage.from_sets([], []), constraint)
         assert read(write(made), Path("a.json")).digest() == made.digest()  # type: ignore[attr-defined]
+
+
+def test_functions_and_constraints_from_outside_are_written_and_read() -> None:
+    function = JsonPart(("table",), lambda f: {"table": f.table.tolist()}, lambda given, elements: Weights(np.array(given["table"])))
+    rule = JsonPart((), lambda c: {}, lambda given, elements: Apart())
+    made = SelectionInstance(Weights(np.eye(2)), Apart())
+    with pytest.raises(InputError, match="the function weights cannot be written to a file; expected coverage"):
+        write(made)
+    with SET_FUNCTIONS.temporary("weights", function), CONSTRAINTS.temporary("apart", rule):
+        assert json.loads(write(made))["function"] == {"kind": "weights", "table": [[1.0, 0.0], [0.0, 1.0]]}
+        again = read(write(made), Path("a.json"))
+        assert isinstance(again, SelectionInstance) and again.digest() == made.digest()

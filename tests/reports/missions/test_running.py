@@ -14,7 +14,8 @@ import pytest
 import waybound as wb
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage
+from waybound.instances.selection.constraints import Cardinality
+from waybound.instances.selection.functions import Coverage
 from waybound.instances.worlds import Setting, World, setting_values
 from waybound.reports.missions import running
 from waybound.reports.missions.mission import Mission

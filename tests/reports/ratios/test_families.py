@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from waybound.instances.selection.instance import Knapsack
+from waybound.instances.selection.constraints import Knapsack
 from waybound.reports.ratios import max_min_families as graphs
 from waybound.reports.ratios import planted_families as planted
 from waybound.reports.ratios import selection_families as random

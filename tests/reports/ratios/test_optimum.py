@@ -14,10 +14,11 @@ from sata_cases import CASES
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.selection.selections import Selection
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage
+from waybound.instances.selection.constraints import Cardinality
+from waybound.instances.selection.functions import Coverage, UserFunction
 from waybound.reports.ratios.optimum import MOST_ELEMENTS, allowed_sets, attained, optimum, set_values
 
 

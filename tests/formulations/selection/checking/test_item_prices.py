@@ -18,7 +18,8 @@ from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.tolerance import LIMIT
 from waybound.instances.errors import InputError
-from waybound.instances.selection.instance import Cardinality, Coverage, DenseFacilityLocation, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, DenseFacilityLocation
 
 KIND = "item-prices"
 FUNCTIONS = ("coverage", "facility-location", "dense", "dense32")

@@ -15,10 +15,11 @@ from waybound.formulations.evidence import Evidence
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.selection.checking.marginal_gains import check_marginal_gains
 from waybound.formulations.selection.selections import Selection
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.tolerance import LIMIT
 from waybound.instances.errors import InputError
-from waybound.instances.selection.instance import Cardinality, Coverage, FacilityLocation, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, FacilityLocation, UserFunction
 from waybound.instances.sensing.graph import SensingGraph
 
 

@@ -19,7 +19,8 @@ from waybound.formulations.selection.submodular_selection import SubmodularSelec
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import InputError
-from waybound.instances.selection.instance import Cardinality, Coverage, FacilityLocation, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, FacilityLocation
 from waybound.instances.sensing.graph import graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.bounds import BOUNDS

@@ -7,12 +7,13 @@ import pytest
 from selection_problems import cover_30, run
 
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.heuristics.selection.greedy_steps.limits import Limits, spendable, that_fit
+from waybound.heuristics.selection.greedy_steps.limits import Limits, first_allowed
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.instance import Cardinality, Coverage, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage
 
 
-def problem_of(constraint: Cardinality | PartitionMatroid, n: int) -> SubmodularSelection:
+def problem_of(constraint: Constraint, n: int) -> SubmodularSelection:
     return SubmodularSelection(Coverage.from_sets([[e] for e in range(n)], np.ones(n)), constraint)
 
 
@@ -41,5 +42,4 @@ def test_room_beside_chosen_elements() -> None:
 
 def test_a_budget_leaves_room_for_rounding_and_no_more() -> None:
     knapsack = Knapsack(np.array([0.1, 0.1, 0.1, 1e-6]), 0.3)
-    assert that_fit([0, 1, 2, 3], knapsack) == [0, 1, 2]
-    assert spendable(Knapsack(np.ones(1), 1e12)) - 1e12 <= 1e-6
+    assert first_allowed(problem_of(knapsack, 4), np.arange(4)) == [0, 1, 2]

@@ -13,23 +13,24 @@ from selection_problems import random_function
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.selection.greedy_steps import multilinear
-from waybound.instances.selection.instance import Cardinality, Coverage, FacilityLocation
-from waybound.solvers.bounds.selection._gains import COVERAGE, as_arrays
+from waybound.instances.selection.constraints import Cardinality
+from waybound.instances.selection.functions import AT_ITEM, Coverage, FacilityLocation
 
 Function = Coverage | FacilityLocation
 
 
 def data_of(f: Function) -> tuple[object, ...]:
     """What the kernels take, at x = 0."""
-    kind, indptr, indices, weights, _ = as_arrays(f)
+    layout, indptr, indices, weights, _ = f.as_item_weights().arrays
+    of_entry = weights[indices] if layout == AT_ITEM else weights
     owner = np.repeat(np.arange(f.num_elements), np.diff(indptr))
-    order = np.lexsort((owner, -f.edge_weights, indices))
+    order = np.lexsort((owner, -of_entry, indices))
     position = np.empty(len(order), np.int64)
     position[order] = np.arange(len(order))
     starts = np.concatenate([[0], np.cumsum(np.bincount(indices, minlength=f.num_items))]).astype(np.int64)
-    given_weights = f.edge_weights[order]
-    state = np.ones(f.num_items) if kind == COVERAGE else given_weights.copy()
-    return state, position, starts, owner[order].astype(np.int32), given_weights, kind, indptr, indices, weights
+    given_weights = of_entry[order]
+    state = np.ones(f.num_items) if layout == AT_ITEM else given_weights.copy()
+    return state, position, starts, owner[order].astype(np.int32), given_weights, layout, indptr, indices, weights
 
 
 def expected(f: Function, x: np.ndarray) -> float:

@@ -13,9 +13,10 @@ from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, optimu
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.selection.submodular_selection import SubmodularSelection, UserFunction
+from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import Stop
-from waybound.instances.selection.instance import Cardinality, Coverage, Knapsack, PartitionMatroid
+from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.selection.functions import Coverage, UserFunction
 from waybound.instances.sensing.graph import SensingGraph
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.selection.marginal_gains import best_prefix, marginal_gains_bound

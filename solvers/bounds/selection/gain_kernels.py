@@ -1,50 +1,24 @@
 """Marginal gains of coverage and facility location, compiled.
 
-A function is handed over as ``(kind, indptr, indices, weights, matrix)`` (see ``as_arrays``): the weights that elements give to items,
-in CSR form or as a matrix; coverage is facility location whose weights are those of the items. A set S is ``best``, the largest weight
-that one of its elements gives to each item, so that f(S) = sum(best). Sums are in float64 whatever the matrix holds, and in one order
-of additions, so that two loops that ask for the same gain get the same number to the bit. Loops over elements take a ``Stop.flag`` first.
+A function is handed over as the ``arrays`` of its ``ItemWeights``: ``(layout, indptr, indices, weights, matrix)``. A set S is ``best``, the
+largest weight that one of its elements gives to each item, so that f(S) = sum(best). Sums are in float64 whatever the matrix holds, and in
+one order of additions, so that two loops that ask for the same gain get the same number to the bit. Loops over elements take a
+``Stop.flag`` first.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....instances.selection.instance import Coverage, DenseFacilityLocation, FacilityLocation
-
-Floats = NDArray[np.float64]
-Arrays = tuple[int, NDArray[np.int32], NDArray[np.int32], Floats, NDArray[np.floating[Any]]]
-
-COVERAGE, SPARSE, DENSE = 0, 1, 2
-"""Where a weight stands: at the item, at the CSR entry, in the matrix."""
-
-
-def as_arrays(function: Coverage | FacilityLocation | DenseFacilityLocation) -> Arrays:
-    """What the kernels take; a dense function has empty CSR arrays, a sparse one an empty matrix."""
-    if isinstance(function, DenseFacilityLocation):
-        none = _frozen(np.zeros(0), np.int32)
-        return DENSE, none, none, _frozen(np.zeros(0), np.float64), _frozen(function.matrix, function.matrix.dtype)
-    kind, weights = (COVERAGE, function.item_weights) if isinstance(function, Coverage) else (SPARSE, function.weights)
-    indptr, indices = _frozen(function.indptr, np.int32), _frozen(function.indices, np.int32)
-    return kind, indptr, indices, _frozen(weights, np.float64), _frozen(np.zeros((0, 0)), np.float64)
-
-
-def _frozen(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
-    """Read-only, whoever made it: to a compiler these are two types, and a kernel would be compiled for each."""
-    view = np.ascontiguousarray(values, dtype).view()
-    view.setflags(write=False)
-    return view
+from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 
 
 @kernel()
-def gain(e, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def gain(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """What element ``e`` adds to the set that ``best`` stands for."""
-    if kind == DENSE:
+    if layout == IN_MATRIX:
         # Four sums at once, because one would wait for its own last addition.
         a, b, c, d = 0.0, 0.0, 0.0, 0.0
         items = matrix.shape[1]
@@ -58,7 +32,7 @@ def gain(e, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-un
             a += max(matrix[e, j] - best[j], 0.0)
         return (a + b) + (c + d)
     total = 0.0
-    if kind == COVERAGE:
+    if layout == AT_ITEM:
         for p in range(indptr[e], indptr[e + 1]):
             total += weights[indices[p]] - best[indices[p]]
     else:
@@ -68,30 +42,30 @@ def gain(e, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-un
 
 
 @kernel()
-def take(e, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def take(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add element ``e`` to the set: raises ``best`` in place."""
-    if kind == DENSE:
+    if layout == IN_MATRIX:
         for j in range(matrix.shape[1]):
             best[j] = max(best[j], matrix[e, j])
     else:
         for p in range(indptr[e], indptr[e + 1]):
             j = indices[p]
-            best[j] = max(best[j], weights[j] if kind == COVERAGE else weights[p])
+            best[j] = max(best[j], weights[j] if layout == AT_ITEM else weights[p])
 
 
 @kernel()
-def gains_of(flag, elements, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def gains_of(flag, elements, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gain of each of ``elements``, shape (elements,); 0 where it was asked to stop before."""
     found = np.zeros(len(elements))
     for k in range(len(elements)):
         if asked(flag):
             break
-        found[k] = gain(elements[k], best, kind, indptr, indices, weights, matrix)
+        found[k] = gain(elements[k], best, layout, indptr, indices, weights, matrix)
     return found
 
 
 @kernel()
-def sweep(flag, costs, budget, groups, room, most, floor, best, kind, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def sweep(flag, costs, budget, groups, room, most, floor, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """A set picked almost greedily: sweeps with a falling threshold on the gain per cost, each a tenth below the last.
 
     Every set proves a bound; one near greedy's proves a good one, and this needs no heap. The number of sweeps is fixed beforehand: a
@@ -101,7 +75,7 @@ def sweep(flag, costs, budget, groups, room, most, floor, best, kind, indptr, in
     known = np.empty(n)  # an upper bound on the gain per cost of each element
     top = 0.0
     for e in range(n):
-        known[e] = gain(e, best, kind, indptr, indices, weights, matrix) / costs[e]
+        known[e] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
         if costs[e] > budget or room[groups[e]] == 0:
             known[e] = -1.0
         top = max(top, known[e])
@@ -120,9 +94,9 @@ def sweep(flag, costs, budget, groups, room, most, floor, best, kind, indptr, in
             if costs[e] > budget or room[groups[e]] == 0:
                 known[e] = -1.0
                 continue
-            known[e] = gain(e, best, kind, indptr, indices, weights, matrix) / costs[e]
+            known[e] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
             if known[e] >= threshold:
-                take(e, best, kind, indptr, indices, weights, matrix)
+                take(e, best, layout, indptr, indices, weights, matrix)
                 picks[count] = e
                 count += 1
                 known[e] = -1.0

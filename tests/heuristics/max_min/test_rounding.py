@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from waybound.heuristics.max_min.rounding import largest_shares
 from waybound.instances.errors import UsageError
 from waybound.instances.sensing.graph import graph_of_edges
-from waybound.solvers.engines.local_max_min.rounding import largest_shares
 
 GRAPH = graph_of_edges([0, 0, 1, 1, 1, 2], [0, 1, 2, 3, 4], [0, 0, 0, 0, 0], robots=4, targets=1)
 
@@ -26,6 +26,16 @@ def test_ties_follow_the_rule_also_where_rounding_tells_shares_apart() -> None:
 
 def test_shares_that_differ_by_more_are_no_tie() -> None:
     assert largest_shares(GRAPH, np.array([0.5 + 1e-6, 0.5 - 1e-6, 0, 0, 1, 0])).tolist() == [0, 4]
+
+
+def test_shares_of_other_robots_join_no_tie() -> None:
+    count = 1000  # robots with two actions each; all shares together are a run without a gap
+    shares = np.full(2 * count, 0.5)
+    shares[0::2] += np.arange(1, count + 1) * 0.9e-9
+    shares[1::2] -= np.arange(1, count + 1) * 0.9e-9
+    robots = np.repeat(np.arange(count), 2)
+    graph = graph_of_edges(robots, np.arange(2 * count), np.zeros(2 * count), robots=count, targets=1)
+    assert largest_shares(graph, shares).tolist() == list(range(0, 2 * count, 2))
 
 
 def test_robots_without_shares_take_no_action_and_the_order_of_actions_is_free() -> None:
