@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -50,7 +51,10 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
     text = read_text(path)
     try:
         if text.lstrip().startswith("{"):
-            return _from_json(problem, parse_json(text))
+            data = parse_json(text)
+            if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
+                raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
+            return answer_in_json(problem, data)
         return ReadAnswer(*problem.answer_from_text(text))
     except InputError as error:
         raise error.at(file=path) from None
@@ -58,15 +62,14 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
         raise UsageError(f"{path}: {error}") from None
 
 
-def _from_json(problem: Problem, data: Any) -> ReadAnswer:
-    if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
-        raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
+def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:
+    """The answer in the JSON of a solution or of an answer; raises InputError for anything else."""
     if "answer" not in data:
         return ReadAnswer(problem.answer_from_json(data))
     if data["answer"] is None:
         raise InputError("the file holds no answer", expected='an "answer" that is not null')
     notes = tuple(
-        f"the file was made for another {what}: {printable(data[key], 80)}, here {own}"
+        f"made for another {what}: {printable(data[key], 80)}, here {own}"
         for key, what, own in (
             ("problem", "problem", problem.problem),
             ("convention", "convention", problem.convention),

@@ -68,6 +68,13 @@ class Form:
 FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms", group="waybound.forms")
 
 
+def nearest_form(problem: Asked) -> tuple[str, frozenset[str]]:
+    """The form that lacks the fewest features of ``problem``, the best one of these, and what it lacks."""
+    forms = sorted((form for form in FORMS.values() if form.family == problem.family), key=lambda form: form.order)
+    lacking = {form.name: form.missing(problem) for form in forms}
+    return min(lacking.items(), key=lambda item: len(item[1]), default=("", frozenset({f"a form for {problem.family} problems"})))
+
+
 def default_form(problem: Asked) -> str:
     """The first exact form of ``problem``: others are taken where they are named, never by default.
 
@@ -76,7 +83,7 @@ def default_form(problem: Asked) -> str:
     UsageError
         If it has inexact forms alone.
     UnsupportedError
-        If it has none.
+        If it has none; names the nearest and what that one lacks.
     """
     usable = problem.forms()
     exact = [name for name in usable if FORMS[name].exactness is Exactness.EXACT]
@@ -84,7 +91,8 @@ def default_form(problem: Asked) -> str:
         return exact[0]
     if usable:
         raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}")
-    raise UnsupportedError("every form", problem.features())
+    name, lacking = nearest_form(problem)
+    raise UnsupportedError("no form", lacking, nearest=name)
 
 
 def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False) -> Compiled:

@@ -105,6 +105,10 @@ class Problem(ABC):
     def answer_from_json(self, data: Any) -> Any:
         """Inverse of ``answer_to_json``; raises InputError for anything else."""
 
+    def answer_of(self, given: Any) -> Any:
+        """The answer that ``given`` stands for: one already, or what says clearly which one; raises UsageError for anything else."""
+        return given
+
     @abstractmethod
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """The answer as a table."""

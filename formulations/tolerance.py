@@ -53,6 +53,11 @@ def widening(limit: ArrayLike, size: ArrayLike = 0.0) -> NDArray[np.float64]:
     return np.where(np.isfinite(most), LIMIT * most, 0.0)
 
 
+def widened(limit: ArrayLike) -> NDArray[np.float64]:
+    """The largest totals that may count as within ``limit``."""
+    return np.asarray(limit, dtype=np.float64) + widening(limit)
+
+
 def room(costs: ArrayLike, budget: float) -> float:
     """The largest sum of ``costs`` that counts as within ``budget``: the budget itself where all are whole numbers, else ``LIMIT`` more."""
     every = np.asarray(costs, dtype=np.float64)

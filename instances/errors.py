@@ -90,20 +90,22 @@ class UnsupportedError(WayboundError):
         The features it lacks, in the problem's words.
     others : sequence of str, optional
         Installed alternatives that have them all.
+    nearest : str, optional
+        Where ``who`` is none of several: the one that lacks the fewest.
     """
 
     exit_code = 2
 
-    def __init__(self, who: str, missing: object, others: object = ()) -> None:
+    def __init__(self, who: str, missing: object, others: object = (), nearest: str = "") -> None:
         self.who = who
         self.missing = tuple(sorted(str(item) for item in missing))  # type: ignore[attr-defined]
         self.others = tuple(str(item) for item in others)  # type: ignore[attr-defined]
-        text = f"{who} cannot take this problem: it lacks {', '.join(self.missing)}"
-        if self.others:
-            text += f"; can take it: {', '.join(self.others)}"
-        else:
-            text += "; no installed alternative has them all"
-        super().__init__(text)
+        lacking = ", ".join(self.missing)
+        if nearest:
+            super().__init__(f"{who} can take this problem: the nearest, {nearest}, lacks {lacking}")
+            return
+        rest = f"can take it: {', '.join(self.others)}" if self.others else "no installed alternative has them all"
+        super().__init__(f"{who} cannot take this problem: it lacks {lacking}; {rest}")
 
 
 class MissingPackageError(WayboundError):

@@ -169,7 +169,8 @@ def random_function(rng: np.random.Generator, kind: str, n: int, *, whole: bool 
     if kind == "own-values":
         return Roots(weights)
     if kind == "user":
-        return UserFunction(lambda masks: np.sqrt(masks @ weights).sum(axis=1), n, monotone=True, submodular=True, label="roots of sums")
+        concave = (lambda sums: np.minimum(sums, 4.0)) if whole else np.sqrt  # roots of whole numbers would round
+        return UserFunction(lambda masks: concave(masks @ weights).sum(axis=1), n, monotone=True, submodular=True, label="concave of sums")
     starts = np.concatenate([[0], np.cumsum((weights > 0).sum(axis=1))]).astype(np.int32)
     indices = np.nonzero(weights)[1].astype(np.int32)
     if kind == "coverage":

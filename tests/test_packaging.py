@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import sysconfig
 import tarfile
 import tomllib
 import zipfile
@@ -37,13 +38,63 @@ def test_a_floor_cannot_be_imported_by_its_bare_name(folder: str) -> None:
     assert "relative import" in run.stderr
 
 
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A clone of the tree."""
+    subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", str(ROOT), str(tmp_path / "checkout")], check=True, capture_output=True)
+    return tmp_path / "checkout"
+
+
+SCRIPT = """
+from pathlib import Path
+import numpy as np
+import pandas as pd
+import waybound as wb
+
+xy = np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)])
+sites = wb.Sites.of(["o", "a", "b"], demand=[0, 1, 1], due=99, coordinates=xy)
+travel = wb.Travel("euclidean", xy)
+small, large = wb.VehicleType(1, capacity=2), wb.VehicleType(energy=wb.Energy(9), name="large")
+wb.RoutingInstance("name", "csv", sites, travel, [small, large])
+wb.RoutingProblem(sites, travel, (small, large), wb.Vehicles().then(wb.TotalCost()), min_vehicles=1, name="n", problem="cvrp")
+wb.RoutingProblem(sites, travel, [small], objective=2 * wb.TotalCost() + 3 * wb.Vehicles())
+problem = wb.RoutingProblem(sites, travel, [wb.VehicleType(1)], objective=wb.TotalCost() - wb.Reward())
+solution = wb.solve(problem, heuristic="savings", start=[["a", "b"]])
+frame: pd.DataFrame = solution.to_frame()
+wb.solve(problem.compile("three-index", relax=True), "highs", time_limit=1)
+wb.check(problem, wb.Routes.of([wb.Route((1, 2), vehicle=0), [1, 2]]), Path("certificate.json"))
+reveal_type(wb.solve)
+problem.colour
+"""
+
+
 @pytest.mark.packaging
-def test_wheel_from_tree_and_from_sdist_hold_the_same_files(tmp_path: Path) -> None:
+@pytest.mark.parametrize("how", [[], ["--editable"]])
+def test_mypy_checks_a_users_script_against_an_installed_package(tmp_path: Path, checkout: Path, how: list[str]) -> None:
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", "env"], cwd=tmp_path, check=True)
+    python = tmp_path / "env" / "bin" / "python"
+    install = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", *how, str(checkout)]
+    subprocess.run(install, check=True, capture_output=True)
+    (library,) = (tmp_path / "env").glob("lib/*/site-packages")
+    (library / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    (tmp_path / "script.py").write_text(SCRIPT)
+    run = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(python), "--cache-dir", str(tmp_path / "cache"), "script.py"],
+        cwd=tmp_path, capture_output=True, text=True,
+    )  # fmt: skip
+    *told, count = run.stdout.splitlines()
+    assert [line for line in told if "error" in line] == ['script.py:20: error: "RoutingProblem" has no attribute "colour"  [attr-defined]']
+    assert any(
+        "Revealed type" in line and "RoutingProblem" not in line and "waybound.formulations.solution.Solution" in line for line in told
+    )
+    assert count.startswith("Found 1 error in 1 file")
+
+
+@pytest.mark.packaging
+def test_wheel_from_tree_and_from_sdist_hold_the_same_files(tmp_path: Path, checkout: Path) -> None:
     def pip(*arguments: str, cwd: Path) -> None:
         subprocess.run([sys.executable, "-m", "pip", *arguments], cwd=cwd, check=True, capture_output=True)
 
-    checkout = tmp_path / "checkout"
-    subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", str(ROOT), str(checkout)], check=True, capture_output=True)
     pip("wheel", "--no-deps", "--wheel-dir", str(tmp_path / "direct"), ".", cwd=checkout)
     subprocess.run(
         [sys.executable, "-m", "build", "--sdist", "--outdir", str(tmp_path / "sdist"), "."], cwd=checkout, check=True, capture_output=True
@@ -61,5 +112,6 @@ def test_wheel_from_tree_and_from_sdist_hold_the_same_files(tmp_path: Path) -> N
 
     direct, indirect = files(tmp_path / "direct"), files(tmp_path / "indirect")
     assert direct == indirect
+    assert "waybound/py.typed" in direct
     for package in packages_in_tree():
         assert package.replace(".", "/") + "/__init__.py" in direct

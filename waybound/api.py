@@ -113,8 +113,8 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     Parameters
     ----------
     problem : Problem
-    answer : Solution, answer of the problem, or path
-        A path names a solution file: ``.json``, of routes also ``.sol`` or ``.tour``.
+    answer : answer, Solution, mapping or path
+        As for the ``start`` of ``solve``. A path names a solution file: ``.json``, of routes also ``.sol`` or ``.tour``.
     certificate : path, mapping or Certificate, optional
         Its bound is derived again from its evidence.
 
@@ -129,15 +129,10 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
         If the certificate states more than its evidence proves, or another objective than the answer's.
     """
     from .formulations.certificate import Certificate, certify, check_certificate
-    from .formulations.solution import Solution
+    from .solving.answers import answer_given
 
     _refuse_path("check", problem)
-    if isinstance(answer, str | PathLike):
-        from .formulations.answers import read_answer
-
-        answer = read_answer(problem, answer).answer
-    elif isinstance(answer, Solution):
-        answer = answer.answer
+    answer, _ = answer_given(problem, answer, "the answer")
     if answer is None:
         raise UsageError("there is no answer to check")
     evaluation = problem.evaluate(answer)

@@ -154,6 +154,10 @@ class ArrayProblem(Problem):
             raise InputError("the answer's values must be numbers")
         return self._vector(data["values"])
 
+    def answer_of(self, given: Any) -> Floats:
+        """A vector of shape (variables,)."""
+        return self._vector(given)
+
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """One row a variable: variable, value, lower, upper."""
         import pandas as pd

@@ -17,7 +17,7 @@ from ...instances.sensing.graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, Problem
 from ..selection.assignments import action_index, actions_from_json, actions_to_json, graph_for
-from ..selection.selections import Selection, judge_elements
+from ..selection.selections import Selection, judge_elements, selection_of
 from ..selection.submodular_selection import refuse_settings
 from ..tolerance import VECTOR
 
@@ -99,13 +99,7 @@ class BottleneckSATA(Problem):
         return self._evaluate_shares(answer) if self.fractional else self._evaluate_selection(answer)
 
     def _evaluate_shares(self, answer: Any) -> Evaluation:
-        g = self.graph
-        try:
-            x = np.asarray(answer, dtype=np.float64) if not isinstance(answer, Selection) else np.zeros((0, 0))
-        except (TypeError, ValueError):
-            x = np.zeros((0, 0))
-        if x.shape != (g.num_actions,):
-            raise UsageError(f"an answer to {self.problem} is a vector of shares, one for each of the {g.num_actions} actions")
+        g, x = self.graph, self._shares(answer)
         with np.errstate(invalid="ignore"):
             load = np.bincount(g.robot_of_action, x, minlength=g.num_robots)
         judged = (
@@ -139,6 +133,15 @@ class BottleneckSATA(Problem):
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
+    def _shares(self, answer: Any) -> Floats:
+        try:
+            x = np.asarray(answer, dtype=np.float64) if not isinstance(answer, Selection) else np.zeros((0, 0))
+        except (TypeError, ValueError):
+            x = np.zeros((0, 0))
+        if x.shape != (self.graph.num_actions,):
+            raise UsageError(f"an answer to {self.problem} is a vector of shares, one for each of the {self.graph.num_actions} actions")
+        return x
+
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         g = self.graph
         if not self.fractional:
@@ -165,6 +168,10 @@ class BottleneckSATA(Problem):
                 raise InputError(f"the share of action {entry['action']} is not a number", found=str(share)[:80])
             shares[index[str(entry["action"])]] += share
         return shares
+
+    def answer_of(self, given: Any) -> Any:
+        """A ``Selection``, or a list of action indices or names; of the fractional problem a vector of shape (actions,)."""
+        return self._shares(given) if self.fractional else selection_of(given, lambda: action_index(self.graph), "action")
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """One row an action that is used: robot, action, share, targets it sees."""

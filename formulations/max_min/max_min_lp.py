@@ -109,12 +109,7 @@ class MaxMinLP(Problem):
         What passes is priced at the nearest multiple of its nonnegative part that breaks no row, so that nothing is gained by what the
         tests let pass. A negative entry is tested by what it adds to a row.
         """
-        try:
-            x = np.asarray(answer, dtype=np.float64)
-        except (TypeError, ValueError):
-            x = np.zeros((0, 0))
-        if x.shape != (self.num_variables,):
-            raise UsageError(f"an answer to {self.problem} is a vector of {self.num_variables} numbers")
+        x = self._vector(answer)
         maximise = self.sense == "max"
         with np.errstate(invalid="ignore", over="ignore"):
             packed, covered = _rows(self.packing, x), _rows(self.covering, x)
@@ -142,6 +137,15 @@ class MaxMinLP(Problem):
         np.maximum.at(made, rows.indices, rows.data)
         return np.where(made > 0, made, 1.0)
 
+    def _vector(self, answer: Any) -> Floats:
+        try:
+            x = np.asarray(answer, dtype=np.float64)
+        except (TypeError, ValueError):
+            x = np.zeros((0, 0))
+        if x.shape != (self.num_variables,):
+            raise UsageError(f"an answer to {self.problem} is a vector of {self.num_variables} numbers")
+        return x
+
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         x = np.asarray(answer, dtype=np.float64)
         return {"kind": "values", "values": {self.variable_name(k): float(x[k]) for k in np.nonzero(x)[0].tolist()}}
@@ -157,6 +161,10 @@ class MaxMinLP(Problem):
                 raise InputError(f"the value of variable {name} is not a number", found=str(value)[:80])
             x[index[name]] = value
         return x
+
+    def answer_of(self, given: Any) -> Floats:
+        """A vector of shape (variables,)."""
+        return self._vector(given)
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """One row a variable that is not 0: variable, value."""

@@ -5,18 +5,20 @@ What is found here are suspicions with their evidence; ``formulations.checking``
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.routing.reach import Use, least_use, shortest_ways
 from ..certificate import verified_bound
 from ..evidence import Evidence
-from ..tolerance import widening
+from ..tolerance import widened
 from .reachability import unreachable
 
 if TYPE_CHECKING:
@@ -84,10 +86,6 @@ def _evidence(problem: RoutingProblem, kind: str, why: str, **data: object) -> E
     return Evidence(kind, why, none(problem), data)
 
 
-def _allowed(limit: Floats | float) -> Floats | float:
-    return limit + widening(limit)
-
-
 def suspicions(problem: RoutingProblem) -> Iterator[Evidence]:
     """All that the arguments find but for small groups, confirmed or not."""
     for argue in (_routes_asked_for, _loads, _ranges, _sites_apart, _hours):
@@ -114,7 +112,7 @@ def _loads(problem: RoutingProblem) -> Iterator[Evidence]:
         return
     largest = max(v.capacity for v in problem.fleet)
     if math.isfinite(largest) and math.isfinite(total):
-        need, threshold = bin_packing_bound(demand, float(_allowed(largest)))
+        need, threshold = bin_packing_bound(demand, float(widened(largest)))
         if need > limit:
             why = f"the demands need at least {need} vehicles of capacity {largest:g} (bin packing bound L2), the fleet has {limit}"
             yield _evidence(problem, "bin-packing", why, threshold=threshold)
@@ -242,48 +240,30 @@ def bin_packing_bound(demand: Floats, capacity: float) -> tuple[int, float]:
     return best, at
 
 
-def shortest_ways(moves: Floats, through: Indices) -> Floats:
-    """Lengths of the shortest ways between all sites over those of ``through`` (Floyd and Warshall); a move of length 0 is a move."""
-    made = moves.copy()
-    for k in through.tolist():
-        np.minimum(made, made[:, k, None] + made[None, k, :], out=made)
-    return made
-
-
 def _compatible(problem: RoutingProblem, wanted: Indices) -> tuple[Flags, Flags]:
     """Which vehicle type may serve each site, shape (types, wanted), and whether two sites may share a route of some vehicle.
 
     Times between sites are those of shortest ways without service on the way, so that no other visit can make a pair fit.
     """
-    sites, travel = problem.sites, problem.travel
+    travel, alone, fits = problem.travel, [], np.zeros((len(wanted), len(wanted)), dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"):
         time = shortest_ways(travel.durations, problem.customers)
-        length = time if travel.duration_matrix is None else shortest_ways(travel.distances, problem.customers)
-        demand, service, ready, due = (a[wanted] for a in (sites.demand, sites.service, sites.ready, sites.due))
+        ways = {"time": time, "travel": time}
+        ways["distance"] = time if travel.duration_matrix is None else shortest_ways(travel.distances, problem.customers)
         grid = np.ix_(wanted, wanted)
-        fits, alone = np.zeros((len(wanted), len(wanted)), dtype=bool), np.zeros((len(problem.fleet), len(wanted)), dtype=bool)
-        for k, v in enumerate(problem.fleet):
-            opens, out, back = sites.ready[v.start], time[v.start, wanted], time[wanted, v.end]
-            begin = np.maximum(ready, opens + out)
-            arrival = (begin + service)[:, None] + time[grid]
-            finish = np.maximum(arrival, ready[None, :]) + (service + back)[None, :]
-            driven = out[:, None] + time[grid] + back[None, :]
-            spent = driven + service[:, None] + service[None, :]
-            far = length[v.start, wanted][:, None] + length[grid] + length[wanted, v.end][None, :]
-            ordered = (arrival <= _allowed(due[None, :])) & (begin <= _allowed(due))[:, None] & (finish <= _allowed(sites.due[v.end]))
-            ordered &= (spent <= _allowed(v.max_duration)) & (far <= _allowed(v.max_distance))
-            if v.energy is not None:
-                used = {"travel": driven, "elapsed-fixed-start": finish - opens}.get(v.energy.charge, spent)
-                ordered &= v.energy.rate * used <= _allowed(v.energy.capacity)
-            single = (
-                (opens + out <= _allowed(due)) & (demand <= _allowed(v.capacity)) & (begin + service + back <= _allowed(sites.due[v.end]))
-            )
-            single &= (out + service + back <= _allowed(v.max_duration)) & (np.diag(far) <= _allowed(v.max_distance))
-            if v.energy is not None and v.energy.charge == "travel":
-                single &= v.energy.rate * (out + back) <= _allowed(v.energy.capacity)
-            alone[k] = single
-            fits |= (ordered | ordered.T) & (demand[:, None] + demand[None, :] <= _allowed(v.capacity)) & single[:, None] & single[None, :]
-    return alone, fits
+        for v in problem.fleet:
+            one = {name: (w[v.start, wanted], w[wanted, v.end]) for name, w in ways.items()}
+            two = {name: (w[v.start, wanted, None], w[grid], w[None, wanted, v.end]) for name, w in ways.items()}
+            single = _keeps(least_use(problem.sites, v, [wanted], one.__getitem__))
+            ordered = _keeps(least_use(problem.sites, v, [wanted[:, None], wanted[None, :]], two.__getitem__))
+            alone.append(single)
+            fits |= (ordered | ordered.T) & single[:, None] & single[None, :]
+    return np.array(alone), fits
+
+
+def _keeps(uses: Iterable[Use]) -> Flags:
+    """Where no limit is exceeded."""
+    return functools.reduce(np.logical_and, (use.least <= widened(use.most) for use in uses))
 
 
 def _largest_clique(edges: Flags) -> Indices:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.routing.reach import least_levels
 from ..tolerance import LIMIT
 
 if TYPE_CHECKING:
@@ -156,16 +157,16 @@ def prepare(problem: RoutingProblem, vehicle: int = 0) -> Preparation:
     inner[1:-1] = 1.0
     demand, service = problem.sites.demand[at] * inner, problem.sites.service[at] * inner
 
-    allowed = ~np.eye(n + 2, dtype=bool)
-    allowed[:, 0] = allowed[-1, :] = allowed[0, -1] = False
-    resources = tightened(_resources(problem, kind, at, distance, duration, service, demand), allowed)
+    allowed = every_move(n + 2)
+    ready, due = problem.sites.ready[at], problem.sites.due[at]
+    resources = tightened(limited_resources(kind, ready, due, distance, duration, service, demand), allowed)
     usable = np.ones(n + 2, dtype=bool)
     for r in resources.values():
         usable &= np.isfinite(r.lower) & np.isfinite(r.upper)
     usable[[0, -1]] = True
 
     tail, head = np.nonzero(allowed)
-    arcs = {name: _on_arcs(r, allowed, problem.sites.ready[at], usable) for name, r in resources.items()}
+    arcs = {name: _on_arcs(r, allowed, ready, usable) for name, r in resources.items()}
     return Preparation(
         vehicle, at, np.append(np.append(False, problem.sites.required[customers]), False), usable,
         tail.astype(np.int32), head.astype(np.int32), distance[allowed], duration[allowed],
@@ -195,6 +196,13 @@ def leaves_cycles(prep: Preparation, resources: Iterable[Resource]) -> bool:
     return bool(count < prep.nodes)
 
 
+def every_move(nodes: int) -> Flags:
+    """All moves but those into the start, out of the end, and from start to end; shape (nodes, nodes)."""
+    allowed = ~np.eye(nodes, dtype=bool)
+    allowed[:, 0] = allowed[-1, :] = allowed[0, -1] = False
+    return allowed
+
+
 def tightened(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
     """Smallest ranges of all resources; clears from ``allowed`` the moves that no route can make.
 
@@ -203,50 +211,43 @@ def tightened(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resou
     for _ in range(_ROUNDS):
         before = int(allowed.sum())
         for name, r in resources.items():
-            steps = np.where(allowed, r.weight, math.inf)
-            narrowed = replace(r, lower=_least(r, steps), upper=_greatest(r, steps))
-            resources[name] = narrowed
+            lower, upper = _ranges(r, allowed)
+            narrowed = resources[name] = replace(r, lower=lower, upper=upper)
             allowed &= narrowed.lower[:, None] + r.weight <= narrowed.upper[None, :] + r.tolerance
         if int(allowed.sum()) == before:
             break
     return resources
 
 
-def _least(r: Resource, steps: Floats) -> Floats:
-    """Least level at each node over all ways from the start (Bellman-Ford); infinite where none arrives within its range."""
-    level = np.full(len(steps), math.inf)
-    level[0] = r.lower[0]
-    for _ in range(len(steps)):
-        reached = np.maximum(r.lower, (level[:, None] + steps).min(axis=0))
-        reached[reached > r.upper + r.tolerance] = math.inf
-        reached[0] = r.lower[0]
-        if (reached >= level).all():
-            break
-        level = reached
-    return level
+def _ranges(r: Resource, allowed: Flags) -> tuple[Floats, Floats]:
+    """Least and greatest levels at each node with which a route from start to end keeps all ranges; infinite where there is none."""
+    steps, wide = np.where(allowed, r.weight, math.inf), r.tolerance
+    first, last = np.full(len(steps), math.inf), np.full(len(steps), math.inf)
+    first[0], last[-1] = r.lower[0], -r.upper[-1]
+    # Backwards, less is more: the greatest level from which the end is reached is the least one of the negated levels.
+    backwards = np.ascontiguousarray(steps.T)
+    return (
+        least_levels(first, steps.__getitem__, r.lower, r.upper + wide),
+        0.0 - least_levels(last, backwards.__getitem__, -r.upper, wide - r.lower),
+    )
 
 
-def _greatest(r: Resource, steps: Floats) -> Floats:
-    """Greatest level at each node from which the end is still reached within all ranges; minus infinity where it is not."""
-    level = np.full(len(steps), -math.inf)
-    level[-1] = r.upper[-1]
-    for _ in range(len(steps)):
-        left = np.minimum(r.upper, (level[None, :] - steps).max(axis=1))
-        left[left < r.lower - r.tolerance] = -math.inf
-        left[-1] = r.upper[-1]
-        if (left <= level).all():
-            break
-        level = left
-    return level
-
-
-def _resources(
-    problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], distance: Floats, duration: Floats, service: Floats, demand: Floats
+def limited_resources(
+    kind: VehicleType, ready: Floats, due: Floats, distance: Floats, duration: Floats, service: Floats, demand: Floats
 ) -> dict[str, Resource]:
-    """All limited resources with the ranges that the data give, infinite limits of time made finite."""
-    sites, n = problem.sites, len(at)
+    """All limited resources with the ranges that the data give, infinite limits of time made finite.
+
+    Parameters
+    ----------
+    kind : VehicleType
+        Its limits count, not its depots.
+    ready, due, service, demand : arrays of shape (nodes,)
+        The first node is where routes start, the last where they end.
+    distance, duration : arrays of shape (nodes, nodes)
+    """
+    n, opening = len(ready), ready
     busy = service[:, None] + duration
-    ready, due = sites.ready[at].copy(), sites.due[at].copy()
+    ready, due = ready.copy(), due.copy()
     ready[-1] = ready[0]  # the return ends a route: nobody waits for the depot to open
     energy = kind.energy
     if energy is not None and energy.charge == "elapsed-fixed-start":
@@ -267,7 +268,6 @@ def _resources(
     if energy is not None and energy.charge != "elapsed-fixed-start":
         weight = {"travel": duration, "elapsed": busy}.get(energy.charge)
         if weight is None:
-            opening = sites.ready[at]
             weight = busy.copy()
             weight[:, :-1] = np.maximum(busy[:, :-1], opening[None, :-1] - opening[:, None])
         additive("energy", energy.rate * weight, energy.capacity)

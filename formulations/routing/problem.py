@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
 from ...instances.printable import printable
+from ...instances.routing.features import restrictions
 from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
 from ...instances.routing.travel import EXPLICIT, Travel, convention_named
 from ..evaluation import Evaluation
 from ..evidence import Evidence, Reason
 from ..problem import PROBLEMS, Problem
+from ..references import indices_of
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes, schedule
 from .objective import Composable, LongestRoute, Objective, TotalCost
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class RoutingProblem(Problem):
     """Visit sites with a fleet.
 
@@ -41,7 +43,7 @@ class RoutingProblem(Problem):
     sites : Sites
     travel : Travel
     fleet : sequence of VehicleType
-    objective : Objective, or one term
+    objective : Objective, term, or weighted sum of terms
         Default: total cost.
     min_vehicles : int
         Routes that must be used at least.
@@ -60,16 +62,29 @@ class RoutingProblem(Problem):
     sites: Sites
     travel: Travel
     fleet: tuple[VehicleType, ...]
-    objective: Objective = field(default_factory=Objective)
-    min_vehicles: int = 0
-    name: str = "problem"
-    problem: str = "cvrp"
-    notes: tuple[str, ...] = ()
+    objective: Objective
+    min_vehicles: int
+    name: str
+    problem: str
+    notes: tuple[str, ...]
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "fleet", tuple(self.fleet))
-        object.__setattr__(self, "objective", Objective.of(self.objective))
-        check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles)
+    def __init__(
+        self,
+        sites: Sites,
+        travel: Travel,
+        fleet: Sequence[VehicleType],
+        objective: Composable | None = None,
+        min_vehicles: int = 0,
+        name: str = "problem",
+        problem: str = "cvrp",
+        notes: Sequence[str] = (),
+    ) -> None:
+        aim = Objective() if objective is None else Objective.of(objective)
+        self.__dict__.update(
+            sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
+            notes=tuple(notes),
+        )  # fmt: skip
+        check_routing_data(sites, travel, self.fleet, min_vehicles)
 
     # -- construction ------------------------------------------------------------------------------------------------
 
@@ -187,38 +202,16 @@ class RoutingProblem(Problem):
         )  # fmt: skip
 
     def features(self) -> frozenset[str]:
-        """Features a solver must support:
-
-        ``capacity, time-windows, depot-windows, service-times, max-duration, max-distance, energy:<charge>,
-        optional-sites, limited-fleet, min-vehicles, heterogeneous-fleet, multiple-depots, open-routes, fixed-cost,
-        separate-durations`` and ``objective:<term>`` for each term, ``objective:priorities``, ``objective:weights``.
-        Features every solver has (asymmetric matrices, unlimited fleets) are not listed.
+        """Features a solver must support: those of ``instances.routing.features`` that restrict routes, ``objective:<term>`` for each term,
+        ``objective:priorities`` and ``objective:weights``.
         """
-        s = self.sites
-        at = self.customers
-        found = {f"objective:{t.name}" for level in self.objective.levels() for _, t in level.terms}
         levels = self.objective.levels()
-        marks = {
-            "objective:priorities": len(levels) > 1,
-            "objective:weights": any(len(lv.terms) > 1 or lv.terms[0][0] != 1 for lv in levels),
-            "capacity": any(math.isfinite(v.capacity) for v in self.fleet) and bool(s.demand[at].any()),
-            "time-windows": bool((s.ready[at] > 0).any() or np.isfinite(s.due[at]).any()),
-            "depot-windows": bool((s.ready[s.depots] != 0).any() or np.isfinite(s.due[s.depots]).any()),
-            "service-times": bool(s.service.any()),
-            "max-duration": any(math.isfinite(v.max_duration) for v in self.fleet),
-            "max-distance": any(math.isfinite(v.max_distance) for v in self.fleet),
-            "optional-sites": not bool(s.required[at].all()),
-            "limited-fleet": self.vehicle_limit is not None,
-            "min-vehicles": self.min_vehicles > 0,
-            "heterogeneous-fleet": len(self.fleet) > 1,
-            "multiple-depots": len(s.depots) > 1,
-            "open-routes": any(v.start != v.end for v in self.fleet),
-            "fixed-cost": any(v.fixed_cost > 0 for v in self.fleet),
-            "separate-durations": self.travel.duration_matrix is not None,
-        }
-        found.update(name for name, present in marks.items() if present)
-        found.update(f"energy:{v.energy.charge}" for v in self.fleet if v.energy is not None)
-        return frozenset(found)
+        found = {f"objective:{term.name}" for level in levels for _, term in level.terms}
+        if len(levels) > 1:
+            found.add("objective:priorities")
+        if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in levels):
+            found.add("objective:weights")
+        return restrictions(self) | found
 
     def facts(self) -> dict[str, Any]:
         """Objective, sites, demand, service, windows, travel and fleet."""
@@ -302,6 +295,19 @@ class RoutingProblem(Problem):
                     raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}")
             routes.append(Route(tuple(index[str(s)] for s in entry["visits"]), types[vehicle]))
         return Routes.of(routes)
+
+    def answer_of(self, given: Any) -> Routes:
+        """``Routes``; or a list of routes, each a ``Route`` or, where all vehicles are alike, a list of site indices or ids."""
+        listed: list[Any] = list(given) if isinstance(given, Iterable) else [None]
+        if all(isinstance(route, Route) for route in listed):
+            return Routes.of(listed)
+        if not all(isinstance(route, Sequence | np.ndarray) and not isinstance(route, str | bytes) for route in listed):
+            raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer")
+        if len(self.fleet) > 1:
+            raise UsageError(f"lists do not say which of the {len(self.fleet)} vehicle types drives a route; Route(visits, type) does")
+        sites = indices_of(itertools.chain.from_iterable(listed), self.sites.index(), "site")
+        ends = itertools.accumulate(map(len, listed), initial=0)
+        return Routes.of(sites[first:last] for first, last in itertools.pairwise(ends))
 
     def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
         """One row a visit: vehicle, position, site, arrival, begin, departure, load, distance (cumulated)."""

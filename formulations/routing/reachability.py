@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ..tolerance import LIMIT, widening
+from ...instances.routing.reach import Use, least_use, ways_alone
+from ..tolerance import LIMIT, widened
 
 if TYPE_CHECKING:
     from ...instances.routing.instance import VehicleType
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Sites = NDArray[np.int64]
-Move = Callable[[ArrayLike, ArrayLike], Floats]
-Ways = Callable[[Move, Sites, "VehicleType", Floats], tuple[Floats, Floats]]
+Flags = NDArray[np.bool_]
 
 MOST_DETOURS = 5_000
 """Customers up to which ways through others are looked at: each pass looks at all pairs."""
 
-STRIP = 1 << 20
-"""Moves that are looked at at once."""
+WORDS = {
+    "load": "its demand is {:g}, the capacity {:g}",
+    "arrival": "it is reached at {:.6g} at the earliest, due {:g}",
+    "return": "the return from it is at {:.6g} at the earliest, due {:g}",
+    "duration": "a route to it lasts {:.6g} at least, the longest duration is {:g}",
+    "distance": "a route to it is {:.6g} long at least, the longest distance is {:g}",
+    "energy": "a route to it draws {:.6g} of energy at least ({charge}), the store holds {:g}",
+}
 
 
 def unreachable(problem: RoutingProblem) -> dict[int, str]:
@@ -83,7 +87,7 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
     total = math.fsum(sites.demand[must]) * (1.0 - 1e-12)
     room, routes = 0.0, 0
     for kind in sorted(problem.fleet, key=lambda v: -v.capacity):
-        capacity = _allowed(kind.capacity)
+        capacity = float(widened(kind.capacity))
         count = len(customers) if kind.count is None else kind.count
         lacking = max(0.0, total - room)
         if lacking <= 0.0 or math.isinf(capacity):
@@ -96,8 +100,18 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
     return max(routes + 1, problem.min_vehicles)
 
 
-def _allowed(limit: Any) -> Any:
-    return limit + widening(limit)
+def servable_alone(problem: RoutingProblem) -> Flags:
+    """Customers that some vehicle can serve on a direct route of their own, limits compared exactly; shape (customers,)."""
+    good = np.zeros(len(problem.customers), dtype=bool)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for kind in problem.fleet:
+            good |= np.all([use.least <= use.most for use in _uses(problem, kind, detours=False)], axis=0)
+    return good
+
+
+def _uses(problem: RoutingProblem, kind: VehicleType, *, detours: bool) -> Iterator[Use]:
+    sites, travel, at = problem.sites, problem.travel, problem.customers
+    return least_use(sites, kind, [at], ways_alone(kind, at, travel.duration, travel.distance, sites.service[at], detours=detours))
 
 
 def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
@@ -105,65 +119,20 @@ def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
 
     No detour is longer than the direct way, so that shortest ways need not be known where the direct ones do.
     """
-    reasons = _broken(problem, kind, _direct)
-    too_large = problem.sites.demand[problem.customers] > _allowed(kind.capacity)
+    reasons = _broken(problem, kind, detours=False)
+    too_large = problem.sites.demand[problem.customers] > widened(kind.capacity)
     if not any(reason is not None and not large for reason, large in zip(reasons, too_large, strict=True)):
         return reasons
     if len(reasons) > MOST_DETOURS:
         return [reason if large else None for reason, large in zip(reasons, too_large, strict=True)]
-    return _broken(problem, kind, _shortest)
+    return _broken(problem, kind, detours=True)
 
 
-def _broken(problem: RoutingProblem, kind: VehicleType, ways: Ways) -> list[str | None]:
-    sites, at = problem.sites, problem.customers
-    duration, distance = problem.travel.duration, problem.travel.distance
-    service = sites.service[at]
-    out, back = ways(duration, at, kind, service)
-    opens, due = float(sites.ready[kind.start]), sites.due[at]
-    begin = np.maximum(opens + out, sites.ready[at])
-    finish = begin + service + back
-    shortest = out + service + back
-    tests: list[tuple[Floats, Floats | float, str]] = [
-        (sites.demand[at], kind.capacity, "its demand is {:g}, the capacity {:g}"),
-        (opens + out, due, "it is reached at {:.6g} at the earliest, due {:g}"),
-        (finish, float(sites.due[kind.end]), "the return from it is at {:.6g} at the earliest, due {:g}"),
-        (shortest, kind.max_duration, "a route to it lasts {:.6g} at least, the longest duration is {:g}"),
-    ]
-    if math.isfinite(kind.max_distance):
-        far, home = ways(distance, at, kind, np.zeros(len(at)))
-        tests.append((far + home, kind.max_distance, "a route to it is {:.6g} long at least, the longest distance is {:g}"))
-    if kind.energy is not None:
-        rate, charge, store = kind.energy.rate, kind.energy.charge, kind.energy.capacity
-        if charge == "travel":
-            far, home = ways(duration, at, kind, np.zeros(len(at)))
-            used = far + home
-        elif charge == "elapsed":
-            used = shortest
-        else:  # from the opening of the depot, and no less where each move is charged at its window
-            used = finish - opens
-        tests.append((rate * used, store, f"a route to it draws {{:.6g}} of energy at least ({charge}), the store holds {{:g}}"))
-    reasons: list[str | None] = [None] * len(at)
-    for value, limit, text in tests:
-        bounds = np.broadcast_to(np.asarray(limit, dtype=np.float64), len(at))
-        for k in np.nonzero(value > _allowed(bounds) + LIMIT * np.abs(value))[0].tolist():
-            reasons[k] = reasons[k] or text.format(value[k], bounds[k])
+def _broken(problem: RoutingProblem, kind: VehicleType, *, detours: bool) -> list[str | None]:
+    reasons: list[str | None] = [None] * len(problem.customers)
+    charge = "" if kind.energy is None else kind.energy.charge
+    for use in _uses(problem, kind, detours=detours):
+        most = np.broadcast_to(np.asarray(use.most, dtype=np.float64), len(reasons))
+        for k in np.nonzero(use.least > widened(most) + LIMIT * np.abs(use.least))[0].tolist():
+            reasons[k] = reasons[k] or WORDS[use.limit].format(use.least[k], most[k], charge=charge)
     return reasons
-
-
-def _direct(move: Move, at: Sites, kind: VehicleType, service: Floats) -> tuple[Floats, Floats]:
-    return move(kind.start, at), move(at, kind.end)
-
-
-def _shortest(move: Move, at: Sites, kind: VehicleType, service: Floats) -> tuple[Floats, Floats]:
-    """Shortest ways from the start to each customer, and from it to the end, services on the way included (Bellman-Ford)."""
-    out, back = _direct(move, at, kind, service)
-    for _ in range(len(at)):
-        nearer, sooner = out.copy(), back.copy()
-        for rows in np.array_split(np.arange(len(at)), 1 + len(at) ** 2 // STRIP):
-            between = move(at[rows, None], at[None, :])
-            np.minimum(nearer, ((out + service)[rows, None] + between).min(axis=0), out=nearer)
-            sooner[rows] = np.minimum(back[rows], (between + (service + back)[None, :]).min(axis=1))
-        if (nearer >= out).all() and (sooner >= back).all():
-            break
-        out, back = nearer, sooner
-    return out, back

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.errors import UsageError
+from ...instances.printable import printable
 from ..evaluation import Check, Violation, judge
+from ..references import indices_of
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,15 @@ class Selection:
 
     def __len__(self) -> int:
         return len(self.elements)
+
+
+def selection_of(given: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
+    """``given`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
+    if isinstance(given, Selection):
+        return given
+    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
+        raise UsageError(f"{printable(repr(given), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth")
+    return Selection(tuple(indices_of(given, names(), thing)))
 
 
 def judge_elements(

@@ -20,7 +20,7 @@ from ..problem import PROBLEMS, Problem
 from ..tolerance import EQUAL
 from .assignments import graph_for
 from .feasibility import spendable
-from .selections import Selection, judge_elements
+from .selections import Selection, judge_elements, selection_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -137,6 +137,10 @@ class SubmodularSelection(Problem):
             if str(entry) not in index:
                 raise InputError(f"the answer chooses an unknown element {str(entry)[:80]!r}")
         return Selection(tuple(index[str(e)] for e in data["elements"]))
+
+    def answer_of(self, given: Any) -> Selection:
+        """A ``Selection``, or a list of element indices or names."""
+        return selection_of(given, lambda: {self.element_name(e): e for e in range(self.num_elements)}, "element")
 
     def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
         """One row an element, as the answer lists them: element, gain, value after it."""

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from .instance import Sites, VehicleType
+from .features import ENERGY, Data, features
+from .instance import RoutingInstance, Sites, VehicleType
 
 
 def equal_fleet(sites: Sites, *, count: int | None = None, **limits: Any) -> tuple[VehicleType, ...]:
@@ -18,21 +16,25 @@ def equal_fleet(sites: Sites, *, count: int | None = None, **limits: Any) -> tup
     return tuple(VehicleType(count, start=d, end=d, name=name, **limits) for d, name in zip(depots, names, strict=True))
 
 
-def problems_of(sites: Sites, fleet: Sequence[VehicleType]) -> tuple[str, ...]:
+def problems_of(data: Data) -> tuple[str, ...]:
     """Problems that may be asked of sites and a fleet, the one that is meant first.
 
     ``vrptw`` where there are time windows; without them ``cvrp`` where vehicles are limited in load, or ``tsp`` for
     one vehicle that is not limited at all. ``min-cost-vrp`` always.
     """
-    windows = bool((sites.ready > 0).any() or np.isfinite(sites.due).any())
-    loads = any(math.isfinite(v.capacity) for v in fleet)
-    one_depot = len(sites.depots) == 1
-    free = not loads and all(math.isinf(v.max_duration) and math.isinf(v.max_distance) and v.energy is None for v in fleet)
-    found = []
-    if one_depot and windows:
-        found.append("vrptw")
-    elif one_depot and loads:
-        found.append("cvrp")
-    elif one_depot and free and len(fleet) == 1 and fleet[0].count == 1 and sites.required[sites.customers].all():
-        found.append("tsp")
-    return (*found, "min-cost-vrp")
+    held = features(data)
+    if "multiple-depots" not in held:
+        if held & {"time-windows", "depot-windows"}:
+            return "vrptw", "min-cost-vrp"
+        if "capacity" in held:
+            return "cvrp", "min-cost-vrp"
+        limits = {"max-duration", "max-distance", "heterogeneous-fleet", "optional-sites", *ENERGY}
+        if not held & limits and data.fleet[0].count == 1:
+            return "tsp", "min-cost-vrp"
+    return ("min-cost-vrp",)
+
+
+def with_problems(instance: RoutingInstance) -> RoutingInstance:
+    """The instance with the problems that its data allow, as the one that is meant first."""
+    problems = problems_of(instance)
+    return replace(instance, problem=problems[0], problems=problems)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..text import label
-from .fleet import equal_fleet, problems_of
+from .fleet import equal_fleet, with_problems
 from .instance import RoutingInstance, Sites
 from .travel import EXPLICIT, Travel
 
@@ -87,8 +87,7 @@ def instance_from_frame(
     if vehicles is not None and (isinstance(vehicles, bool) or int(vehicles) != vehicles):
         raise InputError("the number of vehicles must be whole", found=str(vehicles))
     fleet = equal_fleet(made, count=None if vehicles is None else int(vehicles), capacity=float(capacity), max_duration=float(max_duration))
-    problems = problems_of(made, fleet)
-    return RoutingInstance(label(name), "frame", made, moves, fleet, problem=problems[0], problems=problems)
+    return with_problems(RoutingInstance(label(name), "frame", made, moves, fleet))
 
 
 def _reals(sites: pd.DataFrame, title: str) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -268,12 +268,12 @@ class RoutingInstance:
     format: str
     sites: Sites
     travel: Travel
-    fleet: tuple[VehicleType, ...]
+    fleet: Sequence[VehicleType]
     problem: str = "cvrp"
     problems: tuple[str, ...] = ()
     min_vehicles: int = 0
     objective: tuple[str, ...] = ()
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "fleet", tuple(self.fleet))

@@ -1,27 +1,185 @@
-"""Customers that no vehicle can reach in time, found while a file is read."""
+"""Who can reach whom: shortest ways, least levels of whatever grows along a route, and what a route to given stops uses at least.
+
+The reader of files, the preparation of forms, and whoever looks for reasons why there is no answer share this arithmetic. The checkers of
+such reasons have their own, so that no mistake made here is confirmed there.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..text import plain
-from .instance import RoutingInstance, VehicleType
-from .travel import METRICS, Travel
+from .instance import RoutingInstance, Sites, VehicleType
 
 Floats = NDArray[np.float64]
-Legs = Callable[[Travel, int, bool, bool], Floats]
-"""(travel, depot, backwards, as durations) -> length of the way from the depot to every site, or back."""
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+Move = Callable[[ArrayLike, ArrayLike], Floats]
+"""From origins and destinations, which broadcast, to lengths of direct moves: ``Travel.distance``, ``Travel.duration``, ..."""
+
+Legs = Callable[[str], Sequence[Floats]]
+"""From ``time, travel`` or ``distance`` to shortest ways: to the first stop, between stops, and from the last one to the end of a route."""
+
+STRIP = 1 << 17
+"""Moves that are looked at at once."""
+
+
+# -- ways --------------------------------------------------------------------------------------------------------------
+
+
+def least_levels(level: Floats, moves: Callable[[Indices], Floats], lower: ArrayLike = -math.inf, upper: ArrayLike = math.inf) -> Floats:
+    """Least level at each node over all ways, the triangle inequality not assumed.
+
+    Parameters
+    ----------
+    level : array of shape (nodes,)
+        Levels at which ways begin; infinite where none does.
+    moves : callable
+        From k nodes to what a move from each of them to every node adds, shape (k, nodes): not negative, infinite for no move.
+    lower, upper : arrays of shape (nodes,)
+        On arrival a level is raised to ``lower`` (waiting); a way that is above ``upper`` then ends before.
+
+    Returns
+    -------
+    array of shape (nodes,)
+        Infinite where no way arrives.
+
+    Notes
+    -----
+    Label correcting: the lowest levels that have changed are followed first, as many at once as make ``STRIP`` moves.
+    """
+    level = level.copy()
+    changed, most = np.isfinite(level), max(1, STRIP // len(level))
+    while changed.any():
+        nodes = np.nonzero(changed)[0]
+        if len(nodes) > most:
+            nodes = nodes[np.argpartition(level[nodes], most)[:most]]
+        changed[nodes] = False
+        reached = np.maximum(lower, (level[nodes, None] + moves(nodes)).min(axis=0))
+        better = (reached < level) & (reached <= upper)
+        level[better] = reached[better]
+        changed |= better
+    return level
+
+
+def out_and_back(move: Move, vehicle: VehicleType, at: Indices, service: ArrayLike = 0.0, *, detours: bool = True) -> tuple[Floats, Floats]:
+    """Lengths of the shortest ways from the start of a vehicle to each customer, and from there to its end.
+
+    Parameters
+    ----------
+    move : callable
+    vehicle : VehicleType
+    at : array of int
+        Sites; ways lead over any of them.
+    service : array of shape (at,), or 0
+        Added for each of them that lies on the way.
+    detours : bool
+        Without them only the direct moves, which are never shorter.
+    """
+    out, back = move(vehicle.start, at), move(at, vehicle.end)
+    if not detours:
+        return out, back
+    busy = np.broadcast_to(np.asarray(service, dtype=np.float64), at.shape)
+    return (
+        least_levels(out, lambda nodes: busy[nodes, None] + move(at[nodes, None], at)),
+        least_levels(back, lambda nodes: busy[nodes, None] + move(at, at[nodes, None])),
+    )
+
+
+def ways_alone(
+    vehicle: VehicleType, at: Indices, duration: Move, distance: Move, service: ArrayLike = 0.0, *, detours: bool = True
+) -> Legs:
+    """Legs of a route to each of the customers ``at`` alone, for ``least_use``; ``service`` on the way counts for the time."""
+    moves = {"time": duration, "travel": duration, "distance": distance}
+    return lambda name: out_and_back(moves[name], vehicle, at, service if name == "time" else 0.0, detours=detours)
+
+
+def shortest_ways(moves: Floats, through: Indices) -> Floats:
+    """Lengths of the shortest ways between all sites over those of ``through`` (Floyd and Warshall); a move of length 0 is a move."""
+    made = moves.copy()
+    for k in through.tolist():
+        np.minimum(made, made[:, k, None] + made[None, k, :], out=made)
+    return made
+
+
+# -- limits ------------------------------------------------------------------------------------------------------------
+
+
+class Use(NamedTuple):
+    """What routes use at least of a limit, and may use at most; arrays, or a number for all.
+
+    ``limit`` is ``load, arrival, return, duration, distance`` or ``energy``.
+    """
+
+    limit: str
+    least: Floats
+    most: Floats | float
+
+
+def least_use(sites: Sites, vehicle: VehicleType, stops: Sequence[Indices], legs: Legs) -> Iterator[Use]:
+    """What any route uses at least that makes the given stops in this order, whatever it does between them.
+
+    Parameters
+    ----------
+    sites : Sites
+    vehicle : VehicleType
+    stops : sequence of int arrays
+        Site indices, which broadcast against each other.
+    legs : callable
+        Those of ``time`` may count services on the way.
+
+    Notes
+    -----
+    Exact for routes that make these stops only and move directly. Elapsed time is that from the latest departure, which waiting prolongs
+    where the depot closes too early to leave later. A charge of ``windows`` is no less than the time from the opening of the depot.
+    """
+    yield Use("load", _sum(sites.demand[k] for k in stops), vehicle.capacity)
+    *ways, home = legs("time")
+    opens = float(sites.ready[vehicle.start])
+    clock: Floats = np.asarray(opens)
+    for stop, way in zip(stops, ways, strict=True):
+        arrival = clock + way
+        yield Use("arrival", arrival, sites.due[stop])
+        clock = np.maximum(arrival, sites.ready[stop]) + sites.service[stop]
+    finish = clock + home
+    yield Use("return", finish, float(sites.due[vehicle.end]))
+    busy = _sum(ways) + home + _sum(sites.service[k] for k in stops)
+    elapsed = np.maximum(busy, finish - float(sites.due[vehicle.start]))
+    yield Use("duration", elapsed, vehicle.max_duration)
+    if math.isfinite(vehicle.max_distance):
+        yield Use("distance", _sum(legs("distance")), vehicle.max_distance)
+    if vehicle.energy is not None:
+        charge = vehicle.energy.charge
+        charged = _sum(legs("travel")) if charge == "travel" else elapsed if charge == "elapsed" else finish - opens
+        yield Use("energy", vehicle.energy.rate * charged, vehicle.energy.capacity)
+
+
+def _sum(parts: Iterator[Floats] | Sequence[Floats]) -> Floats:
+    first, *rest = parts
+    return sum(rest, start=first)
+
+
+# -- files -------------------------------------------------------------------------------------------------------------
+
+WORDS = {
+    "arrival": "earliest arrival",
+    "return": "earliest return to the depot",
+    "duration": "shortest duration of its route",
+    "distance": "shortest length of its route",
+}
 
 
 def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = None) -> None:
     """Raise InputError if a required customer lies beyond every vehicle, whatever the convention of distance.
 
-    A customer is refused if even the shortest way from the start, through any sites and without service on the way,
+    A customer is refused if even the shortest way from the start, through any customers and without service on the way,
     arrives after its window has closed; if the depot has closed when the shortest way back arrives; or if both ways and
     its service exceed the longest duration or distance of a route. Distances count rounded down to whole numbers, which
     no convention undercuts, so a file that makes sense under any of them is read.
@@ -37,69 +195,29 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
     InputError
         Naming the first such customer, the limit and what exceeds it.
     """
-    sites = instance.sites
-    bounded = any(math.isfinite(v.max_duration) or math.isfinite(v.max_distance) for v in instance.fleet)
-    if not bounded and not np.isfinite(sites.due).any():
+    sites, travel = instance.sites, instance.travel
+    fleet = [replace(v, capacity=math.inf, energy=None) for v in instance.fleet]
+    if not np.isfinite(sites.due).any() and all(math.isinf(v.max_duration) and math.isinf(v.max_distance) for v in fleet):
         return
-    wanted, size = np.nonzero(sites.required)[0], float(np.abs(sites.ready).max())
-    for legs in (_direct, _shortest):  # the direct way settles nearly all; only where it fails is a detour looked for
-        verdicts = [_limits(instance, vehicle, legs) for vehicle in instance.fleet]
-        served = np.any([np.all([_within(use, limit, size) for _, use, limit in verdict], axis=0) for verdict in verdicts], axis=0)
-        if served[wanted].all():
+    at, size = sites.customers, float(np.abs(sites.ready).max())
+    for detours in (False, True):  # the direct way settles nearly all; only where it fails is another looked for
+        found = []
+        for vehicle in fleet:
+            legs = ways_alone(vehicle, at, travel.least_duration, travel.least_distance, detours=detours)
+            found.append(list(least_use(sites, vehicle, [at], legs)))
+        beyond = np.all([np.any([_exceeds(use, size) for use in uses], axis=0) for uses in found], axis=0) & sites.required[at]
+        if not beyond.any():
             return
-    site = int(wanted[np.argmin(served[wanted])])
-    what, use, limit = next((w, u[site], lim[site]) for w, u, lim in verdicts[0] if not _within(u, lim, size)[site])
+    k = int(np.argmax(beyond))
+    use = next(use for use in found[0] if np.broadcast_to(_exceeds(use, size), len(at))[k])
+    most = float(np.broadcast_to(use.most, len(at))[k])
     raise InputError(
-        f"no vehicle can reach customer {sites.ids[site]}: {what}", line=None if lines is None else int(lines[site]),
-        expected=f"at most {plain(limit)}", found=f"at least {plain(use)}",
+        f"no vehicle can reach customer {sites.ids[at[k]]}: {WORDS[use.limit]}", line=None if lines is None else int(lines[at[k]]),
+        expected=f"at most {plain(most)}", found=f"at least {plain(float(use.least[k]))}",
     )  # fmt: skip
 
 
-def _within(use: Floats, limit: Floats, size: float) -> NDArray[np.bool_]:
-    """Where ``use`` does not exceed ``limit``, rounding granted: more than any judge of routes lets pass."""
-    return np.asarray(use <= limit + 1e-9 * np.maximum(np.where(np.isfinite(limit), np.abs(limit), 0.0), size))
-
-
-def _limits(instance: RoutingInstance, vehicle: VehicleType, legs: Legs) -> list[tuple[str, Floats, Floats]]:
-    """What a route to each site alone uses at least, and may use at most."""
-    sites, travel, n = instance.sites, instance.travel, len(instance.sites)
-    out, back = legs(travel, vehicle.start, False, True), legs(travel, vehicle.end, True, True)
-    begin = np.maximum(sites.ready[vehicle.start] + out, sites.ready)
-    found = [
-        ("earliest arrival", begin, sites.due),
-        ("earliest return to the depot", begin + sites.service + back, np.full(n, sites.due[vehicle.end])),
-        ("shortest duration of its route", out + sites.service + back, np.full(n, vehicle.max_duration)),
-    ]
-    if math.isfinite(vehicle.max_distance):
-        far = legs(travel, vehicle.start, False, False) + legs(travel, vehicle.end, True, False)
-        found.append(("shortest length of its route", far, np.full(n, vehicle.max_distance)))
-    return found
-
-
-def _row(travel: Travel, site: int, backwards: bool, durations: bool) -> Floats:
-    """Lengths of the moves from ``site`` to every site (or from every site to it), no larger than under any convention."""
-    matrix = travel.duration_matrix if durations and travel.duration_matrix is not None else travel.matrix
-    if matrix is not None:
-        raw = matrix[:, site] if backwards else matrix[site]
-        return np.array(raw) if matrix is travel.duration_matrix else np.floor(raw)
-    assert travel.coordinates is not None
-    row = np.floor(METRICS[travel.metric].distance(travel.coordinates[site], travel.coordinates))
-    row[site] = 0.0
-    return row
-
-
-_direct: Legs = _row
-
-
-def _shortest(travel: Travel, depot: int, backwards: bool, durations: bool) -> Floats:
-    """Dijkstra's algorithm on the dense rows, each made when its site is settled."""
-    n = len(travel)
-    length, open_ = np.full(n, math.inf), np.ones(n, dtype=bool)
-    length[depot] = 0.0
-    for _ in range(n):
-        nearest = int(np.argmin(np.where(open_, length, math.inf)))
-        if not open_[nearest]:
-            break
-        open_[nearest] = False
-        np.minimum(length, length[nearest] + _row(travel, nearest, backwards, durations), out=length)
-    return length
+def _exceeds(use: Use, size: float) -> Flags:
+    """Where a use exceeds its limit, rounding granted: more than any judge of routes lets pass."""
+    limit = np.asarray(use.most)
+    return np.asarray(use.least > limit + 1e-9 * np.maximum(np.where(np.isfinite(limit), np.abs(limit), 0.0), size))

@@ -212,19 +212,30 @@ class Travel:
 
     def distance(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
         """Distances of the moves ``origin[k] -> destination[k]``; broadcasts like numpy."""
-        i, j = np.asarray(origin, dtype=np.int64), np.asarray(destination, dtype=np.int64)
-        if self.matrix is not None:
-            raw = self.matrix[i, j]
-        else:
-            assert self.coordinates is not None
-            raw = METRICS[self.metric].distance(self.coordinates[i], self.coordinates[j])
-        return np.where(i == j, 0.0, self._rounding(raw))  # GEO prescribes 1 between distinct sites in one place
+        return self._between(origin, destination, self._rounding)
 
     def duration(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
         """Durations of the moves ``origin[k] -> destination[k]``; broadcasts like numpy."""
         if self.duration_matrix is None:
             return self.distance(origin, destination)
         return np.asarray(self.duration_matrix[np.asarray(origin, dtype=np.int64), np.asarray(destination, dtype=np.int64)])
+
+    def least_distance(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
+        """Distances rounded down to whole numbers, which no convention undercuts."""
+        return self._between(origin, destination, np.floor)
+
+    def least_duration(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
+        """Durations that no convention undercuts."""
+        return self.least_distance(origin, destination) if self.duration_matrix is None else self.duration(origin, destination)
+
+    def _between(self, origin: ArrayLike, destination: ArrayLike, rounding: Callable[[Floats], Floats]) -> Floats:
+        i, j = np.asarray(origin, dtype=np.int64), np.asarray(destination, dtype=np.int64)
+        if self.matrix is not None:
+            raw = self.matrix[i, j]
+        else:
+            assert self.coordinates is not None
+            raw = METRICS[self.metric].distance(self.coordinates[i], self.coordinates[j])
+        return np.where(i == j, 0.0, rounding(raw))  # GEO prescribes 1 between distinct sites in one place
 
     @cached_property
     def distances(self) -> Floats:

@@ -193,7 +193,7 @@ class Model:
             free.setdefault(kind, []).append(vehicle)
         routes: list[list[int]] = [[] for _ in self.types]
         for route in answer:
-            if not free.get(route.vehicle):
+            if not free.get(route.vehicle) or not self.node.keys() >= set(route.visits):
                 return None
             routes[free[route.vehicle].pop(0)] = [self.index(site) for site in route.visits]
         return self.routing.ReadAssignmentFromRoutes(routes, True)

@@ -16,7 +16,7 @@ from small_routing import FEATURES, small
 
 from waybound.formulations.routing.objective import LongestRoute, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
+from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
@@ -198,6 +198,14 @@ def test_a_start_for_another_fleet_is_refused_not_crashed_on(engine_name):
     result = run(engine_name, problem, start=alone, iterations=WORK.get(engine_name, 200))
     assert result.statistics["start"] == "refused"
     assert problem.evaluate(result.answer).values == pytest.approx(best_values(problem))
+
+
+@pytest.mark.parametrize("routes", [[Route((99,))], [Route((-1,))], [Route((0,))], [Route((1, 2), 7)]])
+def test_a_start_for_other_sites_or_vehicles_is_refused_not_crashed_on(engine_name, routes):
+    problem = small("limited-fleet", 0, "round")
+    result = run(engine_name, problem, start=Routes.of(routes), iterations=WORK.get(engine_name, 200))
+    assert result.status != "error"
+    assert problem.evaluate(result.answer).values == pytest.approx(optimum(problem))
 
 
 def test_a_problem_without_customers_is_solved_by_staying_at_home(engine_name):

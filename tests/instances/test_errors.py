@@ -25,6 +25,12 @@ def test_an_unsupported_feature_names_who_lacks_it_and_who_has_it() -> None:
     assert "no installed alternative" in str(e.UnsupportedError("pyvrp", {"a"}))
 
 
+def test_where_none_has_all_features_the_nearest_is_named_with_what_it_lacks() -> None:
+    error = e.UnsupportedError("no form", {"a"}, nearest="three-index")
+    assert str(error) == "no form can take this problem: the nearest, three-index, lacks a"
+    assert error.missing == ("a",)
+
+
 @pytest.mark.parametrize(
     ("kind", "code"),
     [(e.InputError, 2), (e.UsageError, 2), (e.MissingPackageError, 2), (e.NoAnswerError, 4), (e.CheckFailedError, 5), (e.WayboundError, 1)],

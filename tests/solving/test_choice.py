@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,12 +12,18 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
-from waybound.formulations.forms import FORMS
+from waybound.formulations.forms import FORMS, nearest_form
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC
+from waybound.formulations.routing.objective import TERMS, Composable, LongestRoute, Makespan, Objective, TotalCost, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UnsupportedError
-from waybound.solvers.backend import BACKENDS, ProgramBackend, takers, takes_features
+from waybound.instances.routing.features import FEATURES, UNASKED
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+from waybound.solvers.backend import BACKENDS, Engine, ProgramBackend, takers, takes_features
 from waybound.solving.listing import missing_features
 
 S3 = CASES["S3"].graph
@@ -79,3 +87,52 @@ def test_takers_are_installed_and_take_what_they_say() -> None:
             assert takes_features(frozenset(features), backend.programs, backend.only_integers)
     assert "highs" not in takers(LINEAR, "highs")
     assert takers(CONES | INTEGERS) == []
+
+
+def asking(objective: Composable, **fleet: Any) -> RoutingProblem:
+    xy = np.random.default_rng(1).uniform(0, 9, (4, 2))
+    return RoutingProblem(Sites.of(range(4), demand=1), Travel("euclidean", xy), (VehicleType(2, 20.0, **fleet),), Objective.of(objective))
+
+
+@pytest.mark.parametrize("objective", [LongestRoute(), 2 * LongestRoute(), LongestRoute() + TotalCost()])
+def test_a_refusal_names_what_the_nearest_form_lacks_and_nothing_that_forms_have(objective: Composable) -> None:
+    problem = asking(objective)
+    for solver in ("highs", "cpsat", "pyvrp"):
+        assert missing_features(solver, problem) == ({"objective:longest-route"}, ())
+        with pytest.raises(UnsupportedError, match=rf"^{solver} cannot take this problem: it lacks objective:longest-route; no installed"):
+            wb.solve(problem, solver)
+    with pytest.raises(
+        UnsupportedError, match=r"^no form can take this problem: the nearest, two-index-.*, lacks objective:longest-route$"
+    ):
+        problem.compile()
+
+
+def test_the_nearest_form_is_the_one_that_lacks_fewest() -> None:
+    problem = replace(asking(Makespan()), fleet=(VehicleType(2), VehicleType(1, name="other")))
+    assert FORMS["two-index-mtz"].missing(problem) == {"heterogeneous-fleet", "objective:makespan"}
+    assert nearest_form(problem) == ("three-index", {"objective:makespan"})
+
+
+def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
+    assert missing_features("pyvrp", asking(LongestRoute(), energy=Energy(99.0, charge="windows")))[0] == {
+        "objective:longest-route", "energy:windows",
+    }  # fmt: skip
+    assert missing_features("saddle", asking(LongestRoute()))[0] == {"routing problems"}
+    with pytest.raises(UnsupportedError, match=r"^no installed solver can take this problem: the nearest, ortools, lacks objective:lon"):
+        wb.solve(asking(LongestRoute(), energy=Energy(99.0, charge="windows")))
+
+
+def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:
+    with pytest.raises(UnsupportedError, match=r"^highs cannot take this problem: it lacks objective:priorities; can take it: .*pyvrp"):
+        wb.solve(asking(Vehicles().then(TotalCost())), "highs")
+
+
+def test_all_that_forms_engines_and_heuristics_for_routing_declare_is_in_the_vocabulary_of_the_data() -> None:
+    declared = set().union(
+        *(form.features for form in FORMS.values() if form.family == "routing"),
+        *(b.features for b in BACKENDS.values() if issubclass(b, Engine) and b.family == "routing"),
+        *(h.features for h in HEURISTICS.values() if h.families == ("routing",)),
+    )
+    of_objectives = {*(f"objective:{name}" for name in TERMS), "objective:weights", "objective:priorities"}
+    assert declared <= FEATURES.keys() | of_objectives
+    assert FEATURES.keys() - UNASKED <= declared

@@ -62,7 +62,7 @@ def check(
     read = read_answer(asked, solution)
     evaluation = asked.evaluate(read.answer)
     made = verify(asked, read.answer, certificate)
-    notes = [*read.notes, *_compare(read, evaluation)]
+    notes = [*(f"{solution}: {note}" for note in read.notes), *_compare(read, evaluation)]
     if json:
         from .output import print_json
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..formulations.forms import FORMS, default_form
+from ..formulations.forms import FORMS, default_form, nearest_form
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import INTEGERS, LINEAR, Program, described
-from ..instances.errors import UnsupportedError
+from ..instances.errors import UnsupportedError, UsageError
 from ..solvers.backend import BACKENDS, ProgramBackend, takes_features
 from .listing import missing_features
 
@@ -18,23 +18,28 @@ linear forms of the other families, then those that take nonconvex products what
 
 def default_solver(problem: Problem, given: Program | None, form: str | None, relax: bool) -> str:
     """The first installed solver that can take the problem, or the program that is meant."""
-    lacking: frozenset[str] = frozenset()
+    lacking: dict[str, frozenset[str]] = {}
     meant = given.features() if given is not None else FORMS[form].makes(problem) if form is not None else INTEGERS if relax else None
     if relax and meant is not None:
         meant -= INTEGERS
     for name in [*PREFERENCE, *(n for n in BACKENDS if n not in PREFERENCE)]:
         if name in BACKENDS and BACKENDS[name].installed():
-            missing, _ = missing_features(name, problem)
-            if meant is not None:
-                backend = BACKENDS[name]
-                able = issubclass(backend, ProgramBackend) and bool(backend.takers(meant))
-                missing = frozenset() if able else frozenset({f"{described(meant)} programs"})
+            backend = BACKENDS[name]
+            if meant is None:
+                missing, _ = missing_features(name, problem)
+            elif issubclass(backend, ProgramBackend):
+                missing = frozenset() if backend.takers(meant) else frozenset({f"{described(meant)} programs"})
+            else:
+                continue
             if not missing:
                 return name
-            lacking |= missing
+            lacking[name] = missing
+    if not lacking:
+        raise UsageError("no solver is installed")
     if meant is None and problem.forms():
         default_form(problem)  # says so where all of them are inexact
-    raise UnsupportedError("every installed solver", lacking or {"an installed solver"})
+    nearest = min(lacking, key=lambda name: (f"{problem.family} problems" in lacking[name], len(lacking[name])))
+    raise UnsupportedError("no installed solver", lacking[nearest], nearest=nearest)
 
 
 def able_solvers(problem: Problem) -> list[str]:
@@ -44,6 +49,8 @@ def able_solvers(problem: Problem) -> list[str]:
 
 def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Compiled:
     """The problem in the best exact form that the solver takes; in the best of all where there is none, for the error to say so."""
+    if not problem.forms():
+        raise UnsupportedError(backend.name, nearest_form(problem)[1], able_solvers(problem))
     first: Compiled | None = None
     for form in problem.forms():
         features = FORMS[form].makes(problem) - (INTEGERS if relax else LINEAR)

@@ -153,7 +153,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
     except UnsupportedError as error:
         if form is not None:
             raise
-        return Explanation("undecided", message=f"no form can write this problem down, so no rows can be named: {error}")
+        return Explanation("undecided", message=f"no rows can be named: {error}")
     if not made.exactness.infeasibility_is_valid:
         raise UsageError(f"form {made.form} is a {made.exactness.value}: that it has no point would prove nothing")
     program = made.program

@@ -27,6 +27,7 @@ from ..solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.linear_programs import LinearPrograms, linear_programs
 from . import claims
+from .answers import answer_given
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
@@ -108,7 +109,9 @@ def solve(
         Budget for bounding after it: a tenth of the limit, at least 1 s, by default; 0 turns it off.
     iterations, gap, seed, threads, memory_limit, no_improvement
         See ``Options``. What the solver or heuristic does not keep to is refused by name.
-    start : answer or Solution, optional
+    start : answer, Solution, mapping or path, optional
+        What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
+        ``Solution``; the JSON of either; a solution file.
     progress : callable, optional
         Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
     lp_solver : str, optional
@@ -147,20 +150,19 @@ def solve(
         check_number("memory_limit", memory_limit, above=0)
     if memory_limit is not None and not isolate:
         isolate = True
-    if isinstance(start, Solution):
-        start = start.answer
     budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
-    linear = linear_programs(lp_solver, seed, threads)
-    chosen = Options(
-        time_limit, iterations, gap, threads, seed, start, memory_limit, no_improvement, linear.solver, {**(options or {}), **parameters}
-    )  # fmt: skip
-
     given: Compiled | None = None
     if isinstance(problem, Program):
         problem = ArrayProblem(problem)
         given = problem.compile()
     elif isinstance(problem, Compiled):
         given, problem = problem, problem.problem
+    start, told = answer_given(problem, start, "the start")
+    linear = linear_programs(lp_solver, seed, threads)
+    chosen = Options(
+        time_limit, iterations, gap, threads, seed, start, memory_limit, no_improvement, linear.solver, {**(options or {}), **parameters}
+    )  # fmt: skip
+
     if heuristic is not None:
         if solver is not None or form is not None or relax:
             raise UsageError("a heuristic takes no solver, form or relaxation")
@@ -169,6 +171,7 @@ def solve(
         solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
         run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
 
+    run.notes.extend(told)
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then

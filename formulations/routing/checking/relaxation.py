@@ -2,7 +2,8 @@
 
 Depots are merged into one node, vehicle types into the best of all of them, which only adds routes and lowers costs: a bound for
 the merged fleet is one for the fleet. All limits are widened by what ``evaluate`` lets pass (``tolerance``), so that a bound holds for
-every answer that it accepts. Plain numpy over full matrices; it shares nothing with the forms or their preparation.
+every answer that it accepts. Plain numpy over full matrices. Which levels and arcs are within reach is worked out here once more, apart
+from ``preparation`` and ``instances.routing.reach``: an arc that these drop by mistake is still priced here.
 """
 
 from __future__ import annotations

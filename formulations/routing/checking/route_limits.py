@@ -1,7 +1,8 @@
 """Which sites one vehicle can serve on one route at most: the arithmetic that every proof of infeasibility in routing rests on.
 
 Whatever is not shown to be impossible counts as possible. Visits that a proof does not name are free detours, so that the triangle
-inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass.
+inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass. Shortest ways and earliest times are worked out here
+once more, apart from ``reachability`` and ``instances.routing.reach``, which only suspect: what is wrong there must not be confirmed here.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ Floats = NDArray[np.float64]
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    expressible = {"capacity", "time-windows", "service-times", "fleet-limit", "max-duration"}
-    refuse_inexpressible(instance, "vrplib", expressible)
+    expressible = {"capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet", "max-duration"}
+    held = refuse_inexpressible(instance, "vrplib", expressible)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     n = len(sites)
 
@@ -35,15 +35,15 @@ def write(instance: RoutingInstance) -> str:
         raise refused("nodes must be numbered 1, 2, 3, ...")
     if len(instance.name.splitlines()) != 1 or not instance.name.strip():
         raise refused("its name is no single line")
-    windows = bool(sites.ready.any() or np.isfinite(sites.due).any())
+    windows = bool(held & {"time-windows", "depot-windows"})
     tsp = instance.problem == "tsp"
     if windows and not np.isfinite(sites.due).all():
         raise refused("every site needs a due date if one has it")
-    if tsp and (windows or sites.service.any() or sites.demand.any() or math.isfinite(vehicle.capacity) or sites.depots[0] != 0):
+    if tsp and (held - {"limited-fleet", "max-duration"} or sites.depots[0] != 0):
         raise refused("a TSP has no windows, service, loads, and its first node is the depot")
-    if tsp and (vehicle.count != 1 or math.isfinite(vehicle.max_duration)):
+    if tsp and (vehicle.count != 1 or "max-duration" in held):
         raise refused("a TSP has one vehicle without a limit")
-    if not tsp and not math.isfinite(vehicle.capacity) and (sites.demand.any() or not windows):
+    if not tsp and "capacity" not in held and ("demands" in held or not windows):
         raise refused("the format needs a capacity")
     if not tsp and vehicle.count is None and FLEET_IN_NAME.search(instance.name) and not SET_X.match(instance.name):
         raise refused("the fleet is unlimited, but the end of its name would be read as a limit")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from ...errors import InputError, UsageError
 from ...formats import FORMATS, Format
 from ...formats.table import Settings, delimiter_of, settings_of, table_of, titles_of, written
 from ...text import label, number, numbers, plain, read_text, refuse, shown, whole
-from ..fleet import equal_fleet, problems_of
+from ..features import ENERGY, FEATURES
+from ..fleet import equal_fleet, with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, METRICS, Travel, convention_named
@@ -156,24 +158,20 @@ def _instance(keys: Settings, sites: Sites, travel: Travel, path: Path, at: list
     least = whole(keys["min-vehicles"][1], keys["min-vehicles"][0], "min-vehicles", least=0) if "min-vehicles" in keys else 0
     fleet = equal_fleet(sites, count=count, **limits)
     notes = (f"{'any number of' if count is None else count} vehicles at each of {len(fleet)} depots",) if len(fleet) > 1 else ()
-    problems = problems_of(sites, fleet)
-    problem = keys["problem"][1] if "problem" in keys else problems[0]
-    if problem not in problems:
-        raise InputError(f"the data do not allow the problem {shown(problem)}", line=keys["problem"][0], expected=", ".join(problems))
     name = label(keys["name"][1] if "name" in keys else path.stem)
-    made = RoutingInstance(
-        name, "csv", sites, travel, fleet, problem=problem, problems=problems, min_vehicles=least, notes=notes
-    )  # fmt: skip
+    made = with_problems(RoutingInstance(name, "csv", sites, travel, fleet, min_vehicles=least, notes=notes))
+    if "problem" in keys:
+        line, problem = keys["problem"]
+        if problem not in made.problems:
+            raise InputError(f"the data do not allow the problem {shown(problem)}", line=line, expected=", ".join(made.problems))
+        made = replace(made, problem=problem)
     refuse_unreachable(made, at)
     return made
 
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``. Matrices would need a file of their own, and are refused."""
-    several = {"several-depots", "several-vehicle-types"}
-    expressible = {"capacity", "time-windows", "service-times", "demand-or-service-of-depots", "rewards", "optional-sites",
-                   "fleet-limit", "max-duration", "max-distance", "fixed-cost", "unit-cost", "min-vehicles", *several}  # fmt: skip
-    refuse_inexpressible(instance, "csv", expressible)
+    refuse_inexpressible(instance, "csv", FEATURES.keys() - {"open-routes", "separate-durations", *ENERGY})
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     limits = {attribute: getattr(vehicle, attribute) for attribute in LIMITS.values()}
     if vehicle.capacity == 0:

@@ -122,7 +122,8 @@ def _refuse_cut(text: str, name: str, at: list[int]) -> None:
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    refuse_inexpressible(instance, "solomon", {"time-windows", "service-times", "capacity", "fleet-limit"})
+    expressible = {"capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet"}
+    refuse_inexpressible(instance, "solomon", expressible)
     sites, travel = instance.sites, instance.travel
     if travel.metric != "euclidean" or travel.coordinates is None:
         raise UsageError(f"{instance.name} cannot be written as solomon: its distances are {travel.metric}, not Euclidean")

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...generators import GENERATORS, Draw, Generator
 from ...generators.settings import Setting
-from ..fleet import problems_of
+from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import EXPLICIT, Travel
 
@@ -51,9 +51,8 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
         due = np.where(customer, np.minimum(latest, np.ceil(center + half)), horizon)
     sites = Sites.of(range(n), demand=demand, ready=ready, due=due, service=service, coordinates=xy)
     fleet = (VehicleType(settings["vehicles"], settings["capacity"] if loads else math.inf),)
-    problems = problems_of(sites, fleet)
     name = settings["name"] or f"random-n{n - 1}-s{settings['seed']}"
-    return RoutingInstance(name, "generated", sites, travel, fleet, problem=problems[0], problems=problems)
+    return with_problems(RoutingInstance(name, "generated", sites, travel, fleet))
 
 
 GENERATORS.add("random", Generator("random", "small uniform instances, optionally with loads and windows", SETTINGS, make))

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.routing.preparation import every_move, limited_resources, tightened
+from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
-from ....formulations.tolerance import LIMIT
 from ....instances.memory import fits
+from ....instances.routing.instance import VehicleType
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -78,35 +80,35 @@ def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
     for weight, term in problem.objective.levels()[0].terms:
         weights[term.name] += weight
 
+    starts, ends, n = np.array([v.start for v in fleet]), np.array([v.end for v in fleet]), len(at)
+
     def between(matrix: Floats) -> Floats:
-        starts, ends = np.array([v.start for v in fleet]), np.array([v.end for v in fleet])
-        made = np.zeros((len(at) + 1, len(at) + 1))
-        made[1:, 1:] = matrix[np.ix_(at, at)]
-        made[0, 1:] = matrix[np.ix_(starts, at)].min(axis=0)
-        made[1:, 0] = matrix[np.ix_(at, ends)].min(axis=1)
+        """From the depots (0), between customers, and to the depots (n + 1)."""
+        made = np.zeros((n + 2, n + 2))
+        made[1:-1, 1:-1] = matrix[np.ix_(at, at)]
+        made[0, 1:-1] = matrix[np.ix_(starts, at)].min(axis=0)
+        made[1:-1, -1] = matrix[np.ix_(at, ends)].min(axis=1)
         return made
 
-    share = weights["total-cost"]
-    cost = share * min(v.unit_cost for v in fleet) * between(travel.distances)
+    def at_nodes(values: Floats, start: float = 0.0, end: float = 0.0) -> Floats:
+        return np.concatenate([[start], values[at], [end]])
+
+    distance, share = between(travel.distances), weights["total-cost"]
+    duration = distance if travel.duration_matrix is None else between(travel.durations)
+    cost = share * min(v.unit_cost for v in fleet) * distance[:-1, :-1]
     first = [share * (v.fixed_cost + v.unit_cost * travel.distances[v.start, at]) for v in fleet]
     cost[0, 1:] = np.min(first, axis=0) + weights["vehicles"]
     cost[1:, 0] = share * np.min([v.unit_cost * travel.distances[at, v.end] for v in fleet], axis=0)
-    time = between(travel.durations)
-    time[1:] += sites.service[at, None]
-    start, end = min(float(sites.ready[v.start]) for v in fleet), max(float(sites.due[v.end]) for v in fleet)
-    ready = np.concatenate([[start], np.maximum(sites.ready[at], start + time[0, 1:])])
-    due = np.concatenate([[end], sites.due[at]])
-    load = np.concatenate([[0.0], sites.demand[at]])
-    capacity = max(v.capacity for v in fleet)
-    hopeless = ready[:, None] + time > due[None, :] + LIMIT * np.abs(due)[None, :]
-    hopeless |= load[:, None] + load[None, :] > capacity * (1.0 + LIMIT)
-    late = ready > due + LIMIT * np.abs(due)
-    hopeless |= np.eye(len(cost), dtype=bool) | late[:, None] | late[None, :]
-    cost[hopeless] = math.inf
+    limits = {name: max(getattr(v, name) for v in fleet) for name in ("capacity", "max_duration", "max_distance")}
+    best = VehicleType(**limits, energy=fleet[0].energy if len({v.energy for v in fleet}) == 1 else None)
+    resources = limited_resources(
+        best, at_nodes(sites.ready, float(sites.ready[starts].min())), at_nodes(sites.due, math.inf, float(sites.due[ends].max())),
+        distance, duration, at_nodes(sites.service), at_nodes(sites.demand),
+    )  # fmt: skip
+    allowed = every_move(n + 2)
+    tightened(resources, allowed)
+    cost[1:, 1:][~allowed[1:-1, 1:-1]] = math.inf
+    cost[0, 1:][~allowed[0, 1:-1]] = cost[1:, 0][~allowed[1:-1, -1]] = cost[0, 0] = math.inf
 
     most = len(at) if problem.vehicle_limit is None else min(len(at), problem.vehicle_limit)
-    total = float(math.fsum(load))
-    fewest = max(1, problem.min_vehicles)
-    if 0 < capacity < math.inf:
-        fewest = max(fewest, math.ceil(total / capacity * (1.0 - LIMIT)))
-    return Arcs(at, cost, fewest, most)
+    return Arcs(at, cost, minimum_vehicles(problem), most)

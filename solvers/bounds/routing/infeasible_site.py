@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
+from ....formulations.routing.reachability import servable_alone
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
@@ -17,7 +15,6 @@ from .. import BOUNDS, BoundMethod
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
-    from ....instances.routing.instance import VehicleType
 
 
 def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
@@ -40,10 +37,8 @@ def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear
     Sites that some vehicle can serve on a route of their own are ruled out at once. Whether a detour helps one of the others (distances
     need not obey the triangle inequality) is for the checker to say.
     """
-    served = np.zeros(len(problem.sites), dtype=bool)
-    for vehicle in problem.fleet:
-        served[problem.customers] |= _served_alone(problem, vehicle)
-    for site in np.nonzero(problem.sites.required & ~served)[0].tolist():
+    customers = problem.customers
+    for site in customers[problem.sites.required[customers] & ~servable_alone(problem)].tolist():
         if stop.reached():
             return None
         name = problem.sites.ids[site]
@@ -66,35 +61,6 @@ def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linea
 
 def _none(problem: Problem) -> float:
     return math.inf if problem.sense == "min" else -math.inf
-
-
-def _served_alone(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
-    """Whether ``vehicle`` can serve each customer on a direct route of its own, by exact comparison."""
-    sites, travel, at = problem.sites, problem.travel, problem.customers
-    out, back = travel.duration(vehicle.start, at), travel.duration(at, vehicle.end)
-    opening, service = float(sites.ready[vehicle.start]), sites.service[at]
-    begin = np.maximum(sites.ready[at], opening + out)
-    finish = begin + service + back
-    driven = travel.distance(vehicle.start, at) + travel.distance(at, vehicle.end)
-    # Leaving as late as possible, a vehicle waits for the window only if its depot closes first.
-    latest = np.minimum(np.maximum(begin - out, opening), float(sites.due[vehicle.start]))
-    elapsed = finish - latest
-    good: NDArray[np.bool_] = (
-        (sites.demand[at] <= vehicle.capacity)
-        & (begin <= sites.due[at])
-        & (finish <= sites.due[vehicle.end])
-        & (elapsed <= vehicle.max_duration)
-        & (driven <= vehicle.max_distance)
-    )
-    if vehicle.energy is not None:
-        charged = {
-            "travel": out + back,
-            "elapsed": elapsed,
-            "elapsed-fixed-start": finish - opening,
-            "windows": np.maximum(out, sites.ready[at] - opening) + service + back,
-        }[vehicle.energy.charge]
-        good &= vehicle.energy.rate * charged <= vehicle.energy.capacity
-    return good
 
 
 def lacks(problem: Problem) -> frozenset[str]:

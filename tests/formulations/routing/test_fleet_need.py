@@ -12,7 +12,7 @@ from exact_routing import best_values
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.routing.fleet_need import bin_packing_bound, fleet_conflicts, shortest_ways
+from waybound.formulations.routing.fleet_need import bin_packing_bound, fleet_conflicts
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
@@ -61,12 +61,6 @@ def test_two_customers_at_one_address_share_a_route():
     assert reasons(problem([1, 1], count=1, due=[5, 5], service=1, xy=xy)) == [
         "no two of these 2 sites fit on one route, and the fleet has 1 vehicle: 1, 2"
     ]
-
-
-def test_a_way_of_length_0_is_a_way():
-    moves = np.array([[0, 0, 9, 4], [9, 0, 0, 9], [9, 9, 0, 9], [0, 9, 9, 0]], dtype=float)
-    ways = shortest_ways(moves, np.array([1, 2, 3]))
-    assert ways.tolist() == [[0, 0, 0, 4], [9, 0, 0, 9], [9, 9, 0, 9], [0, 9, 9, 0]]
 
 
 def test_a_depot_is_no_way_station():

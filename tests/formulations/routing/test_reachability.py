@@ -13,7 +13,7 @@ from oracles import ASYM_5, SQUARE_4, TWO_INDEX, optimum, routing, small_problem
 
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.reachability import minimum_vehicles, unreachable
+from waybound.formulations.routing.reachability import minimum_vehicles, servable_alone, unreachable
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 
@@ -32,6 +32,13 @@ def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProb
 def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
     visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
+
+
+@settings(DRAWN, max_examples=300)
+@given(problem=small_problems(most=3, hetero=True))
+def test_sites_are_called_servable_alone_exactly_where_a_route_of_their_own_is_feasible(problem: RoutingProblem) -> None:
+    for site, good in zip(problem.customers.tolist(), servable_alone(problem).tolist(), strict=True):
+        assert good == any((site,) in routes(problem, vehicle) for vehicle in problem.fleet)
 
 
 @DRAWN

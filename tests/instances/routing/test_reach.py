@@ -1,4 +1,4 @@
-"""Customers that no vehicle can reach."""
+"""Shortest ways, least levels, and customers that no vehicle can reach."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from waybound.instances.errors import InputError
+from waybound.instances.routing import reach
 from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
-from waybound.instances.routing.reach import refuse_unreachable
+from waybound.instances.routing.reach import least_levels, out_and_back, refuse_unreachable, shortest_ways
 from waybound.instances.routing.travel import CONVENTIONS, Travel
 
 
@@ -104,3 +105,65 @@ def test_nothing_that_a_route_could_serve_is_ever_refused(seed: int, convention:
     except InputError as error:
         named = int(error.message.split("customer ")[1].split(":")[0])
         assert named not in servable
+
+
+def test_a_way_of_length_0_is_a_way() -> None:
+    moves = np.array([[0, 0, 9, 4], [9, 0, 0, 9], [9, 9, 0, 9], [0, 9, 9, 0]], dtype=float)
+    ways = shortest_ways(moves, np.array([1, 2, 3]))
+    assert ways.tolist() == [[0, 0, 0, 4], [9, 0, 0, 9], [9, 9, 0, 9], [0, 9, 9, 0]]
+
+
+def walks(steps: Any, first: int, lower: Any, upper: Any) -> Any:
+    """Least level at each node, by trying every order of nodes."""
+    n = len(steps)
+    best = np.full(n, math.inf)
+    best[first] = lower[first]
+    for size in range(1, n):
+        for order in itertools.permutations([k for k in range(n) if k != first], size):
+            level, at = lower[first], first
+            for node in order:
+                level, at = max(lower[node], level + steps[at, node]), node
+                if level > upper[node]:
+                    break
+            else:
+                best[at] = min(best[at], level)
+    return best
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 20))
+def test_least_levels_are_those_of_the_best_walk_however_few_moves_are_looked_at_at_once(seed: int, strip: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 6))
+    steps = rng.integers(0, 9, (n, n)).astype(float)
+    steps[rng.random((n, n)) < 0.2] = math.inf
+    lower, upper = rng.integers(0, 12, n).astype(float), rng.integers(5, 30, n).astype(float)
+    start = np.full(n, math.inf)
+    start[0] = lower[0]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reach, "STRIP", strip)
+        found = least_levels(start, steps.__getitem__, lower, upper)
+    assert found.tolist() == walks(steps, 0, lower, upper).tolist()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6))
+def test_ways_out_and_back_are_those_between_all_pairs(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(3, 8))
+    travel = Travel("EXPLICIT", matrix=rng.integers(0, 20, (n, n)))
+    at = np.arange(1, n)
+    out, back = out_and_back(travel.distance, VehicleType(), at)
+    every = shortest_ways(travel.distances, at)
+    assert out.tolist() == every[0, at].tolist()
+    assert back.tolist() == every[at, 0].tolist()
+    direct = out_and_back(travel.distance, VehicleType(), at, detours=False)
+    assert direct[0].tolist() == travel.distances[0, at].tolist()
+    assert (direct[1] >= back).all()
+
+
+def test_service_on_the_way_counts_and_service_at_the_site_does_not() -> None:
+    travel = Travel("EXPLICIT", matrix=DETOUR)
+    out, back = out_and_back(travel.duration, VehicleType(), np.array([1, 2]), np.array([30.0, 7.0]))
+    assert out.tolist() == [5, 40]
+    assert back.tolist() == [5, 40]

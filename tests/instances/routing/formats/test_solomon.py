@@ -175,7 +175,7 @@ def test_numbers_wider_than_a_column_stay_apart(read_text_as: Callable[..., Any]
     [
         (lambda i: replace(i, fleet=(VehicleType(None, 50.0),)), "needs a number of vehicles"),
         (lambda i: replace(i, fleet=(VehicleType(3, 50.0, max_duration=9.0),)), "no place for max-duration"),
-        (lambda i: replace(i, fleet=(VehicleType(3, 50.0, name="a"), VehicleType(3, 60.0, name="b"))), "several-vehicle-types"),
+        (lambda i: replace(i, fleet=(VehicleType(3, 50.0, name="a"), VehicleType(3, 60.0, name="b"))), "no place for heterogeneous-fleet"),
         (lambda i: replace(i, travel=i.travel.with_convention("trunc1")), "its convention is trunc1"),
         (lambda i: replace(i, min_vehicles=2), "min-vehicles"),
         (lambda i: replace(i, name="VEHICLE"), "cannot be the name"),

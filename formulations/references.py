@@ -1,0 +1,49 @@
+"""What a user may mean by text and whole numbers where things have both names and indices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from operator import index as whole
+from typing import Any
+
+from ..instances.errors import UsageError
+from ..instances.printable import printable
+
+
+def indices_of(given: Iterable[Any], names: Mapping[str, int], thing: str) -> list[int]:
+    """Indices of the things meant: text is a name; whole numbers are all indices, or all names where they cannot be indices.
+
+    Parameters
+    ----------
+    given : iterable of str or int
+    names : mapping
+        From name to index.
+    thing : str
+        What they are, for the message.
+
+    Raises
+    ------
+    UsageError
+        For what is neither or does not exist, and for whole numbers that could be both and would mean different things.
+    """
+    every = list(given)
+    numbers: list[int] = []
+    for item in every:
+        if isinstance(item, str):
+            if item not in names:
+                raise UsageError(f"there is no {thing} {printable(item, 80)!r}")
+            continue
+        try:
+            if isinstance(item, bool):
+                raise TypeError
+            numbers.append(whole(item))
+        except TypeError:
+            raise UsageError(f"a {thing} is given by its name or its index, not by {printable(repr(item), 80)}") from None
+    named = [names.get(str(number), -1) for number in numbers]
+    counts = all(0 <= number < len(names) for number in numbers)
+    if not counts and -1 in named:
+        raise UsageError(f"there is no {thing} {numbers[named.index(-1)]}")
+    if counts and -1 not in named and named != numbers:
+        raise UsageError(f"whole numbers could be names or indices of {thing}s here, which differ; give names as text")
+    meant = iter(numbers if counts else named)
+    return [names[item] if isinstance(item, str) else next(meant) for item in every]

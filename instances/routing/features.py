@@ -1,0 +1,82 @@
+"""What routing data hold, in one vocabulary: file formats, problems, forms, solvers and heuristics name what they can express in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .instance import ENERGY_CHARGES, Sites, VehicleType
+from .travel import Travel
+
+
+class Data(Protocol):
+    """The data of a routing instance, and of a problem that is made of it."""
+
+    @property
+    def sites(self) -> Sites: ...
+
+    @property
+    def travel(self) -> Travel: ...
+
+    @property
+    def fleet(self) -> Sequence[VehicleType]: ...
+
+    @property
+    def min_vehicles(self) -> int: ...
+
+
+def _windows(sites: Sites, at: NDArray[np.int64]) -> bool:
+    return bool(sites.ready[at].any() or np.isfinite(sites.due[at]).any())
+
+
+def _limited(data: Data, limit: str) -> bool:
+    return any(math.isfinite(getattr(v, limit)) for v in data.fleet)
+
+
+def _charged(data: Data, charge: str) -> bool:
+    return any(v.energy is not None and v.energy.charge == charge for v in data.fleet)
+
+
+ENERGY = tuple(f"energy:{charge}" for charge in ENERGY_CHARGES)
+
+FEATURES: dict[str, Callable[[Any], bool]] = {
+    "capacity": partial(_limited, limit="capacity"),
+    "demands": lambda d: bool(d.sites.demand[d.sites.customers].any()),
+    "time-windows": lambda d: _windows(d.sites, d.sites.customers),
+    "depot-windows": lambda d: _windows(d.sites, d.sites.depots),
+    "service-times": lambda d: bool(d.sites.service[d.sites.customers].any()),
+    "demand-or-service-of-depots": lambda d: bool((d.sites.demand + d.sites.service)[d.sites.depots].any()),
+    "rewards": lambda d: bool(d.sites.reward.any()),
+    "optional-sites": lambda d: not d.sites.required[d.sites.customers].all(),
+    "limited-fleet": lambda d: any(v.count is not None for v in d.fleet),
+    "min-vehicles": lambda d: d.min_vehicles > 0,
+    "heterogeneous-fleet": lambda d: len(d.fleet) > 1,
+    "multiple-depots": lambda d: len(d.sites.depots) > 1,
+    "open-routes": lambda d: any(v.start != v.end for v in d.fleet),
+    "max-duration": partial(_limited, limit="max_duration"),
+    "max-distance": partial(_limited, limit="max_distance"),
+    **{name: partial(_charged, charge=charge) for name, charge in zip(ENERGY, ENERGY_CHARGES, strict=True)},
+    "fixed-cost": lambda d: any(v.fixed_cost > 0 for v in d.fleet),
+    "unit-cost": lambda d: any(v.unit_cost != 1 for v in d.fleet),
+    "separate-durations": lambda d: d.travel.duration_matrix is not None,
+}
+"""By name: whether data hold it. What everything can express (asymmetric distances, any number of equal vehicles at one depot) has none."""
+
+UNASKED = frozenset({"demands", "demand-or-service-of-depots", "rewards", "unit-cost"})
+"""What asks nothing of a solver by itself."""
+
+
+def features(data: Data) -> frozenset[str]:
+    """Names of all that the data hold: what a file format must have a place for."""
+    return frozenset(name for name, held in FEATURES.items() if held(data))
+
+
+def restrictions(data: Data) -> frozenset[str]:
+    """Those that a solver must be able to express: a capacity only where there are demands."""
+    held = features(data)
+    return held - UNASKED if "demands" in held else held - UNASKED - {"capacity"}

@@ -1,0 +1,54 @@
+"""Text is a name and a whole number an index, unless numbers could be names of other things."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waybound.formulations.references import indices_of
+from waybound.instances.errors import UsageError
+
+LETTERS = {"a": 0, "b": 1, "c": 2}
+FROM_0 = {"0": 0, "1": 1, "2": 2}
+FROM_1 = {"1": 0, "2": 1, "3": 2}
+FROM_100 = {"100": 0, "101": 1, "102": 2}
+
+
+@pytest.mark.parametrize(
+    ("given", "names", "meant"),
+    [
+        ([], LETTERS, []),
+        (["c", "a"], LETTERS, [2, 0]),
+        ([2, 0], LETTERS, [2, 0]),
+        (["c", 0, np.int64(1)], LETTERS, [2, 0, 1]),
+        ([1, 2], FROM_0, [1, 2]),
+        (["3", "1"], FROM_1, [2, 0]),
+        ([0, 2], FROM_1, [0, 2]),  # 0 is no name
+        ([3, 1], FROM_1, [2, 0]),  # 3 is no index
+        ([100, 102], FROM_100, [0, 2]),
+        ([0, 2], FROM_100, [0, 2]),
+    ],
+)
+def test_what_is_meant_where_it_is_clear(given: list[Any], names: dict[str, int], meant: list[int]) -> None:
+    assert indices_of(given, names, "site") == meant
+
+
+@pytest.mark.parametrize(
+    ("given", "names", "says"),
+    [
+        ([1, 2], FROM_1, "whole numbers could be names or indices of sites here, which differ; give names as text"),
+        (["d"], LETTERS, "there is no site 'd'"),
+        ([0, 3], LETTERS, "there is no site 0|there is no site 3"),
+        ([-1], FROM_0, "there is no site -1"),
+        ([0, 3], FROM_1, "there is no site 0"),
+        ([True], LETTERS, "a site is given by its name or its index, not by True"),
+        ([1.0], LETTERS, "not by 1.0"),
+        ([[1]], LETTERS, r"not by \[1\]"),
+        ([None], LETTERS, "not by None"),
+    ],
+)
+def test_what_is_not_clear_is_refused(given: list[Any], names: dict[str, int], says: str) -> None:
+    with pytest.raises(UsageError, match=says):
+        indices_of(given, names, "site")

@@ -1,0 +1,94 @@
+"""What routing data hold is named, each feature by itself, and in the same words by instance and problem."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.routing.features import FEATURES, features, restrictions
+from waybound.instances.routing.fleet import problems_of
+from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+
+XY = np.array([[0.0, 0], [0, 3], [4, 0], [4, 3]])
+
+
+def holding(sites: dict[str, Any] | None = None, fleet: Any = None, travel: Travel | None = None, min_vehicles: int = 0) -> RoutingInstance:
+    made = Sites.of("dabc", coordinates=XY, **(sites or {}))
+    return RoutingInstance("i", "test", made, travel or Travel("euclidean", XY), fleet or (VehicleType(),), min_vehicles=min_vehicles)
+
+
+CASES: dict[str, tuple[dict[str, Any], set[str]]] = {
+    "capacity": ({"fleet": [VehicleType(capacity=5)]}, set()),
+    "demands": ({"sites": {"demand": [0, 1, 0, 0]}}, set()),
+    "time-windows": ({"sites": {"due": [math.inf, 9, math.inf, math.inf]}}, {"time-windows"}),
+    "depot-windows": ({"sites": {"ready": [1, 0, 0, 0]}}, {"depot-windows"}),
+    "service-times": ({"sites": {"service": [0, 0, 2, 0]}}, {"service-times"}),
+    "demand-or-service-of-depots": ({"sites": {"service": [3, 0, 0, 0]}}, set()),
+    "rewards": ({"sites": {"reward": [0, 0, 0, 1]}}, set()),
+    "optional-sites": ({"sites": {"required": [False, True, False, True]}}, {"optional-sites"}),
+    "limited-fleet": ({"fleet": [VehicleType(2)]}, {"limited-fleet"}),
+    "min-vehicles": ({"min_vehicles": 1}, {"min-vehicles"}),
+    "heterogeneous-fleet": ({"fleet": [VehicleType(), VehicleType(name="other")]}, {"heterogeneous-fleet"}),
+    "multiple-depots": ({"sites": {"depot": [True, True, False, False]}}, {"multiple-depots"}),
+    "max-duration": ({"fleet": [VehicleType(max_duration=9)]}, {"max-duration"}),
+    "max-distance": ({"fleet": [VehicleType(max_distance=9)]}, {"max-distance"}),
+    **{
+        f"energy:{charge}": ({"fleet": [VehicleType(energy=Energy(9, charge=charge))]}, {f"energy:{charge}"})
+        for charge in ("travel", "elapsed", "elapsed-fixed-start", "windows")
+    },
+    "fixed-cost": ({"fleet": [VehicleType(fixed_cost=1)]}, {"fixed-cost"}),
+    "unit-cost": ({"fleet": [VehicleType(unit_cost=2)]}, set()),
+    "separate-durations": ({"travel": Travel("euclidean", XY, duration_matrix=np.ones((4, 4)))}, {"separate-durations"}),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_each_feature_is_named_by_itself_and_asked_of_solvers_where_it_restricts_routes(name: str) -> None:
+    parts, restricting = CASES[name]
+    instance = holding(**parts)
+    assert features(instance) == {name}
+    assert restrictions(instance) == restricting
+    assert RoutingProblem.from_instance(instance, "cvrp").features() == restricting | {"objective:total-cost"}
+
+
+def test_every_feature_has_a_case() -> None:
+    assert FEATURES.keys() - CASES.keys() == {"open-routes"}
+    open_routes = holding(sites={"depot": [True, True, False, False]}, fleet=[VehicleType(end=1)])
+    assert features(open_routes) == restrictions(open_routes) == {"open-routes", "multiple-depots"}
+
+
+def test_plain_data_hold_none() -> None:
+    assert features(holding()) == frozenset()
+
+
+def test_a_capacity_restricts_where_there_are_demands() -> None:
+    assert restrictions(holding({"demand": [0, 1, 0, 0]}, [VehicleType(capacity=5)])) == {"capacity"}
+
+
+def test_one_limited_type_of_several_is_a_limited_fleet() -> None:
+    assert "limited-fleet" in features(holding(fleet=[VehicleType(2, name="own"), VehicleType(name="hired")]))
+
+
+@pytest.mark.parametrize(
+    ("parts", "meant"),
+    [
+        ({"sites": {"due": 99}, "fleet": [VehicleType(1)]}, "vrptw"),
+        ({"sites": {"ready": [1, 0, 0, 0]}}, "vrptw"),
+        ({"fleet": [VehicleType(1, capacity=5)]}, "cvrp"),
+        ({"fleet": [VehicleType(1)]}, "tsp"),
+        ({"fleet": [VehicleType(2)]}, "min-cost-vrp"),
+        ({"fleet": [VehicleType(1, max_distance=9)]}, "min-cost-vrp"),
+        ({"fleet": [VehicleType(1)], "sites": {"required": [False, True, False, True]}}, "min-cost-vrp"),
+        ({"fleet": [VehicleType(1, energy=Energy(9))]}, "min-cost-vrp"),
+        ({"sites": {"depot": [True, True, False, False], "due": 99}}, "min-cost-vrp"),
+    ],
+)
+def test_the_problem_that_is_meant_follows_from_the_features(parts: dict[str, Any], meant: str) -> None:
+    found = problems_of(holding(**parts))
+    assert found[0] == meant
+    assert found[-1] == "min-cost-vrp"

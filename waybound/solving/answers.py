@@ -1,0 +1,49 @@
+"""Answers as users give them, to start from or to be checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any
+
+from ..formulations.answers import answer_in_json, read_answer
+from ..formulations.problem import Problem
+from ..formulations.solution import Solution
+from ..instances.errors import InputError, UsageError
+
+
+def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[str, ...]]:
+    """The answer of ``problem`` that ``given`` says, and what a user should be told about the reading.
+
+    Parameters
+    ----------
+    problem : Problem
+    given : object or None
+        A ``Solution``; an answer of the problem, or what its ``answer_of`` takes for one (routing: a list of routes, each a list of site
+        indices or ids); the JSON of either, as a mapping; or the path of a solution file. None says none.
+    called : str
+        What it is, for messages: ``the start``.
+
+    Raises
+    ------
+    UsageError
+        If it is none of these.
+    InputError
+        If the file is no solution of the problem; with file and, where there is one, line.
+    """
+    if given is None:
+        return None, ()
+    if isinstance(given, Solution) and given.answer is None:
+        return None, (f"{called} holds no answer",)
+    if isinstance(given, str | PathLike):
+        read = read_answer(problem, given)
+        return read.answer, tuple(f"{given}: {note}" for note in read.notes)
+    try:
+        if isinstance(given, Solution):
+            given = given.answer if given.problem is problem else given.to_json()  # which speaks of sites by name
+        if isinstance(given, Mapping):
+            read = answer_in_json(problem, given)
+            return read.answer, tuple(f"{called}: {note}" for note in read.notes)
+        return problem.answer_of(given), ()
+    except (InputError, UsageError) as error:
+        raise UsageError(f"{called} cannot be read: {error}") from None
