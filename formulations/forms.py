@@ -102,5 +102,6 @@ def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False
     if missing:
         raise UnsupportedError(f"form {form}", missing, problem.forms())
     made = chosen.build(problem)
-    made = replace(made, exactness=chosen.exactness.then(made.exactness))
+    exactness = chosen.exactness.then(made.exactness)
+    made = replace(made, exactness=exactness, links=(replace(made.links[0], exactness=exactness), *made.links[1:]))
     return made.relaxed() if relax else made

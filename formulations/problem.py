@@ -85,6 +85,15 @@ class Problem(ABC):
         """
         return {}
 
+    @property
+    def size(self) -> int:
+        """How many things an answer decides on: sites, robots, elements, variables; 0 where nothing tells."""
+        return 0
+
+    def linear_entries(self) -> int:
+        """About the fewest coefficients that a linear form of it has, for who budgets; 0 where nothing tells."""
+        return 0
+
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
         """Reasons from the data alone why there is no answer, each with evidence that its checker confirmed.
 

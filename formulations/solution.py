@@ -10,6 +10,7 @@ from . import plotting
 from .certificate import Certificate, answer_lines, ratio_lines
 from .evaluation import Evaluation
 from .problem import Problem
+from .programs.exactness import Link
 from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .tolerance import EQUAL, gap, same
 
@@ -75,6 +76,9 @@ class Solution:
         Verified facts only.
     statistics : dict
     message : str
+    chain : tuple of Link
+        How the problem was written down and what was done to that on the way to the solver: form, reductions, each exact, a relaxation or
+        a restriction.
     faults : tuple of str
         Claims of the solver, and bounds, that contradict the answer. It passed every check all the same; nothing that the solver claims
         is believed then, and a bound that contradicts it is withheld. Empty as it should be.
@@ -98,6 +102,7 @@ class Solution:
     evaluation: Evaluation | None = None
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
+    chain: tuple[Link, ...] = ()
     faults: tuple[str, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:
@@ -148,6 +153,7 @@ class Solution:
             "convention": self.problem.convention,
             "solver": self.solver,
             "form": self.form,
+            "chain": [{"step": link.name, "exactness": link.exactness.value, "told": link.told} for link in self.chain],
             "status": self.status,
             "limit": self.limit,
             "objective": self.objective,

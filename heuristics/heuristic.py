@@ -13,10 +13,10 @@ from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
 from ..formulations.stop import Stop
-from ..instances.errors import UsageError
 from ..instances.registry import Registry
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.linear_programs import LinearPrograms
+from ..solvers.own_options import own_options
 
 
 @dataclass(frozen=True)
@@ -111,10 +111,7 @@ class Heuristic:
 
     def check_parameters(self, given: dict[str, Any]) -> None:
         """Raise UsageError for a parameter that it does not have."""
-        known = self.parameters()
-        for name in given:
-            if name not in known:
-                raise UsageError(f"{self.name} has no option {name!r}; it takes {', '.join(known) or 'none'}")
+        own_options(self.name, given, dict.fromkeys(self.parameters()))
 
 
 HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*", group="waybound.heuristics")

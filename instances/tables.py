@@ -7,7 +7,6 @@ from pathlib import Path
 
 from .atomic import atomic_write
 from .bundled import RECIPES
-from .fetch import SETS
 from .formats import FORMATS
 from .generators import GENERATORS
 
@@ -60,12 +59,7 @@ def bundled_table() -> str:
     return _markdown(("name", "made by"), rows)
 
 
-def sets_table() -> str:
-    """Every set that can be downloaded."""
-    return _markdown(("set", "what it holds", "home", "status"), [(f"`{s.name}`", s.summary, s.base_url, s.status) for s in SETS.values()])
-
-
-TABLES = {"formats": formats_table, "generators": generators_table, "bundled": bundled_table, "sets": sets_table}
+TABLES = {"formats": formats_table, "generators": generators_table, "bundled": bundled_table}
 
 
 def with_tables(text: str) -> str:

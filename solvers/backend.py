@@ -5,10 +5,9 @@ from __future__ import annotations
 import importlib.util
 import threading
 import time
-import weakref
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,10 +15,8 @@ from numpy.typing import NDArray
 
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
-from ..formulations.programs.exactness import Exactness
-from ..formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
-from ..formulations.programs.scaling import Scaled, scaled
-from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
+from ..formulations.programs.exactness import Exactness, Link
+from ..instances.errors import MissingPackageError, UsageError
 from ..instances.registry import Registry
 
 STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unbounded", "unknown", "error")
@@ -98,6 +95,8 @@ class RawResult:
         ``RESTRICTION``, heuristics ``NEITHER``.
     guarantee : Guarantee, optional
         What a heuristic guarantees for its answer on this instance.
+    links : tuple of Link
+        How what was given was written otherwise on the way to the search.
     """
 
     status: str
@@ -111,6 +110,7 @@ class RawResult:
     evidence: tuple[Evidence, ...] = ()
     holds: Exactness = Exactness.EXACT
     guarantee: Guarantee | None = None
+    links: tuple[Link, ...] = ()
 
 
 class Control:
@@ -171,29 +171,6 @@ class Control:
             self.stop()
 
 
-class _Rescaled(Control):
-    """What a backend publishes of a scaled program, handed on in the units of the program as it was."""
-
-    def __init__(self, outer: Control, made: Scaled) -> None:
-        super().__init__()
-        self._outer, self._made = outer, made
-        mine = weakref.ref(self)
-
-        def end() -> None:  # the outer one may live for many programs
-            inner = mine()
-            if inner is not None:
-                inner.stop()
-
-        outer.on_stop(end)
-
-    def publish(
-        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
-    ) -> None:
-        super().publish(answer, objective, bound, evidence)
-        vector = None if answer is None else self._made.vector(answer)
-        self._outer.publish(vector, self._made.value(objective), self._made.value(bound), evidence)
-
-
 class Backend(ABC):
     """Anything that can be named with ``--solver``.
 
@@ -214,6 +191,9 @@ class Backend(ABC):
         Of ``iterations, no_improvement, gap`` those that it keeps to; ``solve`` refuses the others by name.
     one_thread : bool
         Whether it searches on one thread, whatever it is given.
+    order : int
+        Where the user names no solver, the one of the lowest that can take the problem is used: by measured quality on routing files, then
+        by measured speed on the linear forms of the other families, then those that take nonconvex products whatever their bounds.
     variants : tuple of str
         Examples of solvers within it, named as ``pulp:HiGHS``; empty if it has none.
     """
@@ -227,6 +207,7 @@ class Backend(ABC):
     needs_process: bool = False
     honours: ClassVar[frozenset[str]] = frozenset({"iterations", "gap"})
     one_thread: ClassVar[bool] = False
+    order: ClassVar[int] = 100
     variants: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, variant: str = "") -> None:
@@ -250,66 +231,24 @@ class Backend(ABC):
             return "not installed"
 
 
-class ProgramBackend(Backend):
-    """Solves programs of the features it declares.
+class Engine(Backend):
+    """Solves problems of the features it declares.
 
     Class attributes
     ----------------
-    programs : tuple of sets of features
-        What it takes together (see ``Program.features``): a program's features must be among those of one set.
-    only_integers : bool
-        Whether it takes no program without integers.
+    family : str
+        Of the problems it takes.
+    features : frozenset of str
+        Of problems that it can handle.
+    bounds_itself : bool
+        Whether it proves bounds on the way; others have some found before and beside their search, which ends where nothing is left to
+        gain.
     """
-
-    takes = "program"
-    programs: tuple[frozenset[str], ...] = (LINEAR,)
-    only_integers: bool = False
-
-    @classmethod
-    def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
-        """Names of the solvers within this one, itself first, that take programs of ``features``."""
-        return (cls.name,) if takes_features(features, cls.programs, cls.only_integers) else ()
-
-    def missing(self, program: Program) -> frozenset[str]:
-        """What ``program`` asks for and the solver lacks; empty if it can take it."""
-        able = takes_features(program.features(), self.programs, self.only_integers)
-        return frozenset() if able else frozenset({f"{program.kind} programs"})
-
-    def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """Search, with the program's numbers brought to ordinary sizes first and all results back to its own units.
-
-        ``RawResult.answer`` is a vector of shape (variables,); ``options.start`` is one too.
-        """
-        from .sanity import prepared
-
-        lacking = ProgramBackend.missing(self, program)  # what else it lacks, ``search`` finds
-        if lacking:
-            name = f"{self.name}:{self.variant}" if self.variant else self.name
-            raise UnsupportedError(name, lacking, takers(program.features(), name))
-        made = scaled(program := prepared(program))
-        if made.program is program:
-            return self.search(program, options, control)
-        start = None if options.start is None else made.scaled_vector(options.start)
-        result = self.search(made.program, replace(options, start=start), _Rescaled(control, made))
-        return replace(
-            result,
-            answer=None if result.answer is None else made.vector(result.answer),
-            objective=made.value(result.objective),
-            bound=made.value(result.bound),
-            row_duals=None if result.row_duals is None else made.duals(result.row_duals),
-        )
-
-    @abstractmethod
-    def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """Search a program whose numbers are of ordinary size. ``RawResult.answer`` is a vector of shape (variables,)."""
-
-
-class Engine(Backend):
-    """Solves problems of the features it declares."""
 
     takes = "problem"
     family: ClassVar[str]
     features: ClassVar[frozenset[str]]
+    bounds_itself: ClassVar[bool] = False
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """Features of ``problem`` that the engine lacks; empty if it can take it."""
@@ -333,25 +272,4 @@ def solver_named(name: str) -> Backend:
     return kind(variant) if variant else kind()
 
 
-def takes_features(features: frozenset[str], programs: Iterable[frozenset[str]], only_integers: bool = False) -> bool:
-    """Whether ``features`` are among those of one of ``programs``."""
-    return any(features <= most for most in programs) and (not only_integers or features >= INTEGERS)
-
-
-def kinds_of(backend: type[ProgramBackend]) -> list[str]:
-    """What it takes, in the usual words: ``LP``, ``MILP``, ..."""
-    cones = [LINEAR, *(frozenset({cone}) for cone in CONES)]
-    asked = (f | cone for f in (LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC) for cone in cones)
-    return sorted({described(f) for f in asked if backend.takers(f)})
-
-
-def takers(features: frozenset[str], but: str = "") -> list[str]:
-    """Installed solvers that take programs of ``features``, other than ``but``."""
-    backends = [BACKENDS[name] for name in BACKENDS]
-    found = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(features)]
-    return [name for name in found if name != but]
-
-
-BACKENDS: Registry[type[ProgramBackend] | type[Engine]] = Registry(
-    "solver", "waybound.solvers.backends", "waybound.solvers.engines", group="waybound.solvers"
-)
+BACKENDS: Registry[type[Backend]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines", group="waybound.solvers")

@@ -12,8 +12,9 @@ from ..formulations.programs.program import LINEAR, Floats, Program
 from ..formulations.stop import NEVER, Stop
 from ..instances.errors import UnsupportedError
 from ..instances.limits import MOST
-from .backend import LP_SOLVER, Control, Options, ProgramBackend, RawResult, solver_named, takers, takes_features
+from .backend import LP_SOLVER, Control, Options, RawResult, solver_named
 from .isolation import run_isolated
+from .program_backend import ProgramBackend, takers
 
 Suits = Mapping[str, Mapping[str, Any]]
 """Options that suit a program, by solver: ``{"highs": {"solver": "ipm"}}``."""
@@ -37,7 +38,7 @@ class LinearPrograms:
     def backend(self) -> ProgramBackend:
         """The solver, ready to run; raises UsageError, MissingPackageError or UnsupportedError where there is none for linear programs."""
         backend = solver_named(self.solver)
-        if not (isinstance(backend, ProgramBackend) and takes_features(LINEAR, backend.programs, backend.only_integers)):
+        if not (isinstance(backend, ProgramBackend) and backend.able(LINEAR)):
             raise UnsupportedError(self.solver, {"LP programs"}, takers(LINEAR))
         return backend
 

@@ -12,9 +12,10 @@ import scipy.sparse as sp
 
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.stop import NEVER, Stop
-from waybound.solvers.backend import Control, Options, ProgramBackend, RawResult
+from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.backends.highs import Highs
 from waybound.solvers.linear_programs import LinearPrograms, Suits
+from waybound.solvers.program_backend import ProgramBackend
 
 INF = math.inf
 

@@ -46,6 +46,12 @@ def missing(page: Path, section: str) -> bool:
     return not page.is_file() or bool(section and section not in sections(page))
 
 
+def test_no_file_holds_the_marks_of_an_unfinished_merge() -> None:
+    marks = tuple(mark * 7 for mark in "<=>")
+    held = [path.relative_to(ROOT) for path in files() for line in path.read_text(encoding="utf-8").split("\n") if line.startswith(marks)]
+    assert not held
+
+
 def test_pages_and_sections_that_code_names_exist() -> None:
     named = []
     for path in files():

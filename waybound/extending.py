@@ -34,9 +34,10 @@ from .instances.registry import Registry
 from .instances.selection.constraints import Constraint, LimitRows, LinearConstraint
 from .instances.selection.functions import AT_ENTRY, AT_ITEM, ItemFunction, ItemWeights, SetFunction
 from .instances.selection.json_kind import CONSTRAINTS, SET_FUNCTIONS, JsonPart
-from .solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult
+from .solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from .solvers.bounds import BOUNDS, BoundMethod
 from .solvers.linear_programs import LinearPrograms
+from .solvers.program_backend import ProgramBackend
 
 __all__ = [
     "AT_ENTRY",

@@ -17,7 +17,7 @@ from ..evidence import Evidence
 from ..problem import Problem
 from ..programs.cones import KINDS as CONE_KINDS
 from ..programs.program import Floats, Program
-from ..programs.scaling import scaled
+from ..programs.reductions.units import scaled
 from ..tolerance import EQUAL, VECTOR
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class ArrayProblem(Problem):
     notes: tuple[str, ...] = ()
 
     def __init__(self, program: Program, name: str | None = None) -> None:
-        from ..programs.export._checks import refuse_numbers
+        from ..programs.soundness import refuse_numbers
 
         _check_shapes(program)
         refuse_numbers(program)

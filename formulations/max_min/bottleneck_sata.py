@@ -82,6 +82,9 @@ class BottleneckSATA(Problem):
         """``sensing`` always, ``whole-actions`` unless fractional."""
         return frozenset({"sensing"} if self.fractional else {"sensing", "whole-actions"})
 
+    def linear_entries(self) -> int:
+        return len(self.graph.indices)
+
     def facts(self) -> dict[str, Any]:
         """Those of the sensing graph."""
         return {"graph": self.graph.facts()}

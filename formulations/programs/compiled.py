@@ -8,8 +8,10 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from ...instances.errors import UsageError
-from .exactness import Exactness
+from .exactness import Exactness, Link
 from .program import Floats, Program
+from .reductions.continuous_relaxation import CONTINUOUS_RELAXATION
+from .reductions.reduction import Irreducible
 
 if TYPE_CHECKING:
     from ..evidence import Evidence
@@ -34,6 +36,8 @@ class Compiled:
         From row duals (d objective / d right side) of the linear relaxation to evidence that the checker can multiply out.
     exactness : Exactness
         How the program's optimum relates to that of the problem.
+    links : tuple of Link
+        The form, and what was done to its program since.
     """
 
     program: Program
@@ -42,6 +46,11 @@ class Compiled:
     encode: Callable[[Any], Floats] | None = None
     dual_evidence: Callable[[Floats], Evidence] | None = None
     exactness: Exactness = Exactness.EXACT
+    links: tuple[Link, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.links:
+            object.__setattr__(self, "links", (Link(self.program.name, self.exactness),))
 
     @property
     def form(self) -> str:
@@ -56,11 +65,12 @@ class Compiled:
         UsageError
             If the program is not linear.
         """
-        p = self.program
-        if p.quadratic is not None or p.cones:
-            raise UsageError(f"form {self.form} is not linear; only linear programs are relaxed")
-        continuous = replace(p, variables=tuple(replace(b, integer=False) for b in p.variables))
-        return replace(self, program=continuous, exactness=self.exactness.then(Exactness.RELAXATION))
+        try:
+            (step,) = CONTINUOUS_RELAXATION.apply(self.program)
+        except Irreducible as fault:
+            raise UsageError(str(fault)) from None
+        exactness, links = self.exactness.then(step.exactness), (*self.links, step.link)
+        return replace(self, program=step.program, exactness=exactness, links=links)
 
     def write(self, path: str | PathLike[str]) -> None:
         """See ``Program.write``."""

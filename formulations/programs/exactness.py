@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 
 
@@ -43,3 +44,24 @@ class Exactness(Enum):
     def answer_is_valid(self) -> bool:
         """Whether a feasible point of the program is promised to be an answer of the problem."""
         return self in (Exactness.EXACT, Exactness.RESTRICTION)
+
+
+@dataclass(frozen=True)
+class Link:
+    """One step of the chain from what was asked to what a solver was given.
+
+    Parameters
+    ----------
+    name : str
+        Of the form or reduction.
+    exactness : Exactness
+    told : str
+        What it did, where there is something to tell.
+    """
+
+    name: str
+    exactness: Exactness = Exactness.EXACT
+    told: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.exactness.value}){': ' if self.told else ''}{self.told}"

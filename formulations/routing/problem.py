@@ -213,6 +213,13 @@ class RoutingProblem(Problem):
             found.add("objective:weights")
         return restrictions(self) | found
 
+    @property
+    def size(self) -> int:
+        return len(self.sites)
+
+    def linear_entries(self) -> int:
+        return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
+
     def facts(self) -> dict[str, Any]:
         """Objective, sites, demand, service, windows, travel and fleet."""
         s, at = self.sites, self.customers

@@ -92,6 +92,14 @@ class SubmodularSelection(Problem):
         """What function and constraint ask of a method, such as ``function:coverage`` and ``constraint:knapsack``."""
         return frozenset({self.function.feature, self.constraint.feature})
 
+    @property
+    def size(self) -> int:
+        return self.num_elements
+
+    def linear_entries(self) -> int:
+        weights = self.function.as_item_weights()
+        return 0 if weights is None else len(weights.indices) or int(np.count_nonzero(weights.matrix))
+
     def facts(self) -> dict[str, Any]:
         """Function and constraint."""
         return {"function": self.function.facts(), "constraint": self.constraint.facts()}

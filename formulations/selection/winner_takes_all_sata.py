@@ -50,6 +50,9 @@ class WinnerTakesAllSATA(SubmodularSelection):
     def digest(self) -> str:
         return self.graph.digest()
 
+    def linear_entries(self) -> int:
+        return len(self.graph.indices)
+
     def facts(self) -> dict[str, Any]:
         """Those of the sensing graph."""
         return {"graph": self.graph.facts()}

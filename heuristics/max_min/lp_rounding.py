@@ -11,7 +11,7 @@ from ...formulations.forms import FORMS
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.programs.exactness import Exactness
 from ...formulations.programs.program import INTEGERS
-from ...formulations.programs.scaling import scaled
+from ...formulations.programs.reductions.units import scaled
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UnsupportedError

@@ -23,8 +23,9 @@ import numpy as np
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.instances.generating import generate
 from waybound.instances.sensing.graph import SensingGraph
-from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.local_max_min.arrays import local_shares
+from waybound.solvers.program_backend import ProgramBackend
 
 SLOPE = 1.15
 """Most growth of log time by log size."""

@@ -29,8 +29,9 @@ from waybound.formulations.certificate import certify
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.instances.generating import generate
 from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
-from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.saddle import Saddle
+from waybound.solvers.program_backend import ProgramBackend
 
 GAPS = (1e-1, 1e-2, 1e-3, 1e-4)
 

@@ -17,7 +17,8 @@ import time
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.generating import generate
 from waybound.instances.sensing.graph import SensingGraph
-from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
+from waybound.solvers.program_backend import ProgramBackend
 
 SIZE = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}
 

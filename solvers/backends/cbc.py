@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 import re
@@ -11,8 +10,7 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +22,9 @@ from ...formulations.programs.program import Program
 from ...instances.errors import MissingPackageError, UsageError
 from ..backend import Control, Options, RawResult
 from ..children import child
+from ..own_options import own_options
 
 Floats = NDArray[np.float64]
-
-FEASIBLE_TOLERANCE = 1e-5
-"""Residual up to which a point that CBC calls feasible, by 1e-6, is handed on; ``solve`` judges it in the problem's words."""
-
-EQUAL_TOLERANCE = 1e-6
-"""Relative difference up to which value and bound are the same."""
 
 GRACE = 0.8
 """Seconds CBC has to write its incumbent once the user wants the end; less than any process of ours has that waits for it."""
@@ -150,35 +143,25 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
         An empty one for its files.
     """
     _check_extra(cbc, options.extra)
-    sign = 1.0 if program.sense == "min" else -1.0
-    plain = minimised(program)
-    began = time.perf_counter()
-    hear = lambda bound: control.publish(bound=sign * bound + program.offset)  # noqa: E731
-    result = _one_run(cbc, plain, options, control, folder, hear)
-    if result.status == "infeasible_or_unbounded":
-        # Without its objective a program is never unbounded.
-        left = options.time_limit - (time.perf_counter() - began)
-        zero = replace(plain, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in plain.variables))
-        again = _one_run(cbc, zero, replace(options, time_limit=max(left, 0.1), start=None), control, folder)
-        settled = {"optimal": "unbounded", "feasible": "unbounded", "infeasible": "infeasible", "infeasible_or_unbounded": "infeasible"}
-        result = replace(result, status=settled.get(again.status, result.status))
-    value = None if result.answer is None else program.value(result.answer)
-    bound = None if result.bound is None else sign * result.bound + program.offset
-    status, limit = result.status, result.limit
-    if status == "optimal" and limit == "gap":
-        if bound is None or value is None or abs(bound - value) > EQUAL_TOLERANCE * max(1.0, abs(value)):
-            status = "feasible"
-    elif status == "optimal":
-        bound = value
-    duals = None if result.row_duals is None else sign * result.row_duals
-    return replace(result, status=status, limit=limit, objective=value, bound=bound, row_duals=duals)
-
-
-def minimised(program: Program) -> Program:
-    """The program to minimise and without a constant, about whose signs readers of MPS disagree."""
-    if program.sense == "max":
-        program = replace(program, variables=tuple(replace(b, cost=-b.cost) for b in program.variables))
-    return replace(program, sense="min", offset=0.0)
+    model, solution = folder / "model.mps", folder / "model.sol"
+    for old in (solution, solution.with_suffix(EXACT)):
+        old.unlink(missing_ok=True)
+    write_program(program, model, names=False)
+    start = None
+    if options.start is not None and program.is_integer:
+        start = folder / "start.sol"
+        _write_start(start, options.start)
+    log = Log()
+    ours, theirs = _terminal()
+    command = _command(cbc, program, options, model, solution, start)
+    with (
+        os.fdopen(ours, "rb", 0),
+        os.fdopen(theirs, "wb", 0) as end,
+        child(command, folder, stdin=subprocess.DEVNULL, stdout=end, stderr=end, cwd=folder) as process,
+    ):
+        end.close()
+        asked = _follow(process, ours, log, options, control)
+    return _said(solution, log, program, options, process.returncode, asked)
 
 
 def _command(cbc: str, program: Program, options: Options, model: Path, solution: Path, start: Path | None) -> list[str]:
@@ -202,30 +185,6 @@ def _command(cbc: str, program: Program, options: Options, model: Path, solution
     return [*line, "-solve", "-solution", str(solution), "-saveSolution", str(solution.with_suffix(EXACT))]
 
 
-def _one_run(
-    cbc: str, program: Program, options: Options, control: Control, folder: Path, hear: Callable[[float], None] = lambda bound: None
-) -> RawResult:
-    model, solution = folder / "model.mps", folder / "model.sol"
-    for old in (solution, solution.with_suffix(EXACT)):
-        old.unlink(missing_ok=True)
-    write_program(program, model, names=False)
-    start = None
-    if options.start is not None and program.is_integer:
-        start = folder / "start.sol"
-        _write_start(start, np.asarray(options.start, dtype=np.float64))
-    log = Log()
-    ours, theirs = _terminal()
-    command = _command(cbc, program, options, model, solution, start)
-    with (
-        os.fdopen(ours, "rb", 0),
-        os.fdopen(theirs, "wb", 0) as end,
-        child(command, folder, stdin=subprocess.DEVNULL, stdout=end, stderr=end, cwd=folder) as process,
-    ):
-        end.close()
-        asked = _follow(process, ours, log, options, control, hear)
-    return _read_result(solution, log, program, options, process.returncode, asked)
-
-
 def _terminal() -> tuple[int, int]:
     """Ends of a pseudo-terminal, on which CBC's output comes line by line; where there is none, of a pipe, where it comes late."""
     try:
@@ -234,9 +193,7 @@ def _terminal() -> tuple[int, int]:
         return os.pipe()
 
 
-def _follow(
-    process: subprocess.Popen[bytes], output: int, log: Log, options: Options, control: Control, hear: Callable[[float], None]
-) -> str:
+def _follow(process: subprocess.Popen[bytes], output: int, log: Log, options: Options, control: Control) -> str:
     """Pass bounds on until CBC ends; what asked it to, if anything did: ``interrupt`` or ``time``."""
     deadline, again, end, why = time.perf_counter() + options.time_limit + OVERTIME, math.inf, math.inf, ""
     while True:
@@ -250,7 +207,7 @@ def _follow(
                 return why
             bound = log.feed(text)
             if bound is not None:
-                hear(bound)
+                control.publish(bound=bound)
         now = time.perf_counter()
         if why != "interrupt" and (control.stopped or (now > deadline and not why)):
             why = "interrupt" if control.stopped else "time"
@@ -262,16 +219,16 @@ def _follow(
             again = now + AGAIN  # it hears nothing before its tree search
 
 
-def _read_result(solution: Path, log: Log, program: Program, options: Options, code: int, asked: str) -> RawResult:
+def _said(solution: Path, log: Log, program: Program, options: Options, code: int, asked: str) -> RawResult:
     statistics: dict[str, Any] = {name: getattr(log, name) for name in ("nodes", "iterations") if getattr(log, name) is not None}
     if options.start is not None and program.is_integer:
         statistics["start"] = log.start or "ignored"
     limit = asked or log.end or "none"
-    if limit == "nodes" and not program.is_integer:
+    if limit == "nodes":
         limit = "iterations"  # CBC's words for either
+    bound = log.bound if program.is_integer else None
     if not solution.exists() or code < 0:  # what it wrote when it was killed may be half of it
         if asked:
-            bound = log.bound if program.is_integer else None
             return RawResult("unknown", asked, bound=bound, statistics=statistics, message="CBC was ended before it wrote an answer")
         said = " / ".join(log.tail)
         return RawResult("error", statistics=statistics, message=f"CBC ended with code {code} and no answer: {said}")
@@ -282,30 +239,17 @@ def _read_result(solution: Path, log: Log, program: Program, options: Options, c
     if status == "infeasible" and log.doubtful:
         status = "infeasible_or_unbounded"
     statistics["said"] = said
+    if status == "error":
+        return RawResult("error", statistics=statistics, message=f"CBC says: {said}")
     point, duals = _read_point(solution.with_suffix(EXACT), program) or (None, None)
-    if status not in ("optimal", "unknown") or "no integer solution" in said:
+    if "no integer solution" in said:
         point = None
-    if point is not None and program.residual(point) > FEASIBLE_TOLERANCE:
-        point = None
-    if status == "unknown":
-        if limit == "none":
-            limit = "time" if "time" in said else "iterations"
-        if point is not None:
-            status = "feasible"
-    message = ""
-    if status == "optimal" and not log.gap_closed:
-        limit = "gap"
-    elif status == "optimal":
-        limit = "none"
-    if status == "optimal" and point is None:
-        status, message = "unknown", "CBC reports an optimum, but its point is not feasible within 1e-5"
-    elif status == "unknown":
-        message = f"CBC found no feasible point: {said}"
-    elif status == "error":
-        message = f"CBC says: {said}"
+    if status == "unknown" and limit == "none":
+        limit = "time" if "time" in said else "iterations"
+    if status == "optimal" and log.gap_closed and point is not None:
+        bound = program.value(point)
     solved = not program.is_integer and status == "optimal"
-    bound = log.bound if program.is_integer and status in ("optimal", "feasible", "unknown") else None
-    return RawResult(status, limit, point, None, bound, duals if solved else None, statistics, message)
+    return RawResult(status, limit, point, None, bound, duals if solved else None, statistics)
 
 
 def _write_start(path: Path, start: Floats) -> None:
@@ -330,7 +274,7 @@ def _read_point(path: Path, program: Program) -> tuple[Floats, Floats] | None:
     return values, duals
 
 
-OWN_PARAMETERS = {
+COMMON_PARAMETERS = {
     "seconds": "the time limit", "ratioGap": "the gap", "threads": "the threads", "randomSeed": "the seed",
     "randomCbcSeed": "the seed", "maxNodes": "the iterations", "maxIterations": "the iterations",
 }  # fmt: skip
@@ -346,16 +290,12 @@ def _check_extra(cbc: str, extra: dict[str, Any]) -> None:
     full = {k.replace("(", "").replace(")", ""): k.split("(")[0] for k in known}
     for name, value in extra.items():
         meant = [f for f, least in full.items() if f.lower().startswith(name.lower()) and len(name) >= len(least)]
-        if not meant:
-            close = difflib.get_close_matches(name, full, n=3)
-            raise UsageError(f"CBC has no parameter {name!r}" + (f"; close: {', '.join(close)}" if close else ""))
-        if meant[0] in OWN_PARAMETERS:
-            raise UsageError(f"pulp: set {OWN_PARAMETERS[meant[0]]} by its own option, not by {name}")
+        own_options("pulp", {(meant or [name])[0]: value}, dict.fromkeys(full), COMMON_PARAMETERS, "parameter")
         said = _say(cbc, f"-{name}", str(value))
         fault = re.search(r"Possible options for \S+ are:([^;>]*)|is illegal for|out of range|valid range", said)
         if fault:
             choices = f"; choose from {fault[1].strip()}" if fault[1] else ""
-            raise UsageError(f"{value!r} is no value for CBC's parameter {name}{choices}")
+            raise UsageError(f"pulp: {value!r} is no value for CBC's parameter {name}{choices}")
 
 
 def _say(cbc: str, *words: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import threading
 import time
@@ -10,22 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import INTEGERS, QUADRATIC, Program
-from ...formulations.programs.scaling import scaled
+from ...formulations.programs.program import INTEGERS, QUADRATIC
+from ...formulations.programs.reductions.whole_numbers import UNLIMITED, WHOLE_NUMBERS, IntegerProgram
 from ...instances.errors import UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
-from ..integer_program import UNLIMITED, IntegerProgram, Uncountable, integer_program
-from ..sanity import prepared, settled
-
-FEASIBLE_TOLERANCE = 1e-6
-EQUAL_TOLERANCE = 1e-6
-"""Relative difference up to which value and bound are the same."""
+from ..backend import BACKENDS, Control, Options, RawResult
+from ..own_options import own_options
+from ..program_backend import ProgramBackend, takers
 
 STATUS_MAP = {
     "UNKNOWN": "unknown", "MODEL_INVALID": "error", "FEASIBLE": "feasible", "INFEASIBLE": "infeasible", "OPTIMAL": "optimal",
 }  # fmt: skip
 
-OWN_PARAMETERS = {
+COMMON_PARAMETERS = {
     "max_time_in_seconds": "the time limit",
     "relative_gap_limit": "the gap",
     "num_workers": "the threads",
@@ -50,54 +45,42 @@ class CpSat(ProgramBackend):
     """OR-Tools CP-SAT (Perron & Didier): lazy clause generation with linear relaxations.
 
     It takes mixed-integer programs whose continuous variables can be counted in steps, and products of variables; every variable
-    needs bounds, given or implied. ``solvers/integer_program.py`` says how data become integers. ``iterations`` counts conflicts. One
+    needs bounds, given or implied. ``WholeNumbers`` says how data become integers. ``iterations`` counts conflicts. One
     thread repeats to the bit. Extra options are CP-SAT's parameters by name.
     """
 
-    name = "cpsat"
+    name, title = "cpsat", "CP-SAT"
     package = "ortools"
     modules = ("ortools",)
     summary = "OR-Tools CP-SAT: integer programs, products of variables included, counted in 64 bits"
+    order = 60
     programs = (INTEGERS | QUADRATIC,)
     only_integers = True
+    reductions = (WHOLE_NUMBERS,)
+    feasible_tolerance = 1e-6
 
-    def missing(self, program: Program) -> frozenset[str]:
-        """See ``ProgramBackend.missing``: what cannot be counted, too."""
-        lacking = super().missing(program)
-        try:
-            if not lacking:
-                integer_program(scaled(prepared(program)).program)
-        except Uncountable as fault:
-            return frozenset({str(fault)})
-        return lacking
-
-    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+    def search(self, program: IntegerProgram, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        result = settled(program)
-        if result is not None:
-            return result
         from ortools.sat.python import cp_model
 
-        try:
-            counted = integer_program(program)
-        except Uncountable as fault:
-            raise UnsupportedError(self.name, {str(fault)}, takers(program.features(), self.name)) from None
         solver = cp_model.CpSolver()
         _configure(solver.parameters, options)
-        if (counted.lower > counted.upper).any():
-            name = program.variable_name(int(np.argmax(counted.lower > counted.upper)))
+        if (program.lower > program.upper).any():
+            name = program.source.variable_name(int(np.argmax(program.lower > program.upper)))
             return RawResult("infeasible", message=f"no whole number is within the bounds of {name}")
         model = cp_model.CpModel()
-        _fill(model.proto, counted)
+        _fill(model.proto, program)
         if options.start is not None:
-            _hint(model.proto, counted, np.asarray(options.start, dtype=np.float64))
+            known = np.nonzero(np.isfinite(options.start))[0]  # products are left for CP-SAT to complete
+            model.proto.solution_hint.vars.extend(known.tolist())
+            model.proto.solution_hint.values.extend(options.start[known].astype(np.int64).tolist())
         wrong = model.validate()
         if wrong:
             lacking = f"programs that 64 bits do not hold ({wrong.splitlines()[0]})"
-            raise UnsupportedError(self.name, {lacking}, takers(program.features(), self.name))
+            raise UnsupportedError(self.name, {lacking}, takers(program.source.features(), self.name))
         began = time.perf_counter()
-        response = _search(solver, model, program, counted, control)
-        return _result(response, program, counted, options, control, time.perf_counter() - began)
+        response = _search(solver, model, program, control)
+        return _said(response, program, options, control, time.perf_counter() - began)
 
 
 def _configure(parameters: Any, options: Options) -> None:
@@ -112,20 +95,12 @@ def _configure(parameters: Any, options: Options) -> None:
         parameters.add_lp_constraints_lazily = False  # else the search may creep up in fine steps without seeing the whole LP
     if options.iterations is not None:
         parameters.max_number_of_conflicts = int(options.iterations)
-    known = [name for name in dir(parameters) if not name.startswith(("_", "clear_", "has_", "Has", "Clear"))]
-    for name, value in options.extra.items():
-        if name in OWN_PARAMETERS:
-            raise UsageError(f"cpsat: set {OWN_PARAMETERS[name]} by its own option, not by {name}")
+    known = {n: getattr(parameters, n) for n in dir(parameters) if not n.startswith(("_", "clear_", "has_", "Has", "Clear"))}
+    for name, value in own_options("cpsat", options.extra, known, COMMON_PARAMETERS, "parameter").items():
         if name in UNSOUND:
             raise UsageError(f"cpsat: with {name} set otherwise, what CP-SAT calls optimal need not be")
-        if name not in known:
-            close = difflib.get_close_matches(name, known, n=3)
-            raise UsageError(f"cpsat has no parameter {name!r}" + (f"; close: {', '.join(close)}" if close else ""))
-        old = getattr(parameters, name)
         try:
-            kind = type(old)
-            made = str(value).lower() in ("true", "1", "on") if kind is bool else kind(int(str(value)) if kind is int else value)
-            setattr(parameters, name, made)
+            setattr(parameters, name, value)
         except (TypeError, ValueError):
             raise UsageError(f"cpsat: {value!r} is no value for parameter {name}") from None
 
@@ -175,14 +150,7 @@ def _product(proto: Any, counted: IntegerProgram, i: int, j: int) -> int:
     return made
 
 
-def _hint(proto: Any, counted: IntegerProgram, start: Any) -> None:
-    """A start; products are left for CP-SAT to complete."""
-    known = np.nonzero(np.isfinite(start))[0]
-    proto.solution_hint.vars.extend(known.tolist())
-    proto.solution_hint.values.extend(counted.nearest(start)[known].tolist())
-
-
-def _search(solver: Any, model: Any, program: Program, counted: IntegerProgram, control: Control) -> Any:
+def _search(solver: Any, model: Any, program: IntegerProgram, control: Control) -> Any:
     """Run, publish incumbents and bounds, and pass the wish to stop on."""
     from ortools.sat.python import cp_model
 
@@ -191,12 +159,11 @@ def _search(solver: Any, model: Any, program: Program, counted: IntegerProgram, 
     class Hear(cp_model.CpSolverSolutionCallback):  # type: ignore[misc]
         def on_solution_callback(self) -> None:
             values = self.response_proto.solution
-            x = counted.vector([values[k] for k in range(n)])
-            control.publish(x, program.value(x))
+            control.publish(np.array([values[k] for k in range(n)]))
 
     def hear_bound(least: float) -> None:
         if abs(least) < float(UNLIMITED):
-            control.publish(bound=counted.bound(least - 4 * math.ulp(1.0) * abs(least)))
+            control.publish(bound=least - 4 * math.ulp(1.0) * abs(least))
 
     def stop() -> None:
         while not over.is_set():
@@ -212,47 +179,26 @@ def _search(solver: Any, model: Any, program: Program, counted: IntegerProgram, 
     return solver.response_proto
 
 
-def _result(response: Any, program: Program, counted: IntegerProgram, options: Options, control: Control, seconds: float) -> RawResult:
+def _said(response: Any, program: IntegerProgram, options: Options, control: Control, seconds: float) -> RawResult:
     status = STATUS_MAP[response.status.name]
     statistics = {
         "conflicts": int(response.num_conflicts), "branches": int(response.num_branches),
-        "scale": {"objective": counted.scale, "exact": counted.exact},
+        "scale": {"objective": program.scale, "exact": program.exact},
     }  # fmt: skip
     if options.start is not None:
         statistics["start"] = "used"
-    if status == "error":
-        return RawResult("error", statistics=statistics, message="CP-SAT calls the model invalid")
-    if status == "infeasible":
-        return RawResult("infeasible", statistics=statistics)
     limit = "none"
-    if status != "optimal":
+    if status in ("unknown", "feasible"):
         if control.stopped:
             limit = "interrupt"
         elif seconds >= 0.98 * options.time_limit:
             limit = "time"
         elif options.iterations is not None and response.num_conflicts >= options.iterations:
             limit = "nodes"
-    bound = None
-    if abs(response.inner_objective_lower_bound) < UNLIMITED:
-        bound = counted.bound(float(response.inner_objective_lower_bound))
-    answer = objective = None
-    message = ""
-    if status in ("optimal", "feasible"):
-        values = response.solution
-        x = counted.vector([values[k] for k in range(program.num_variables)])
-        if program.residual(x) <= FEASIBLE_TOLERANCE:
-            answer, objective = x, program.value(x)
-        else:
-            message = "CP-SAT's point is not feasible within 1e-6 once it is counted in fractions again"
-    if answer is None:
-        end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
-        return RawResult("unknown", limit, None, None, bound, None, statistics, message or f"CP-SAT found no feasible point{end}")
-    assert objective is not None
-    equal = bound is not None and abs(bound - objective) <= EQUAL_TOLERANCE * max(1.0, abs(objective))
-    if equal:
-        status, limit = "optimal", "none"
-    elif status == "optimal":
-        status, limit = "feasible", "gap" if options.gap > 0 else "none"
-    if not math.isfinite(objective):
-        status = "error"
-    return RawResult(status, limit, answer, objective, bound, None, statistics, message)
+    least = float(response.inner_objective_lower_bound)
+    values = response.solution
+    return RawResult(
+        status, limit, np.array([values[k] for k in range(program.num_variables)]) if status in ("optimal", "feasible") else None,
+        bound=least if abs(least) < UNLIMITED else None, statistics=statistics,
+        message="CP-SAT calls the model invalid" if status == "error" else "",
+    )  # fmt: skip

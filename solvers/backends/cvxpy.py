@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import time
 import warnings
-from dataclasses import replace
 from itertools import chain
 from typing import Any
 
-import numpy as np
-
 from ...formulations.programs.program import CONES, INTEGERS, QUADRATIC, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
+from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from ...instances.errors import MissingPackageError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takes_features
-from ..sanity import settled
-from .highs import EQUAL_TOLERANCE, OWN_OPTIONS, set_option
-
-FEASIBLE_TOLERANCE = 1e-5
-"""Residual up to which values that a solver leaves in CVXPY's variables are taken for a point."""
+from ..backend import BACKENDS, Control, Options, RawResult
+from ..own_options import own_options
+from ..program_backend import ProgramBackend
+from .highs import named_options
 
 PRECISION = 1e-9
 """Asked of first-order and interior-point solvers, whose own of 1e-5 to 1e-8 leaves rows broken by more than the checks let pass."""
@@ -38,12 +35,14 @@ class CVXPY(ProgramBackend):
     solver's own.
     """
 
-    name = "cvxpy"
+    name, title = "cvxpy", "CVXPY's solver"
     package = "cvxpy"
     modules = ("cvxpy",)
     summary = "CVXPY: Clarabel for linear, quadratic and cone programs; SCS or HiGHS as cvxpy:NAME"
+    order = 80
     interrupts = "shows no incumbents, and is ended without an answer when it is asked to stop"
     programs = tuple(chain.from_iterable(PROGRAMS.values()))
+    reductions = (LINEAR_PRODUCTS, ONE_SIDED_ROWS)
     needs_process = True
     variants = tuple(PROGRAMS)
 
@@ -57,13 +56,10 @@ class CVXPY(ProgramBackend):
 
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
-        return tuple(f"{cls.name}:{solver}" for solver, programs in PROGRAMS.items() if takes_features(features, programs))
+        return tuple(f"{cls.name}:{solver}" for solver in PROGRAMS if cls(solver).able(features))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        result = settled(program)
-        if result is not None:
-            return result
         import cvxpy
 
         solver = self.solver or ("HIGHS" if program.is_integer else "CLARABEL")
@@ -77,10 +73,7 @@ class CVXPY(ProgramBackend):
             return RawResult("error", message="CVXPY minimises convex and maximises concave quadratic objectives only")
         except cvxpy.error.SolverError as fault:
             return _without_model(str(fault), options, time.perf_counter() - began)
-        result = _result(model, program, options, solver, time.perf_counter() - began)
-        if result.status == "infeasible_or_unbounded" and time.perf_counter() - began < options.time_limit:
-            result = replace(result, status=_which(program, solver, chosen, began + options.time_limit))
-        return result
+        return _said(model, program, options, solver, time.perf_counter() - began)
 
 
 def _solved(program: Program, solver: str, chosen: dict[str, Any], end: float) -> Any:
@@ -92,13 +85,6 @@ def _solved(program: Program, solver: str, chosen: dict[str, Any], end: float) -
         limit = {"SCS": "time_limit_secs"}.get(solver, "time_limit")
         model.solve(solver=solver, **chosen, **{limit: max(1e-3, end - time.perf_counter())})
     return model
-
-
-def _which(program: Program, solver: str, chosen: dict[str, Any], end: float) -> str:
-    """Tell infeasible from unbounded: without its objective a program is never unbounded."""
-    bare = replace(program, quadratic=None, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables))
-    status = _solved(bare, solver, chosen, end).status
-    return {"optimal": "unbounded", "infeasible": "infeasible"}.get(status, "infeasible_or_unbounded")
 
 
 # -- options, in each solver's words --------------------------------------------------------------------------------
@@ -113,8 +99,8 @@ def _clarabel(program: Program, options: Options) -> dict[str, Any]:
     if options.iterations is not None:
         made["max_iter"] = int(options.iterations)
     known = {n: getattr(clarabel.DefaultSettings(), n) for n in dir(clarabel.DefaultSettings()) if not n.startswith("_")}
-    own = {"time_limit": "the time limit", "max_iter": "the iterations", "max_threads": "the threads", "verbose": "the verbosity"}
-    return {**made, **_converted("CLARABEL", options.extra, known, own)}
+    common = {"time_limit": "the time limit", "max_iter": "the iterations", "max_threads": "the threads", "verbose": "the verbosity"}
+    return {**made, **own_options("cvxpy:CLARABEL", options.extra, known, common)}
 
 
 def _scs(program: Program, options: Options) -> dict[str, Any]:
@@ -123,8 +109,8 @@ def _scs(program: Program, options: Options) -> dict[str, Any]:
         "use_indirect": False, "normalize": True, "scale": 0.1, "adaptive_scale": True, "rho_x": 1e-6, "alpha": 1.5, "eps_abs": 1e-4,
         "eps_rel": 1e-4, "eps_infeas": 1e-7, "acceleration_lookback": 10, "acceleration_interval": 10,
     }  # fmt: skip
-    own = {"time_limit_secs": "the time limit", "max_iters": "the iterations", "verbose": "the verbosity"}
-    return {**made, **_converted("SCS", options.extra, known, own)}
+    common = {"time_limit_secs": "the time limit", "max_iters": "the iterations", "verbose": "the verbosity"}
+    return {**made, **own_options("cvxpy:SCS", options.extra, known, common)}
 
 
 def _highs(program: Program, options: Options) -> dict[str, Any]:
@@ -137,26 +123,7 @@ def _highs(program: Program, options: Options) -> dict[str, Any]:
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
         made.update(dict.fromkeys(limits, int(options.iterations)))
-    for name, value in options.extra.items():
-        if name in OWN_OPTIONS:
-            raise UsageError(f"cvxpy:HIGHS: set {OWN_OPTIONS[name]} by its own option, not by {name}")
-        made[name] = set_option(highspy.Highs(), name, value)
-    return made
-
-
-def _converted(solver: str, extra: dict[str, Any], known: dict[str, Any], own: dict[str, str]) -> dict[str, Any]:
-    made = {}
-    for name, value in extra.items():
-        if name in own:
-            raise UsageError(f"cvxpy:{solver}: set {own[name]} by its own option, not by {name}")
-        if name not in known:
-            raise UsageError(f"cvxpy:{solver} has no option {name!r}; it has {', '.join(sorted(known))}")
-        kind = type(known[name])
-        try:
-            made[name] = str(value).lower() in ("true", "1", "on") if kind is bool else kind(value)
-        except (TypeError, ValueError):
-            raise UsageError(f"cvxpy:{solver}: {value!r} is no value for option {name}") from None
-    return made
+    return {**made, **named_options("cvxpy:HIGHS", options.extra)}
 
 
 _CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "HIGHS": _highs}
@@ -165,7 +132,7 @@ _CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "HIGHS": _highs}
 # -- what is believed -----------------------------------------------------------------------------------------------
 
 
-def _result(model: Any, program: Program, options: Options, solver: str, seconds: float) -> RawResult:
+def _said(model: Any, program: Program, options: Options, solver: str, seconds: float) -> RawResult:
     from ...formulations.programs.export.cvxpy import row_duals_of, vector_of
 
     said = str(model.status)
@@ -182,22 +149,14 @@ def _result(model: Any, program: Program, options: Options, solver: str, seconds
     limit, bound, duals = "none", None, None
     if said not in ("optimal", "solver_error"):  # SCS calls what it has at its limit inaccurate
         late = seconds >= 0.98 * options.time_limit
-        limit = "time" if late or options.iterations is None else "nodes" if program.is_integer else "iterations"
+        limit = "time" if late or options.iterations is None else "iterations"
     if program.is_integer and info is not None and abs(info.mip_dual_bound) < 1e30:
         sign = 1.0 if program.sense == "min" else -1.0
         bound = sign * float(info.mip_dual_bound) + program.offset
         statistics["nodes"] = int(info.mip_node_count)
-    x = vector_of(program, model)
-    if x is None or program.residual(x) > FEASIBLE_TOLERANCE:
-        end = f" within the {limit} limit" if limit != "none" else f": CVXPY says {said}"
-        return RawResult("unknown", limit, None, None, bound, None, statistics, f"{solver} through CVXPY found no feasible point{end}")
-    objective = program.value(x)
-    if said == "optimal" and not program.is_integer:
-        duals = None if program.cones else row_duals_of(program, model)
-        return RawResult("optimal", "none", x, objective, objective, duals, statistics)
-    if said == "optimal" and (bound is None or abs(bound - objective) <= EQUAL_TOLERANCE * max(1.0, abs(objective))):
-        return RawResult("optimal", "none", x, objective, bound, None, statistics)
-    return RawResult("feasible", "gap" if said == "optimal" else limit, x, objective, bound, None, statistics)
+    if said == "optimal" and not program.is_integer and not program.cones:
+        duals = row_duals_of(program, model)
+    return RawResult("optimal" if said == "optimal" else "unknown", limit, vector_of(program, model), None, bound, duals, statistics)
 
 
 def _without_model(said: str, options: Options, seconds: float) -> RawResult:

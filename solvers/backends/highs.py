@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ...formulations.programs.program import INTEGERS, QUADRATIC, Floats, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...instances.errors import UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
-from ..sanity import settled
-
-FEASIBLE_TOLERANCE = 1e-5
-"""Residual up to which a point that HiGHS calls feasible, by 1e-6, is handed on; ``solve`` judges it in the problem's words."""
-
-EQUAL_TOLERANCE = 1e-6
-"""Relative difference up to which value and bound are the same."""
+from ..backend import BACKENDS, Control, Options, RawResult
+from ..own_options import own_options
+from ..program_backend import ProgramBackend
 
 LOOK_EVERY = 0.1
 """Seconds between two looks at the dual bound. HiGHS' own logging callback is silent where its output is."""
@@ -47,9 +41,9 @@ STATUS_MAP: dict[str, tuple[str, str]] = {
     "kSolveError": ("error", "none"),
     "kPostsolveError": ("error", "none"),
 }
-"""HiGHS model status to ours, before the existence of a feasible point is considered."""
+"""HiGHS model status to ours."""
 
-OWN_OPTIONS = {
+COMMON_OPTIONS = {
     "time_limit": "the time limit",
     "mip_rel_gap": "the gap",
     "threads": "the threads",
@@ -78,34 +72,28 @@ class Highs(ProgramBackend):
     options are HiGHS' own by name.
     """
 
-    name = "highs"
+    name, title = "highs", "HiGHS"
     package = "highspy"
     modules = ("highspy",)
     summary = "HiGHS: LP, MILP and convex QP, arrays straight into the solver"
+    order = 30
     programs = (INTEGERS, QUADRATIC)
+    reductions = (LINEAR_PRODUCTS,)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        result = settled(program)
-        if result is not None:
-            return result
         import highspy
 
         model = program.to_highs()
         _configure(model, program, options)
-        started = time.perf_counter()
         _watch(model, program, control)
         # The scheduler keeps the number of threads of the first run in this thread, and refuses another one.
         highspy.Highs.resetGlobalScheduler(True)
-        use = options.start is not None and program.is_integer and _start_from(model, np.asarray(options.start, dtype=np.float64))
+        start = None
+        if options.start is not None:
+            start = "used" if program.is_integer and _start_from(model, options.start) else "ignored"
         model.run()
-        status = model.getModelStatus().name
-        if status == "kUnboundedOrInfeasible":
-            status = _which(model, program, options.time_limit - (time.perf_counter() - started))
-        result = _result(model, program, options, control, status)
-        if options.start is None:
-            return result
-        return replace(result, statistics={**result.statistics, "start": "used" if use else "ignored"})
+        return _said(model, program, start)
 
 
 def _configure(model: Any, program: Program, options: Options) -> None:
@@ -124,43 +112,30 @@ def _configure(model: Any, program: Program, options: Options) -> None:
         chosen["solver"] = "ipm"
     for name, value in chosen.items():
         model.setOptionValue(name, value)
-    for name, value in options.extra.items():
-        if name in OWN_OPTIONS:
-            raise UsageError(f"highs: set {OWN_OPTIONS[name]} by its own option, not by {name}")
-        set_option(model, name, value)
+    for name, value in named_options("highs", options.extra).items():
+        model.setOptionValue(name, value)
 
 
-def set_option(model: Any, name: str, value: Any) -> Any:
-    """Set an option of a ``highspy.Highs`` that the user named; returns the value in the option's type.
+def named_options(label: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """HiGHS options that the user named, in their types.
 
     Raises
     ------
     UsageError
-        If HiGHS has no such option, naming close ones, or does not take the value.
+        If HiGHS has no such option, or does not take the value.
     """
+    if not given:
+        return {}
     import highspy
 
-    status, kind = model.getOptionType(name)
-    if status != highspy.HighsStatus.kOk:
-        known = [o for o in dir(model.getOptions()) if not o.startswith("_")]
-        close = difflib.get_close_matches(name, known, n=3)
-        raise UsageError(f"highs has no option {name!r}" + (f"; close: {', '.join(close)}" if close else ""))
-    try:
-        converted = _CONVERT[kind.name](value)
-    except (KeyError, ValueError):
-        raise UsageError(f"highs: option {name} takes a {kind.name[1:].lower()}, not {value!r}") from None
-    if model.setOptionValue(name, converted) != highspy.HighsStatus.kOk:
-        raise UsageError(f"highs: {value!r} is no value for option {name}")
-    return converted
-
-
-def _truth(value: Any) -> bool:
-    return {"true": True, "false": False, "on": True, "off": False, "1": True, "0": False}[str(value).lower()]
-
-
-_CONVERT: dict[str, Callable[[Any], Any]] = {
-    "kBool": _truth, "kInt": lambda v: int(str(v)), "kDouble": float, "kString": str,
-}  # fmt: skip
+    model = highspy.Highs()
+    defaults = model.getOptions()
+    made = own_options(label, given, {n: getattr(defaults, n) for n in dir(defaults) if not n.startswith("_")}, COMMON_OPTIONS)
+    model.setOptionValue("output_flag", False)
+    for name, value in made.items():
+        if model.setOptionValue(name, value) != highspy.HighsStatus.kOk:
+            raise UsageError(f"{label}: {value!r} is no value for option {name}")
+    return made
 
 
 def _watch(model: Any, program: Program, control: Control) -> None:
@@ -198,55 +173,25 @@ def _start_from(model: Any, start: Floats) -> bool:
     return bool(model.setSolution(len(known), known, start[known]) == highspy.HighsStatus.kOk)
 
 
-def _which(model: Any, program: Program, seconds: float) -> str:
-    """Tell infeasible from unbounded: without its objective a program is never unbounded."""
-    n = program.num_variables
-    if seconds <= 0:
-        return "kUnboundedOrInfeasible"
-    model.changeColsCost(n, np.arange(n, dtype=np.int32), np.zeros(n))
-    model.setOptionValue("time_limit", model.getRunTime() + seconds)
-    model.run()
-    return {"kOptimal": "kUnbounded", "kInfeasible": "kInfeasible"}.get(model.getModelStatus().name, "kUnboundedOrInfeasible")
-
-
-def _result(model: Any, program: Program, options: Options, control: Control, found: str) -> RawResult:
-    status, limit = STATUS_MAP[found]
-    info = model.getInfo()
+def _said(model: Any, program: Program, start: str | None) -> RawResult:
+    found = model.getModelStatus()
+    status, limit = STATUS_MAP[found.name]
+    info, solution = model.getInfo(), model.getSolution()
     statistics: dict[str, Any] = {
         "simplex_iterations": int(info.simplex_iteration_count),
         "ipm_iterations": int(info.ipm_iteration_count),
     }
-    answer = objective = bound = duals = None
-    message = ""
     if program.is_integer:
         statistics["nodes"] = int(info.mip_node_count)
-    if status in ("optimal", "unknown"):
-        solution = model.getSolution()
-        x = np.array(solution.col_value)
-        if info.primal_solution_status == 2 and program.residual(x) <= FEASIBLE_TOLERANCE:
-            answer, objective = x, program.value(x)
-        elif control.answer is not None:
-            answer, objective = control.answer, program.value(control.answer)
-        if not program.is_integer and solution.dual_valid:
-            duals = np.array(solution.row_dual)
-        if program.is_integer and math.isfinite(info.mip_dual_bound):
-            bound = float(info.mip_dual_bound)
-    if status == "optimal":
-        if answer is None:
-            status, message = "unknown", "HiGHS reports an optimum, but its point is not feasible within 1e-5"
-        elif not program.is_integer:
-            bound = objective
-        elif bound is None or objective is None or abs(bound - objective) > EQUAL_TOLERANCE * max(1.0, abs(objective)):
-            status, limit = "feasible", "gap"
-    elif status == "unknown" and answer is not None:
-        status = "feasible"
+    if start is not None:
+        statistics["start"] = start
+    message = ""
     if status == "error":
-        message = f"HiGHS ended with status {model.modelStatusToString(model.getModelStatus())}"
+        message = f"HiGHS ended with status {model.modelStatusToString(found)}"
         if program.quadratic is not None:
             message += "; it minimises convex and maximises concave quadratic objectives only"
-    elif status == "unknown" and not message:
-        end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
-        message = f"HiGHS found no feasible point{end}"
-    if limit == "iterations" and program.is_integer:
-        limit = "nodes"
-    return RawResult(status, limit, answer, objective, bound, duals, statistics, message)
+    bound = float(info.mip_dual_bound) if program.is_integer and math.isfinite(info.mip_dual_bound) else None
+    return RawResult(
+        status, limit, np.array(solution.col_value) if info.primal_solution_status == 2 else None, None, bound,
+        np.array(solution.row_dual) if solution.dual_valid and not program.is_integer else None, statistics, message,
+    )  # fmt: skip

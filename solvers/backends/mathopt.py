@@ -14,16 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program, Variables
-from ...formulations.programs.scaling import scaled
-from ...instances.errors import UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers, takes_features
-from ..integer_program import Uncountable, integer_program
-from ..sanity import prepared, settled
-
-FEASIBLE_TOLERANCE = 1e-5
-EQUAL_TOLERANCE = 1e-6
-"""Relative difference up to which value and bound are the same."""
+from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
+from ...formulations.programs.reductions.reduction import Reduction
+from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
+from ...instances.errors import UsageError
+from ..backend import BACKENDS, Control, Options, RawResult
+from ..own_options import own_options
+from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
+from .highs import named_options
 
 FIRST_ORDER_TOLERANCE = 1e-9
 """PDLP's own is 1e-6, relative, which leaves rows broken by more than the checks let pass."""
@@ -36,6 +35,11 @@ PROGRAMS = {
     "pdlp": (QUADRATIC,),
 }
 """What each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
+
+REDUCTIONS: dict[str, tuple[Reduction, ...]] = {
+    "highs": (LINEAR_PRODUCTS,),
+    "cp-sat": (LINEAR_PRODUCTS, WHOLE_VARIABLES),  # it rounds continuous variables without a word
+}
 
 REASONS = {
     "OPTIMAL": "optimal", "INFEASIBLE": "infeasible", "UNBOUNDED": "unbounded", "INFEASIBLE_OR_UNBOUNDED": "infeasible_or_unbounded",
@@ -66,6 +70,7 @@ class MathOpt(ProgramBackend):
     package = "ortools"
     modules = ("ortools",)
     summary = "OR-Tools MathOpt: SCIP (nonconvex quadratics too) and GLOP, others as mathopt:NAME"
+    order = 50
     interrupts = "mathopt:highs shows no incumbents, and is ended without an answer when it is asked to stop"
     programs = tuple(chain.from_iterable(PROGRAMS.values()))
     variants = tuple(PROGRAMS)
@@ -77,63 +82,30 @@ class MathOpt(ProgramBackend):
             raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}")
         self.solver = chosen
         if chosen:
-            self.programs, self.only_integers = PROGRAMS[chosen], chosen == "cp-sat"
+            self.title, self.programs, self.only_integers = chosen, PROGRAMS[chosen], chosen == "cp-sat"
+        self.reductions = REDUCTIONS.get(chosen, ())
         self.needs_process = chosen == "highs"  # it hears no interrupt
 
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
-        return tuple(f"{cls.name}:{s}" for s, programs in PROGRAMS.items() if takes_features(features, programs, s == "cp-sat"))
-
-    def missing(self, program: Program) -> frozenset[str]:
-        """See ``ProgramBackend.missing``: MathOpt's CP-SAT takes whole variables only."""
-        lacking = super().missing(program)
-        try:
-            if self.solver == "cp-sat" and not lacking:
-                self._whole(scaled(prepared(program)).program)
-        except UnsupportedError as fault:
-            return frozenset(fault.missing)
-        return lacking
+        return tuple(f"{cls.name}:{s}" for s in PROGRAMS if cls(s).able(features))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
-        result = settled(program)
-        if result is not None:
-            return result
         import ortools.math_opt.python.mathopt  # noqa: F401 - loading it is not counted against the limit
 
         solver = self.solver or ("glop" if program.features() == LINEAR else "gscip")
-        asked = program
-        if solver == "cp-sat":
-            program = self._whole(program)
-            result = settled(program)
-            if result is not None:
-                return result
         parameters = _parameters(solver, program, options)
-        run = _Run(solver, asked, options, control, time.perf_counter() + options.time_limit)
+        run = _Run(solver, program, options, control, time.perf_counter() + options.time_limit)
         try:
-            return run.conclude(run.solve(program, parameters), parameters)
+            return run.said(run.solve(parameters))
         except _Endless:
-            return RawResult(run.which(parameters))
+            return RawResult("infeasible_or_unbounded")
         except _Refused as fault:
             text = str(fault)
             if "support" in text or "UNIMPLEMENTED" in text or "finite range" in text:
-                raise UnsupportedError(self._label, {text}, takers(program.features(), self._label)) from None
+                raise self.refusal({text}, program) from None
             return RawResult("error", message=f"MathOpt ended with an error: {text}")
-
-    @property
-    def _label(self) -> str:
-        return f"{self.name}:{self.variant}" if self.variant else self.name
-
-    def _whole(self, program: Program) -> Program:
-        """The program with integer variables and bounds only: MathOpt's CP-SAT rounds continuous ones without a word."""
-        try:
-            counted = integer_program(program)
-        except Uncountable as fault:
-            raise UnsupportedError(self._label, {str(fault)}, takers(program.features(), self._label)) from None
-        if not ((counted.unit == 1.0).all() and (counted.shift == np.round(counted.shift)).all()):
-            raise UnsupportedError(self._label, {"continuous variables"}, takers(program.features(), self._label))
-        low, high = counted.vector(counted.lower), counted.vector(counted.upper)
-        return replace(program, variables=(Variables("x", lower=low, upper=high, cost=program.cost, integer=True),))
 
 
 def _parameters(solver: str, program: Program, options: Options) -> Any:
@@ -164,54 +136,46 @@ def _parameters(solver: str, program: Program, options: Options) -> Any:
             raise UsageError("SCIP has no limit on the iterations of a continuous program; use a time limit")
         else:
             made.iteration_limit = int(options.iterations)
-    for name, value in options.extra.items():
-        _OWN[solver](made, name, value)
+    _OWN[solver](made, options.extra)
     return made
 
 
-def _highs_option(parameters: Any, name: str, value: Any) -> None:
-    import highspy
-
-    from .highs import OWN_OPTIONS, set_option
-
-    if name in OWN_OPTIONS:
-        raise UsageError(f"mathopt:highs: set {OWN_OPTIONS[name]} by its own option, not by {name}")
-    converted = set_option(highspy.Highs(), name, value)
+def _highs_options(parameters: Any, given: dict[str, Any]) -> None:
     kinds = {bool: "bool_options", int: "int_options", float: "double_options", str: "string_options"}
-    getattr(parameters.highs, kinds[type(converted)])[name] = converted
+    for name, value in named_options("mathopt:highs", given).items():
+        getattr(parameters.highs, kinds[type(value)])[name] = value
 
 
-def _scip_option(parameters: Any, name: str, value: Any) -> None:
+def _scip_parameters(parameters: Any, given: dict[str, Any]) -> None:
     """SCIP tells only in the run whether it has a parameter of this name and type."""
-    text = str(value)
-    if text.lower() in ("true", "false"):
-        parameters.gscip.bool_params[name] = text.lower() == "true"
-    elif text.lstrip("+-").isdigit():
-        parameters.gscip.int_params[name] = int(text)
-    else:
-        try:
-            parameters.gscip.real_params[name] = float(text)
-        except ValueError:
-            parameters.gscip.string_params[name] = text
+    for name, value in given.items():
+        text = str(value)
+        if text.lower() in ("true", "false"):
+            parameters.gscip.bool_params[name] = text.lower() == "true"
+        elif text.lstrip("+-").isdigit():
+            parameters.gscip.int_params[name] = int(text)
+        else:
+            try:
+                parameters.gscip.real_params[name] = float(text)
+            except ValueError:
+                parameters.gscip.string_params[name] = text
 
 
-def _field(message: str) -> Callable[[Any, str, Any], None]:
-    def put(parameters: Any, name: str, value: Any) -> None:
-        target = getattr(parameters, message)
-        known = [f.name for f in target.DESCRIPTOR.fields]
-        if name not in known:
-            raise UsageError(f"mathopt:{message.replace('_', '-')} has no parameter {name!r}; it has {', '.join(known[:8])}, ...")
-        kind = type(getattr(target, name))
-        try:
-            setattr(target, name, str(value).lower() in ("true", "1", "on") if kind is bool else kind(value))
-        except (TypeError, ValueError):
-            raise UsageError(f"mathopt: {value!r} is no value for parameter {name}") from None
+def _fields(message: str) -> Callable[[Any, dict[str, Any]], None]:
+    def put(parameters: Any, given: dict[str, Any]) -> None:
+        target, label = getattr(parameters, message), f"mathopt:{message.replace('_', '-')}"
+        known = {f.name: getattr(target, f.name) for f in target.DESCRIPTOR.fields}
+        for name, value in own_options(label, given, known, word="parameter").items():
+            try:
+                setattr(target, name, value)
+            except (TypeError, ValueError, AttributeError):
+                raise UsageError(f"{label}: {value!r} is no value for parameter {name}") from None
 
     return put
 
 
-_OWN: dict[str, Callable[[Any, str, Any], None]] = {
-    "highs": _highs_option, "gscip": _scip_option, "glop": _field("glop"), "cp-sat": _field("cp_sat"), "pdlp": _field("pdlp"),
+_OWN: dict[str, Callable[[Any, dict[str, Any]], None]] = {
+    "highs": _highs_options, "gscip": _scip_parameters, "glop": _fields("glop"), "cp-sat": _fields("cp_sat"), "pdlp": _fields("pdlp"),
 }  # fmt: skip
 
 
@@ -222,17 +186,17 @@ class _Run:
         self.solver, self.program, self.options, self.control, self.end = solver, program, options, control, end
         self.best: float | None = None
 
-    def solve(self, program: Program, parameters: Any, *, listen: bool = True) -> Any:
+    def solve(self, parameters: Any) -> Any:
         """MathOpt's result; raises ``_Refused`` with its message where there is none."""
         from ortools.math_opt.python import mathopt
         from ortools.util.python.solve_interrupter import SolveInterrupter
 
+        program = self.program
         kind = mathopt.SolverType[self.solver.replace("-", "_").upper()]
         parameters = replace(parameters, time_limit=datetime.timedelta(seconds=max(0.0, self.end - time.perf_counter())))
         model, given = program.to_mathopt(), {}
         if self.options.start is not None and program.is_integer:
-            start = np.asarray(self.options.start, dtype=np.float64)
-            values = {v: float(a) for v, a in zip(model.variables(), start, strict=True) if math.isfinite(a)}
+            values = {v: float(a) for v, a in zip(model.variables(), self.options.start, strict=True) if math.isfinite(a)}
             given["model_params"] = mathopt.ModelSolveParameters(solution_hints=[mathopt.SolutionHint(variable_values=values)])
         if self.solver != "highs":
             interrupter = SolveInterrupter()
@@ -240,7 +204,7 @@ class _Run:
             given["interrupter"] = interrupter
         if self.solver == "gscip":
             _quiet_scip()
-        if listen and program.is_integer and self.solver in ("gscip", "cp-sat"):
+        if program.is_integer and self.solver in ("gscip", "cp-sat"):
             events = {mathopt.Event.MIP_SOLUTION, *([mathopt.Event.MIP] if self.solver == "cp-sat" else [])}
             given["callback_reg"] = mathopt.CallbackRegistration(events=events)
             given["cb"] = self._hear
@@ -273,45 +237,20 @@ class _Run:
             self.control.publish(bound=told)
         return mathopt.CallbackResult()
 
-    def conclude(self, found: Any, parameters: Any) -> RawResult:
-        """What is true of MathOpt's result."""
+    def said(self, found: Any) -> RawResult:
+        """MathOpt's last word."""
         program = self.program
         status, limit = REASONS[found.termination.reason.name], self._limit(found)
-        if status == "infeasible_or_unbounded":
-            status = self.which(parameters)
-        answer, objective, bound, duals, message = None, None, None, None, ""
-        primal = found.solutions[0].primal_solution if found.solutions else None
-        if status in ("optimal", "unknown") and primal is not None and primal.variable_values:
-            x = _by_id(primal.variable_values, program.num_variables)
-            if program.residual(x) <= FEASIBLE_TOLERANCE:
-                answer, objective = x, program.value(x)
-        if answer is None and self.control.answer is not None and status == "unknown":
-            answer, objective = self.control.answer, program.value(self.control.answer)
+        first = found.solutions[0] if found.solutions else None
+        primal, dual = (None, None) if first is None else (first.primal_solution, first.dual_solution)
+        x = _by_id(primal.variable_values, program.num_variables) if primal is not None and primal.variable_values else None
         best = float(found.termination.objective_bounds.dual_bound)
-        if (program.is_integer or status == "optimal") and math.isfinite(best) and status in ("optimal", "unknown") and abs(best) < 1e20:
-            bound = best
-        if status == "optimal":
-            dual = found.solutions[0].dual_solution if found.solutions else None
-            if not program.is_integer and dual is not None and dual.dual_values:
-                duals = _by_id(dual.dual_values, program.num_rows)
-            if answer is None:
-                status, message = "unknown", f"{self.solver} reports an optimum, but its point is not feasible within 1e-5"
-            elif bound is None or objective is None or abs(bound - objective) > EQUAL_TOLERANCE * max(1.0, abs(objective)):
-                status, limit = "feasible", "gap"
-            else:
-                limit = "none"
-        elif status == "unknown" and answer is not None:
-            status = "feasible"
-        if status == "unknown" and not message:
-            end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
-            message = f"{self.solver} found no feasible point{end}"
-        if status == "error":
-            message = f"{self.solver} ended with an error: {found.termination.detail}"
-        if status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
-            limit = "none"
-        if bound is not None:
-            self.control.publish(bound=bound)
-        return RawResult(status, limit, answer, objective, bound, duals, self._statistics(found), message)
+        told = (program.is_integer or status == "optimal") and math.isfinite(best) and abs(best) < 1e20
+        duals = None
+        if status == "optimal" and not program.is_integer and dual is not None and dual.dual_values:
+            duals = _by_id(dual.dual_values, program.num_rows)
+        message = f"{self.solver} ended with an error: {found.termination.detail}" if status == "error" else ""
+        return RawResult(status, limit, x, None, best if told else None, duals, self._statistics(found), message)
 
     def _limit(self, found: Any) -> str:
         reason = found.termination.limit
@@ -322,15 +261,8 @@ class _Run:
         if self.control.stopped:  # GLOP and CP-SAT do not tell which limit they met
             return "interrupt"
         if self.options.iterations is not None and time.perf_counter() < self.end:
-            return "nodes" if self.program.is_integer else "iterations"
+            return "iterations"
         return "time"
-
-    def which(self, parameters: Any) -> str:
-        """Tell infeasible from unbounded: without its objective a program is never unbounded."""
-        program = self.program
-        bare = replace(program, quadratic=None, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables))
-        again = REASONS[self.solve(bare, parameters, listen=False).termination.reason.name]
-        return {"optimal": "unbounded", "infeasible": "infeasible"}.get(again, "infeasible_or_unbounded")
 
     def _statistics(self, found: Any) -> dict[str, Any]:
         stats = found.solve_stats

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import inspect
 import time
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.programs.program import INTEGERS, Program
+from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
+from ...formulations.programs.reductions.minimisation import MINIMISATION
+from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
+from ...formulations.programs.reductions.reduction import Reduction
 from ...instances.errors import MissingPackageError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from ..backend import BACKENDS, Control, Options, RawResult
 from ..children import scratch
-from ..sanity import settled
+from ..own_options import own_options
+from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
 from .cbc import find_cbc, run_cbc
-from .highs import set_option
-
-FEASIBLE_TOLERANCE = 1e-5
-"""Residual up to which values that a solver leaves in PuLP's variables are taken for a point."""
+from .highs import named_options
 
 
 @BACKENDS.register("pulp")
@@ -36,13 +37,17 @@ class PuLP(ProgramBackend):
     package = "pulp"
     modules = ("pulp",)
     summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
+    order = 70
     interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME is ended without an answer"
     programs = (INTEGERS,)
+    reductions: tuple[Reduction, ...] = (LINEAR_PRODUCTS,)
     variants = ("CBC", "HiGHS", "GLPK_CMD", "SCIP_CMD", "GUROBI", "CPLEX_PY")
 
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.needs_process = not self.is_cbc  # they hear no wish to stop
+        self.title = "CBC" if self.is_cbc else f"{variant} through PuLP"
+        self.reductions = (*self.reductions, MINIMISATION if self.is_cbc else ONE_SIDED_ROWS)
 
     @property
     def is_cbc(self) -> bool:
@@ -52,11 +57,9 @@ class PuLP(ProgramBackend):
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         if self.is_cbc:
-            cbc = find_cbc()
             with scratch() as folder:
-                return settled(program) or run_cbc(cbc, program, options, control, folder)
-        solver = self._solver(options)
-        return settled(program) or _through_pulp(solver, self.variant, program, options)
+                return run_cbc(find_cbc(), program, options, control, folder)
+        return _through_pulp(self._solver(options), self.title, program, options)
 
     def _solver(self, options: Options) -> Any:
         """PuLP's solver object for ``variant``, with those of the common options that it knows."""
@@ -76,12 +79,9 @@ class PuLP(ProgramBackend):
 
             # Its scheduler keeps the number of threads of the first run in this thread, and refuses another one.
             highspy.Highs.resetGlobalScheduler(True)
-            extra = {name: set_option(highspy.Highs(), name, value) for name, value in extra.items()}
-            extra.setdefault("random_seed", options.seed % (2**31 - 1))
+            extra = {"random_seed": options.seed % (2**31 - 1), **named_options(self.label, extra)}
         elif not any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values()):
-            unknown = set(extra) - set(known)
-            if unknown:
-                raise UsageError(f"pulp:{self.variant} has no option {', '.join(sorted(unknown))}; it has {', '.join(known)}")
+            extra = own_options(self.label, extra, dict.fromkeys(known))
         if "maxNodes" in common and "maxNodes" not in known:
             raise UsageError(f"pulp:{self.variant} has no limit on iterations; use a time limit")
         chosen = {name: value for name, value in common.items() if name in known}
@@ -108,27 +108,22 @@ def _through_pulp(solver: Any, name: str, program: Program, options: Options) ->
     began = time.perf_counter()
     try:
         status, found, x = _one_run(solver, program)
-        late = time.perf_counter() - began >= 0.98 * options.time_limit
-        if status == constants.LpStatusInfeasible and not late:
-            # Interfaces call programs infeasible that are infeasible or unbounded. Without its objective none is unbounded.
-            zero = replace(program, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables))
-            again, _, _ = _one_run(solver, zero)
-            status = constants.LpStatusUnbounded if again == constants.LpStatusOptimal else again
-            late = time.perf_counter() - began >= 0.98 * options.time_limit
     except pulp.PulpSolverError as fault:
-        return RawResult("error", message=f"{name} through PuLP failed: {fault}")
-    statistics = {"said": f"{constants.LpStatus[status]}, {constants.LpSolution[found]}"}
+        return RawResult("error", message=f"{name} failed: {fault}")
+    late = time.perf_counter() - began >= 0.98 * options.time_limit
+    said = f"{constants.LpStatus[status]}, {constants.LpSolution[found]}"
     limit = "time" if late else "none"
     if found in (constants.LpSolutionOptimal, constants.LpSolutionIntegerFeasible) and program.residual(x) <= FEASIBLE_TOLERANCE:
         proven = found == constants.LpSolutionOptimal and not late
         if proven and options.gap > 0 and program.is_integer:
             proven, limit = False, "gap"
-        value = program.value(x)
-        return RawResult("optimal" if proven else "feasible", limit, x, value, value if proven else None, statistics=statistics)
-    settles = {constants.LpStatusInfeasible: "infeasible", constants.LpStatusUnbounded: "unbounded"}
+        bound = program.value(x) if proven else None
+        return RawResult("optimal" if proven else "feasible", limit, x, None, bound, statistics={"said": said})
+    # Interfaces call programs infeasible that are infeasible or unbounded.
+    settles = {constants.LpStatusInfeasible: "infeasible_or_unbounded", constants.LpStatusUnbounded: "unbounded"}
     if status in settles and not late:
-        return RawResult(settles[status], statistics=statistics)
-    return RawResult("unknown", limit, statistics=statistics, message=f"{name} through PuLP says: {statistics['said']}")
+        return RawResult(settles[status], statistics={"said": said})
+    return RawResult("unknown", limit, statistics={"said": said}, message=f"{name} says: {said}")
 
 
 def _one_run(solver: Any, program: Program) -> tuple[int, int, NDArray[np.float64]]:

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import time
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
-from ...formulations.programs.scaling import scaled
-from ...instances.errors import UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Options, ProgramBackend, RawResult, takers
-from ..sanity import prepared, settled
-
-FEASIBLE_TOLERANCE = 1e-5
-EQUAL_TOLERANCE = 1e-6
-"""Relative difference up to which value and bound are the same."""
+from ...formulations.programs.reductions.finite_numbers import FiniteNumbers
+from ...instances.errors import UsageError
+from ..backend import BACKENDS, Control, Options, RawResult
+from ..own_options import own_options
+from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
 
 DUAL_TOLERANCE = 1e-7
 
@@ -31,7 +26,7 @@ LIMITS = {
 }  # fmt: skip
 """SCIP's statuses that name a limit."""
 
-OWN_PARAMETERS = {
+COMMON_PARAMETERS = {
     "limits/time": "the time limit", "limits/gap": "the gap", "limits/nodes": "the iterations", "limits/totalnodes": "the iterations",
     "lp/threads": "the threads", "randomization/randomseedshift": "the seed", "display/verblevel": "the verbosity",
     "misc/catchctrlc": "Ctrl-C",
@@ -46,47 +41,24 @@ class Scip(ProgramBackend):
     ``iterations`` counts nodes; there is no such limit for a continuous linear program. Extra options are SCIP's parameters by name.
     """
 
-    name = "scip"
+    name, title = "scip", "SCIP"
     package = "pyscipopt"
     modules = ("pyscipopt",)
     summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"
+    order = 40
     programs = (INTEGERS | QUADRATIC,)
-
-    def missing(self, program: Program) -> frozenset[str]:
-        """See ``ProgramBackend.missing``: numbers that SCIP takes for infinite, too."""
-        program = scaled(prepared(program)).program
-        parts = [program.cost, program.data, program.lower, program.upper, program.row_lower, program.row_upper]
-        if program.quadratic is not None:
-            parts.append(program.quadratic.data)
-        large = any((np.isfinite(part) & (np.abs(part) >= INFINITE)).any() for part in parts)
-        return frozenset({f"numbers of {INFINITE:g} and more"}) if large else super().missing(program)
+    reductions = (FiniteNumbers(INFINITE),)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         if options.iterations is not None and program.features() == LINEAR:
             raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
-        lacking = self.missing(program)
-        if lacking:
-            raise UnsupportedError(self.name, lacking, takers(program.features(), self.name))
-        result = settled(program)
-        if result is not None:
-            return result
         import pyscipopt  # noqa: F401 - loading it is not counted against the limit
 
         end = time.perf_counter() + options.time_limit
         search = _Search(program, options, control)
         search.run(end)
-        result = search.result()
-        if result.status == "infeasible_or_unbounded" and time.perf_counter() < end and not control.stopped:
-            # Without its objective a program is never unbounded.
-            bare = replace(program, quadratic=None, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables))
-            again = _Search(bare, replace(options, start=None, iterations=None), Control())
-            control.on_stop(again.stop)
-            again.run(end)
-            found = again.model.getStatus()
-            status = {"optimal": "unbounded", "infeasible": "infeasible"}.get(found, "infeasible_or_unbounded")
-            result = replace(result, status=status)
-        return result
+        return search.said()
 
 
 class _Search:
@@ -113,7 +85,7 @@ class _Search:
         self.columns, self.constraints = _fill(model, program)
         self.start = ""
         if options.start is not None:
-            self.start = "used" if program.is_integer and self._give(np.asarray(options.start, dtype=np.float64)) else "ignored"
+            self.start = "used" if program.is_integer and self._give(options.start) else "ignored"
         self.solving = False
 
     def _give(self, start: Floats) -> bool:
@@ -178,8 +150,8 @@ class _Search:
         found = float(self.model.getDualbound())
         return found if abs(found) < self.model.infinity() else None
 
-    def result(self) -> RawResult:
-        """What is true of SCIP's end."""
+    def said(self) -> RawResult:
+        """SCIP's last word."""
         program, model = self.program, self.model
         said = model.getStatus()
         statistics: dict[str, Any] = {"said": said}
@@ -189,23 +161,13 @@ class _Search:
         if said in ("infeasible", "unbounded", "inforunbd"):
             return RawResult("infeasible" if said == "infeasible" else "infeasible_or_unbounded", statistics=statistics)
         if model.getStage() < 3:  # it was stopped before it began
-            return RawResult("unknown", limit, statistics=statistics, message="SCIP found no feasible point before it was interrupted")
+            return RawResult("unknown", limit, statistics=statistics)
         statistics.update(nodes=int(model.getNTotalNodes()), iterations=int(model.getNLPIterations()))
-        bound = self.bound() if program.is_integer or program.quadratic is not None or said == "optimal" else None
-        answer = objective = duals = None
-        if model.getNSols():
-            x = self._values(model.getBestSol())
-            if program.residual(x) <= FEASIBLE_TOLERANCE:
-                answer, objective = x, program.value(x)
-        if answer is None or objective is None:
-            end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
-            message = f"SCIP found no feasible point{end}" if said != "optimal" else "SCIP's optimum is not feasible within 1e-5"
-            return RawResult("unknown", limit, None, None, bound, None, statistics, message)
-        if bound is not None and abs(bound - objective) <= EQUAL_TOLERANCE * max(1.0, abs(objective)):
-            if program.features() == LINEAR:
-                duals = _row_duals(program, self.model, self.constraints, answer)
-            return RawResult("optimal", "none", answer, objective, bound, duals, statistics)
-        return RawResult("feasible", limit, answer, objective, bound, None, statistics)
+        linear, optimal = program.features() == LINEAR, said == "optimal"
+        bound = self.bound() if not linear or optimal else None
+        x = self._values(model.getBestSol()) if model.getNSols() else None
+        duals = None if x is None or not linear or not optimal else _row_duals(program, model, self.constraints, x)
+        return RawResult("optimal" if optimal else "unknown", limit, x, None, bound, duals, statistics)
 
 
 def _fill(model: Any, program: Program) -> tuple[list[Any], list[Any]]:
@@ -248,16 +210,9 @@ def _product_part(program: Program, x: Floats) -> float:
 
 
 def _set_own(model: Any, extra: dict[str, Any]) -> None:
-    known = model.getParams() if extra else {}
-    for name, value in extra.items():
-        if name in OWN_PARAMETERS:
-            raise UsageError(f"scip: set {OWN_PARAMETERS[name]} by its own option, not by {name}")
-        if name not in known:
-            close = difflib.get_close_matches(name, known, n=3)
-            raise UsageError(f"scip has no parameter {name!r}" + (f"; close: {', '.join(close)}" if close else ""))
-        kind = type(known[name])
+    for name, value in own_options("scip", extra, model.getParams() if extra else {}, COMMON_PARAMETERS, "parameter").items():
         try:
-            model.setParam(name, str(value).lower() in ("true", "1", "on") if kind is bool else kind(value))
+            model.setParam(name, value)
         except (TypeError, ValueError, LookupError):
             raise UsageError(f"scip: {value!r} is no value for parameter {name}") from None
 

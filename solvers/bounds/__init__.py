@@ -29,6 +29,8 @@ class BoundMethod:
         Cheap methods first.
     prepare : callable
         What it does once a process, such as compiling a kernel; not counted against the budget.
+    replaces : callable
+        Methods that this one stands for where a problem is of its family, whether it can take it or not.
     """
 
     name: str
@@ -36,6 +38,7 @@ class BoundMethod:
     compute: Callable[[Any, Stop, LinearPrograms], Evidence | None]
     order: int = 0
     prepare: Callable[[], None] = lambda: None
+    replaces: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
 
 
 BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")

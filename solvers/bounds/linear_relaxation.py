@@ -2,44 +2,22 @@
 
 from __future__ import annotations
 
-import math
-import time
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
-
-from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
+from ...formulations.problem import Problem
 from ...formulations.programs.program import INTEGERS
 from ...formulations.stop import NEVER, Stop
 from ..linear_programs import LinearPrograms
 from . import BOUNDS, BoundMethod
-from .routing.arcs import lacks_arc_costs, too_many_arcs
-
-if TYPE_CHECKING:
-    from ...formulations.problem import Problem
-    from ...formulations.routing.preparation import Preparation
-    from ...formulations.routing.problem import RoutingProblem
-    from ...instances.selection.functions import SetFunction
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-ROUTING_FORM = "two-index-time-flow"
-"""The strongest of the two-index forms, and the one whose duals are evidence."""
 
 INTERIOR_POINT = {"highs": {"solver": "ipm"}}
 """Without a vertex at the end, duals of small programs of selection came back with signs that prove nothing."""
 
-NO_VERTEX = {"highs": {"solver": "ipm", "run_crossover": "off"}}
-"""For routing. Duals of an interior point are as good as those of a vertex, and came up to five
-times sooner (26 s against 5 s on R112)."""
-
 FIRST_ORDER = {"highs": {"solver": "pdlp", "kkt_tolerance": 1e-4}}
-"""For selections of more than ``SMALL`` entries: 0.3 s and a bound 0.001 % off, where interior points took 5 s (210,000 entries, a
-cardinality limit) and 36 s (a partition matroid). It may be stopped at any time: all duals prove something."""
+"""For large selections: 0.3 s and a bound 0.001 % off, where interior points took 5 s (210,000 entries, a cardinality limit) and 36 s (a
+partition matroid). It may be stopped at any time: all duals prove something."""
+
+FIRST_ORDER_FORMS = frozenset({"facility-location", "strong-linearisation", "weak-linearisation", "product"})
+"""Whose programs the first-order method suits from ``SMALL`` entries on."""
 
 SMALL = 20_000
 
@@ -48,9 +26,6 @@ FIRST_ORDER_ENTRIES_PER_SECOND = 100_000
 
 ENTRIES_PER_SECOND = 20_000
 """Matrix entries that interior points get through in a second of the budget (measured: 18 000 to 130 000 on routing files)."""
-
-NEIGHBOURS = (3, 10)
-"""Moves out of and into each customer that the first LP has at least (with fewer it says too little to be worth its time) and at most."""
 
 
 def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
@@ -66,23 +41,15 @@ def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: Linear
     Returns
     -------
     Evidence or None
-        None where even a small LP exceeds the budget, was not solved in it, or has no evidence to give.
-
-    Notes
-    -----
-    A routing problem with more moves than the budget allows is begun with the nearest ones of each customer. Duals of that LP are as
-    valid as any others once all moves are priced with them, which the checker does; moves of negative reduced cost are added and the
-    LP is solved again while there is time (sifting: Bixby et al. 1992).
+        None where the LP exceeds the budget, was not solved in it, or has no evidence to give.
     """
     linear, seconds = linear or LinearPrograms(), stop.seconds_left
     if stop.reached():
         return None
-    if problem.family == "routing":
-        return _sifted(problem, stop, linear)  # type: ignore[arg-type]
-    first_order = problem.family == "selection" and _entries(problem) > SMALL
+    first_order = problem.linear_entries() > SMALL and not FIRST_ORDER_FORMS.isdisjoint(problem.forms())
     most = (FIRST_ORDER_ENTRIES_PER_SECOND if first_order else ENTRIES_PER_SECOND) * seconds
-    if _entries(problem) > most:
-        return None
+    if problem.linear_entries() > most:
+        return None  # writing down a far too large one is not worth its time either
     made = next((m for m in map(problem.compile, problem.forms()) if m.exactness.bound_is_valid and m.program.features() <= INTEGERS), None)
     if made is None or made.dual_evidence is None or len(made.program.data) > most:
         return None
@@ -90,101 +57,7 @@ def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: Linear
     return None if duals is None else made.dual_evidence(duals)
 
 
-def _entries(problem: Problem) -> int:
-    """Fewest entries that a linear form of the problem can have: writing down a far too large one is not worth its time either."""
-    f: SetFunction | None = getattr(problem, "function", None)
-    weights = None if f is None else f.as_item_weights()
-    if weights is None:
-        return len(getattr(getattr(problem, "graph", None), "indices", ()))
-    return len(weights.indices) or int(np.count_nonzero(weights.matrix))
-
-
-def _sifted(problem: RoutingProblem, stop: Stop, linear: LinearPrograms) -> Evidence | None:
-    from ...formulations.routing.forms.two_index import build, needed_resources
-    from ...formulations.routing.preparation import prepare
-
-    if too_many_arcs(problem, stop.seconds_left):
-        return None
-    left = stop.seconds_left
-    prep = prepare(problem)
-    resources = needed_resources(problem, prep)
-    if set(resources) == {"order"}:
-        return None  # its prices are no evidence, and what is left is an assignment (46 % gap on TSPLIB, spanning trees 1 %)
-    entries = 2 + 6 * len(resources)  # an arc is in two visits, and in six entries of each resource
-    room = ENTRIES_PER_SECOND * left / entries
-    kept = _nearest(prep, room)
-    best: Evidence | None = None
-    while kept is not None:
-        began = time.perf_counter()
-        made = build(problem, ROUTING_FORM, lambda name: True, _restricted(prep, kept))
-        duals = linear.duals(made.relaxed().program, stop, NO_VERTEX)
-        if duals is None or made.dual_evidence is None:
-            return best
-        found = made.dual_evidence(duals)
-        found = replace(found, value=verified_bound(problem, found))
-        if best is None or found.value > best.value:
-            best = found
-        negative = _reduced_costs(prep, found.data, problem) < -1e-7 * abs(found.value) / prep.nodes
-        missing = np.nonzero(negative & ~kept)[0]
-        took = time.perf_counter() - began
-        if len(missing) == 0 or 1.3 * took > stop.seconds_left:
-            return best
-        kept = kept.copy()
-        kept[missing] = True
-    return best
-
-
-def _nearest(prep: Preparation, room: float) -> Flags | None:
-    """The nearest moves out of and into each customer, as far as there is room, and all at the depot; None if these are too few."""
-    depot = (prep.tail == 0) | (prep.head == prep.end)
-    count = int((room - int(depot.sum())) / (1.5 * max(1, prep.customers)))  # about half of the nearest in are nearest out as well
-    count = min(count, NEIGHBOURS[1], prep.customers)
-    if count < min(NEIGHBOURS[0], prep.customers):
-        return None
-    far = np.full((prep.nodes, prep.nodes), math.inf)
-    # A move is near if it is cheap and needs little waiting.
-    idle = np.maximum(0.0, prep.time.lower[prep.head] - prep.time.upper[prep.tail] - prep.time.weight)
-    far[prep.tail, prep.head] = np.where(depot, math.inf, prep.distance + 0.2 * idle)
-    near = np.zeros(far.shape, dtype=bool)
-    out, into = np.argpartition(far, count, axis=1)[:, :count], np.argpartition(far, count, axis=0)[:count]
-    np.put_along_axis(near, out, True, axis=1)
-    np.put_along_axis(near, into, True, axis=0)
-    found: Flags = near[prep.tail, prep.head] | depot
-    return found
-
-
-def _restricted(prep: Preparation, kept: Flags) -> Preparation:
-    """The preparation with some of its moves only."""
-    resources = {name: replace(r, weight=r.weight[kept]) for name, r in prep.resources.items()}
-    return replace(
-        prep, tail=prep.tail[kept], head=prep.head[kept], distance=prep.distance[kept], duration=prep.duration[kept],
-        cost=prep.cost[kept], resources=resources, whole=prep.whole and bool(kept.all()),
-    )  # fmt: skip
-
-
-def _reduced_costs(prep: Preparation, data: dict[str, Any], problem: RoutingProblem) -> Floats:
-    """Reduced cost of each move at the multipliers of an evidence, its flows at their best."""
-    i, j = prep.tail, prep.head
-
-    def at_nodes(values: list[float]) -> Floats:
-        made = np.asarray(values, dtype=np.float64)[prep.sites]
-        made[[0, -1]] = 0.0
-        return made
-
-    reduced: Floats = prep.cost - at_nodes(data["out"])[i] - at_nodes(data["in"])[j] - data["fleet"] * (i == 0)
-    for name, values in data["resources"].items():
-        r, mu = prep.resources[name], at_nodes(values)
-        slope = mu[j] - mu[i]
-        level = np.where(slope > 0, r.lower[i], np.minimum(r.upper[i], r.upper[j] - r.weight))
-        reduced += mu[j] * r.weight + slope * np.where(i == 0, r.lower[0], level)
-    return reduced
-
-
 def _missing(problem: Problem) -> frozenset[str]:
-    from ...formulations.forms import FORMS
-
-    if problem.family == "routing":
-        return lacks_arc_costs(problem) | FORMS[ROUTING_FORM].missing(problem)
     return frozenset() if problem.forms() else frozenset({f"{problem.family} problems"})
 
 

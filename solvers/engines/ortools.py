@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,6 +13,7 @@ from ...formulations.problem import Problem
 from ...formulations.routing.routes import Route, Routes
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
+from ..own_options import own_options
 from .routing_integers import UNLIMITED, IntegerRouting, Integers, integer_routing
 from .routing_objective import claimed_objective, unscalable
 
@@ -51,6 +51,7 @@ class ORTools(Engine):
     package = "ortools"
     modules = ("ortools.constraint_solver.pywrapcp", "ortools.constraint_solver.routing_enums_pb2")
     summary = "OR-Tools routing library: insertion and guided local search"
+    order = 20
     interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
     needs_process = True
     one_thread = True
@@ -76,7 +77,7 @@ class ORTools(Engine):
             raise UnsupportedError(self.name, lacking)
         began = time.perf_counter()
         data = integer_routing(problem)  # type: ignore[arg-type]
-        return replace(_Search(problem, data, options, control, began).run(), holds=data.holds)  # type: ignore[arg-type]
+        return replace(_Search(problem, data, options, control, began).run(), holds=data.holds, links=(data.link,))  # type: ignore[arg-type]
 
 
 class Model:
@@ -313,25 +314,18 @@ def _parameters(options: Options, seconds: float) -> Any:
         made.solution_limit = options.iterations
     fields = {f.name: f for f in made.DESCRIPTOR.fields if not f.is_repeated and f.message_type is None}
     for name in ("solution_limit", "log_search"):
-        fields.pop(name, None)
-    for given, value in options.extra.items():
-        name = {"metaheuristic": "local_search_metaheuristic"}.get(given, given)
-        if name not in fields:
-            close = difflib.get_close_matches(name, fields, n=3, cutoff=0.4)
-            raise UsageError(f"ortools has no option {given!r}" + (f"; close: {', '.join(close)}" if close else ""))
-        _set_field(made, fields[name], given, value)
+        fields.pop(name)
+    given = {{"metaheuristic": "local_search_metaheuristic"}.get(name, name): value for name, value in options.extra.items()}
+    known = {name: None if field.enum_type is not None else getattr(made, name) for name, field in fields.items()}
+    for name, value in own_options("ortools", given, known).items():
+        if fields[name].enum_type is not None:
+            numbers = {v.name: v.number for v in fields[name].enum_type.values}
+            word = str(value).upper().replace("-", "_")
+            if word not in numbers:
+                raise UsageError(f"ortools: {name} is one of {', '.join(numbers)}, not {value!r}")
+            value = numbers[word]
+        try:
+            setattr(made, name, value)
+        except (TypeError, ValueError):
+            raise UsageError(f"ortools: {value!r} is no value for option {name}") from None
     return made
-
-
-def _set_field(made: Any, field: Any, given: str, value: Any) -> None:
-    try:
-        if field.enum_type is not None:
-            names = {v.name: v.number for v in field.enum_type.values}
-            name = str(value).upper().replace("-", "_")
-            if name not in names:
-                raise UsageError(f"ortools: {given} is one of {', '.join(names)}, not {value!r}")
-            setattr(made, field.name, names[name])
-        else:
-            setattr(made, field.name, type(getattr(made, field.name))(value))
-    except (TypeError, ValueError):
-        raise UsageError(f"ortools: {value!r} is no value for option {given}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import time
 import warnings
@@ -15,6 +14,7 @@ from ...formulations.problem import Problem
 from ...formulations.routing.routes import Route, Routes
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
+from ..own_options import own_options
 from .routing_integers import UNLIMITED, IntegerRouting, integer_routing
 from .routing_objective import claimed_objective, unscalable
 
@@ -43,6 +43,7 @@ class PyVRP(Engine):
     package = "pyvrp"
     modules = ("pyvrp",)
     summary = "PyVRP: iterated local search for vehicle routing"
+    order = 10
     honours = frozenset({"iterations", "no_improvement", "gap"})  # a gap by the bounds that ``solve`` verifies meanwhile
     one_thread = True
     family = "routing"
@@ -73,7 +74,7 @@ class PyVRP(Engine):
         params = _parameters(options.extra)
         data = integer_routing(problem)  # type: ignore[arg-type]
         found = _Search(problem, data, options, control).run(params)  # type: ignore[arg-type]
-        return replace(found, holds=data.holds)
+        return replace(found, holds=data.holds, links=(data.link,))
 
 
 def problem_data(problem: RoutingProblem, data: IntegerRouting) -> tuple[Any, list[int]]:
@@ -250,29 +251,17 @@ def _parameters(extra: dict[str, Any]) -> Any:
     kinds = dict(zip(GROUPS, (IteratedLocalSearchParams, PenaltyParams, NeighbourhoodParams, PerturbationParams), strict=True))
     defaults = {group: kind() for group, kind in kinds.items()}
     known = {
-        f"{group}.{field}": (group, field)
+        f"{group}.{field}": getattr(made, field)
         for group, made in defaults.items()
         for field in dir(made)
         if not field.startswith("_") and isinstance(getattr(made, field), bool | int | float)
     }
     chosen: dict[str, dict[str, Any]] = {group: {} for group in GROUPS}
-    for name, value in extra.items():
-        if name not in known:
-            close = difflib.get_close_matches(name, known, n=3, cutoff=0.4)
-            raise UsageError(f"pyvrp has no option {name!r}; " + ("close: " + ", ".join(close) if close else "known: " + ", ".join(known)))
-        group, field = known[name]
-        chosen[group][field] = _converted(name, value, getattr(defaults[group], field))
+    for name, value in own_options("pyvrp", extra, known).items():
+        group, _, field = name.partition(".")
+        chosen[group][field] = value
     try:
         made = {group: kinds[group](**chosen[group]) for group in GROUPS}
     except (TypeError, ValueError) as fault:
         raise UsageError(f"pyvrp: {fault}") from None
     return pyvrp.SolveParams(**made)
-
-
-def _converted(name: str, value: Any, default: Any) -> Any:
-    try:
-        if isinstance(default, bool):
-            return {"true": True, "false": False, "1": True, "0": False}[str(value).lower()]
-        return type(default)(value)
-    except (KeyError, TypeError, ValueError):
-        raise UsageError(f"pyvrp: option {name} takes a {type(default).__name__}, not {value!r}") from None

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...formulations.programs.exactness import Exactness
+from ...formulations.programs.exactness import Exactness, Link
 from ...instances.errors import InputError
 from .routing_objective import scalarised
 
@@ -140,6 +140,12 @@ class IntegerRouting:
     def holds(self) -> Exactness:
         """For what a search of these integers can claim: limits are rounded to the safe side where they are rounded at all."""
         return Exactness.EXACT if self.scales["exact"] else Exactness.RESTRICTION
+
+    @property
+    def link(self) -> Link:
+        """What was done to the data, for the chain that a solution shows."""
+        units = ", ".join(f"{name} times {factor:g}" for name, factor in self.scales.items() if name != "exact")
+        return Link("whole-numbers", self.holds, units)
 
 
 def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int = 2**60) -> IntegerRouting:

@@ -18,6 +18,7 @@ from ...instances.sensing.graph import SensingGraph
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from ..bounds.max_min.ball import weights_evidence
 from ..linear_programs import LinearPrograms
+from ..own_options import own_options
 from .saddle_steps.game import Game, Limits, Record
 from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
@@ -55,7 +56,7 @@ class Saddle(Engine):
     modules = ("numba", "highspy", "scipy")
     summary = "first-order methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
-    one_thread = True
+    one_thread = bounds_itself = True
     family = "max-min"
     features = frozenset({"sensing", "packing-covering"})
 
@@ -73,14 +74,10 @@ class Saddle(Engine):
 
 
 def _layers(extra: dict[str, Any]) -> int:
-    for name in extra:
-        if name != "h":
-            raise UsageError(f"saddle has no option {name!r}; it takes h")
-    given = extra.get("h", 0)
-    text = str(given)
-    if isinstance(given, bool) or not (text.isascii() and text.isdigit()) or int(text) > MOST_LAYERS:
-        raise UsageError(f"h must be a whole number from 0 to {MOST_LAYERS}, not {given!r}")
-    return int(text)
+    h: int = own_options("saddle", extra, {"h": 0}).get("h", 0)
+    if isinstance(extra.get("h"), bool) or not 0 <= h <= MOST_LAYERS:
+        raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {extra['h']!r}")
+    return h
 
 
 class _Task:

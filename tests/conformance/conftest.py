@@ -12,7 +12,8 @@ import scipy.sparse as sp
 
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import UnsupportedError
-from waybound.solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.program_backend import ProgramBackend
 
 TOLERANCE = 1e-6
 INF = math.inf

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import UsageError
-from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated
+from waybound.solvers.program_backend import ProgramBackend
 
 CVXPY = ("cvxpy", "cvxpy:SCS", "cvxpy:HIGHS")
 

@@ -12,7 +12,8 @@ import scipy.sparse as sp
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
-from waybound.solvers.backend import BACKENDS, Control, Options, ProgramBackend
+from waybound.solvers.backend import BACKENDS, Control, Options
+from waybound.solvers.program_backend import ProgramBackend
 
 INF = math.inf
 
@@ -320,7 +321,7 @@ def test_kinds_that_are_not_declared_are_refused(program, backend_name):
     kind = BACKENDS[base]
     backend = kind(variant) if variant else kind()
     miqp = program([1, 1], [[1, 1]], 1, INF, integer=[0], quadratic=[[1, 0], [0, 1]])
-    if not ProgramBackend.missing(backend, miqp):
+    if not backend.lacking(miqp):
         pytest.skip(f"{backend_name} takes MIQP")
     with pytest.raises(UnsupportedError, match="MIQP"):
         backend.run(miqp, Options(), Control())

@@ -23,7 +23,7 @@ from waybound.formulations.routing.routes import Routes
 from waybound.formulations.selection.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import CheckFailedError, WayboundError
-from waybound.solvers.backend import BACKENDS, takes_features
+from waybound.solvers.backend import BACKENDS
 from waybound.solving.bounding import find_bounds
 
 SEED = 83
@@ -194,7 +194,7 @@ def able(problem: Problem, solver: str) -> bool:
     if kind.takes == "problem":
         return not kind().missing(problem)
     made = kind(variant) if variant else kind()
-    return any(takes_features(FORMS[form].makes(problem), made.programs, made.only_integers) for form in problem.forms())
+    return any(made.able(FORMS[form].makes(problem)) for form in problem.forms())
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")

@@ -15,7 +15,8 @@ from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError
-from waybound.solvers.backend import BACKENDS, Control, Options, RawResult, takers
+from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
+from waybound.solvers.program_backend import takers
 
 EXACT = 1e-6
 FORMS = ("facility-location", "strong-linearisation", "weak-linearisation", "product")

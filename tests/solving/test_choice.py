@@ -23,7 +23,8 @@ from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.features import FEATURES, UNASKED
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.solvers.backend import BACKENDS, Engine, ProgramBackend, takers, takes_features
+from waybound.solvers.backend import BACKENDS, Engine
+from waybound.solvers.program_backend import ProgramBackend, takers
 from waybound.solving.listing import missing_features
 
 S3 = CASES["S3"].graph
@@ -45,9 +46,8 @@ def test_a_linear_form_is_taken_where_none_is_named() -> None:
 
 
 def test_the_form_decides_which_solver_is_taken() -> None:
-    solution = wb.solve(WinnerTakesAllSATA(S3), form="product", bound_time=0)
-    assert solution.solver in ("scip", "mathopt")
-    assert solution.objective == 31.0
+    assert wb.solve(WinnerTakesAllSATA(S3), form="product", bound_time=0).objective == 31.0
+    assert wb.solve(BottleneckSATA(S3), form="max-min", bound_time=0).solver == "highs"
 
 
 def test_a_relaxation_is_solved_as_a_linear_program() -> None:
@@ -56,9 +56,14 @@ def test_a_relaxation_is_solved_as_a_linear_program() -> None:
 
 
 def test_a_compiled_program_finds_a_solver_of_its_kind() -> None:
-    assert wb.solve(WinnerTakesAllSATA(S3).compile("product"), bound_time=0).solver in ("scip", "mathopt")
+    made = wb.solve(WinnerTakesAllSATA(S3).compile("product"), bound_time=0)
+    assert (made.solver, [link.name for link in made.chain]) == ("highs", ["product", "linear-products"])
     miqp = program([0, 0], [[1, 1]], -math.inf, 2, 0, 1, integer=[0, 1], sense="max", quadratic=[[0, 1], [1, 0]])
     assert wb.solve(miqp, bound_time=0).objective == pytest.approx(1.0)
+    wide = program([0, 0], [[1, 1]], -math.inf, 5, 0, 3, integer=[0, 1], sense="max", quadratic=[[0, 1], [1, 0]])
+    made = wb.solve(wide, bound_time=0)  # neither is binary, so that there is no linear form
+    assert made.solver in ("scip", "mathopt")
+    assert made.objective == pytest.approx(6.0)
 
 
 def test_a_solver_that_lacks_the_kind_is_listed_with_what_it_lacks() -> None:
@@ -66,15 +71,15 @@ def test_a_solver_that_lacks_the_kind_is_listed_with_what_it_lacks() -> None:
     assert missing_features("cpsat", fractional) == (frozenset({"LP programs"}), ())
     assert missing_features("cpsat", BottleneckSATA(S3)) == (frozenset(), ("max-min",))
     forms = ("facility-location", "strong-linearisation", "weak-linearisation")
-    assert missing_features("highs", WinnerTakesAllSATA(S3)) == (frozenset(), forms)
+    assert missing_features("highs", WinnerTakesAllSATA(S3)) == (frozenset(), (*forms, "product"))
     assert missing_features("cpsat", WinnerTakesAllSATA(S3)) == (frozenset(), (*forms, "product"))
 
 
 def test_a_solver_that_lacks_the_kind_refuses_and_names_others() -> None:
     with pytest.raises(UnsupportedError, match=r"cpsat cannot take this problem: it lacks LP programs; can take it: .*highs"):
         wb.solve(BottleneckSATA(S3, fractional=True), "cpsat")
-    with pytest.raises(UnsupportedError, match=r"highs cannot take this problem: it lacks MIQP programs; can take it: .*cpsat"):
-        wb.solve(WinnerTakesAllSATA(S3), "highs", form="product")
+    with pytest.raises(UnsupportedError, match=r"mathopt:glop cannot take this problem: it lacks MIQP programs; can take it: .*cpsat"):
+        wb.solve(WinnerTakesAllSATA(S3), "mathopt:glop", form="product")
 
 
 def test_takers_are_installed_and_take_what_they_say() -> None:
@@ -84,7 +89,7 @@ def test_takers_are_installed_and_take_what_they_say() -> None:
             base, _, variant = name.partition(":")
             backend = BACKENDS[base](variant) if variant else BACKENDS[base]()
             assert isinstance(backend, ProgramBackend)
-            assert takes_features(frozenset(features), backend.programs, backend.only_integers)
+            assert backend.able(frozenset(features))
     assert "highs" not in takers(LINEAR, "highs")
     assert takers(CONES | INTEGERS) == []
 

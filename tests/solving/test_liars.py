@@ -20,7 +20,8 @@ from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.instances.errors import CheckFailedError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.solvers.backend import BACKENDS, Engine, ProgramBackend, RawResult
+from waybound.solvers.backend import BACKENDS, Engine, RawResult
+from waybound.solvers.program_backend import ProgramBackend
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
 SITES = Sites.of(range(5), demand=[0, 1, 1, 1, 1], coordinates=XY)

@@ -115,7 +115,9 @@ def bounded(**options: Any) -> None:
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
         if isinstance(value, int):
-            check_whole(name, value, least=int(name in ("iterations", "threads", "steps", "instances", "jobs")), option=option)
+            check_whole(
+                name, value, least=int(name in ("iterations", "no_improvement", "threads", "steps", "instances", "jobs")), option=option
+            )
         elif value is not None:
             if not math.isfinite(value):
                 raise UsageError(f"{option} must be a finite number, not {value}")

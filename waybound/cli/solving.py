@@ -68,6 +68,10 @@ def solve(
         ),
     ] = None,
     iterations: Annotated[int | None, typer.Option("--iterations", metavar="N", help="Work limit; makes a run repeatable.")] = None,
+    no_improvement: Annotated[
+        int | None,
+        typer.Option("--no-improvement", metavar="N", help="End after so many iterations without a better answer, where the solver can."),
+    ] = None,
     gap: Annotated[float, typer.Option("--gap", metavar="G", help="Relative gap at which the search may stop.")] = 0.0,
     seed: Seed = 1,
     threads: Threads = 1,
@@ -91,8 +95,9 @@ def solve(
     if solver is not None and heuristic is not None:
         raise UsageError("give either --solver or --heuristic, not both")
     bounded(
-        time_limit=time_limit, bound_time=bound_time, gap=gap, memory_limit=memory_limit, iterations=iterations, seed=seed, threads=threads
-    )
+        time_limit=time_limit, bound_time=bound_time, gap=gap, memory_limit=memory_limit, iterations=iterations,
+        no_improvement=no_improvement, seed=seed, threads=threads,
+    )  # fmt: skip
     options = parse_pairs(option, "--option")
     asked = read_problem(file, format, problem, convention, settings)
     _check_outputs(asked, file, out, certificate, plot)
@@ -116,7 +121,7 @@ def solve(
         solution = search(
             asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
             gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
-            lp_solver=lp_solver, options=options,
+            no_improvement=no_improvement, lp_solver=lp_solver, options=options,
         )  # fmt: skip
     delivery = Delivery(verbose)
 
@@ -207,5 +212,6 @@ def _shown(solution: Solution, verbose: bool) -> str:
     lines += [Line("note", note) for note in solution.problem.notes]
     if verbose:
         lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
+        lines += [Line("chain" if k == 0 else "", str(link), "quiet") for k, link in enumerate(solution.chain)]
         lines += [Line(k, str(v), "quiet") for k, v in solution.statistics.items()]
     return told + lines_text(solution_title(solution), lines)

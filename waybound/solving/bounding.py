@@ -13,7 +13,7 @@ from ..formulations.stop import Stop
 from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control
-from ..solvers.bounds import BOUNDS
+from ..solvers.bounds import BOUNDS, BoundMethod
 from ..solvers.linear_programs import LinearPrograms
 
 
@@ -57,10 +57,12 @@ def find_bounds(
     if seconds <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    methods = []
-    for method in sorted(BOUNDS.values(), key=lambda m: m.order):
+    methods: list[BoundMethod] = []
+    every = sorted(BOUNDS.values(), key=lambda method: method.order)
+    replaced = frozenset[str]().union(*(method.replaces(problem) for method in every))
+    for method in every:
         try:
-            if not method.missing(problem):
+            if method.name not in replaced and not method.missing(problem):
                 method.prepare()
                 methods.append(method)
         except Exception as fault:

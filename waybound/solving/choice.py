@@ -8,12 +8,9 @@ from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import INTEGERS, LINEAR, Program, described
 from ..instances.errors import UnsupportedError, UsageError
-from ..solvers.backend import BACKENDS, ProgramBackend, takes_features
+from ..solvers.backend import BACKENDS
+from ..solvers.program_backend import ProgramBackend
 from .listing import missing_features
-
-PREFERENCE = ("pyvrp", "ortools", "highs", "scip", "mathopt", "cpsat", "pulp", "cvxpy")
-"""Order in which ``solve`` looks for a solver when none is named: by measured quality on routing files, then by measured speed on the
-linear forms of the other families, then those that take nonconvex products whatever the bounds of their variables."""
 
 
 def default_solver(problem: Problem, given: Program | None, form: str | None, relax: bool) -> str:
@@ -22,13 +19,15 @@ def default_solver(problem: Problem, given: Program | None, form: str | None, re
     meant = given.features() if given is not None else FORMS[form].makes(problem) if form is not None else INTEGERS if relax else None
     if relax and meant is not None:
         meant -= INTEGERS
-    for name in [*PREFERENCE, *(n for n in BACKENDS if n not in PREFERENCE)]:
-        if name in BACKENDS and BACKENDS[name].installed():
-            backend = BACKENDS[name]
+    for name in sorted(BACKENDS, key=lambda name: BACKENDS[name].order):
+        backend = BACKENDS[name]
+        if backend.installed():
             if meant is None:
                 missing, _ = missing_features(name, problem)
             elif issubclass(backend, ProgramBackend):
                 missing = frozenset() if backend.takers(meant) else frozenset({f"{described(meant)} programs"})
+                if given is not None and not relax and not missing:
+                    missing = backend().missing(given)
             else:
                 continue
             if not missing:
@@ -54,7 +53,7 @@ def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Co
     first: Compiled | None = None
     for form in problem.forms():
         features = FORMS[form].makes(problem) - (INTEGERS if relax else LINEAR)
-        if FORMS[form].exactness is Exactness.EXACT and takes_features(features, backend.programs, backend.only_integers):
+        if FORMS[form].exactness is Exactness.EXACT and backend.able(features):
             made = problem.compile(form, relax=relax)
             first = first or made
             if not backend.missing(made.program):

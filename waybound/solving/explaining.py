@@ -21,7 +21,8 @@ from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.program import Program, Rows
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
-from ..solvers.backend import BACKENDS, Control, Options, ProgramBackend, RawResult
+from ..solvers.backend import BACKENDS, Control, Options, RawResult
+from ..solvers.program_backend import ProgramBackend
 from .search import search
 from .solve import solve
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..formulations.certificate import certify
 from ..formulations.evidence import Evidence
@@ -14,21 +14,18 @@ from ..solvers.linear_programs import LinearPrograms
 from .bounding import find_bounds
 from .search import search
 
-if TYPE_CHECKING:
-    from ..formulations.routing.problem import RoutingProblem
-
 SECONDS = 1.0
 """What may be spent on it, though no more than the budget for bounding."""
 
-MOST_SITES = 500
-"""Larger instances have bounds that no answer reaches, and whose verification takes as long as finding them."""
+LARGEST = 500
+"""Problems of a larger ``size`` have bounds that no answer reaches, and whose verification takes as long as finding them."""
 
 
 def first_evidence(
-    problem: RoutingProblem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0
+    problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0
 ) -> tuple[list[Evidence], Goal | None]:
     """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for."""
-    if len(problem.sites) > MOST_SITES:
+    if problem.size > LARGEST:
         return [], None
     try:
 
@@ -54,10 +51,15 @@ class Goal:
     """
 
     def __init__(self, problem: Problem, evidence: Sequence[Evidence], most: float = 0.0) -> None:
-        self.most, self.limit = most, "none"
-        certificate = certify(problem, None, evidence)
-        self.problem, self.infeasible, self.reached = problem, bool(certificate.infeasible), False
-        self.bound = certificate.bound if isinstance(certificate.bound, float) and len(problem.senses) == 1 else None
+        self.problem, self.most, self.limit, self.reached = problem, most, "none", False
+        self.first = tuple(evidence)
+        self.learn(())
+
+    def learn(self, evidence: Sequence[Evidence]) -> None:
+        """Take more evidence into account."""
+        certificate = certify(self.problem, None, [*self.first, *evidence])
+        self.infeasible = bool(certificate.infeasible)
+        self.bound = certificate.bound if isinstance(certificate.bound, float) and len(self.problem.senses) == 1 else None
 
     def __call__(self, answer: Any, objective: float | None) -> bool:
         """Whether ``answer``, of this ``objective`` by its engine's count, leaves nothing to gain."""

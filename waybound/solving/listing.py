@@ -9,7 +9,8 @@ from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import described
 from ..heuristics.heuristic import HEURISTICS
-from ..solvers.backend import BACKENDS, Engine, ProgramBackend, kinds_of
+from ..solvers.backend import BACKENDS, Engine
+from ..solvers.program_backend import ProgramBackend, kinds_of
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,8 @@ def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
     for name in BACKENDS:
         backend = BACKENDS[name]
         missing, forms = missing_features(name, problem) if problem is not None else (frozenset(), ())
-        takes = ", ".join(kinds_of(backend)) if issubclass(backend, ProgramBackend) else f"{backend.family} problems"
+        takes = f"{backend.family} problems" if issubclass(backend, Engine) else ""
+        takes = ", ".join(kinds_of(backend)) if issubclass(backend, ProgramBackend) else takes
         rows.append(
             SolverInfo(
                 name, backend.takes, backend.installed(), backend.version(), backend.summary, takes,

@@ -23,11 +23,13 @@ from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
-from ..solvers.backend import BACKENDS, Control, Engine, Options, ProgramBackend, RawResult, solver_named, takers
+from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.linear_programs import LinearPrograms, linear_programs
+from ..solvers.program_backend import EQUAL_TOLERANCE, ProgramBackend
 from . import claims
 from .answers import answer_given
+from .beside import Beside, BoundWork, free_core
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
@@ -41,7 +43,8 @@ Progress = Callable[[dict[str, Any]], None]
 class _Run:
     """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
 
-    ``made`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold.
+    ``made`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold. ``bounds`` tells
+    whether the search finds bounds of its own.
     """
 
     name: str
@@ -50,7 +53,7 @@ class _Run:
     notes: list[str] = field(default_factory=list)
     made: Compiled | None = None
     compile_seconds: float = 0.0
-    routes: bool = False
+    bounds: bool = True
     heuristic: bool = False
 
     @property
@@ -61,7 +64,7 @@ class _Run:
         """How the search's points and claims relate to the problem's."""
         if self.heuristic:
             return Exactness.NEITHER
-        return result.holds if self.made is None else self.made.exactness
+        return result.holds if self.made is None else self.made.exactness.then(result.holds)
 
     def decode(self, raw: Any) -> Any:
         return raw if self.made is None else self.made.decode(raw)
@@ -178,11 +181,14 @@ def solve(
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
-        if run.routes and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)  # type: ignore[arg-type]
+        beside: Beside | None = None
+        if not run.bounds and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
+            elif goal is not None and budget > SECONDS and free_core(threads):
+                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control)
         spent = time.perf_counter() - began
         try:
             searched = search(run.go, control, time_limit)
@@ -192,9 +198,13 @@ def solve(
             crash = fault
             message = f"the engine failed: {in_words(fault)}"
             searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
-        if goal is not None and goal.reached and not searched.interrupted:
+        if goal is not None and (goal.reached or goal.infeasible) and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit=goal.limit))
-        made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first)
+        try:
+            made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first, beside)
+        finally:
+            if beside is not None:
+                beside.stop()
         made.seconds["bound"] += spent
         return made
 
@@ -216,7 +226,7 @@ def _solver_run(
         _refuse_ignored(solver, backend.honours, options)
         if backend.one_thread and options.threads > 1:
             notes.append(f"{solver} searches on one thread")
-        return _Run(solver, _going(solver, problem, options, isolate), versions, notes, routes=backend.family == "routing")
+        return _Run(solver, _going(solver, problem, options, isolate), versions, notes, bounds=backend.bounds_itself)
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
@@ -227,9 +237,9 @@ def _solver_run(
     else:
         made = given.relaxed() if relax else given
     compiled = time.perf_counter() - began
-    lacking = ProgramBackend.missing(backend, made.program)
+    lacking = backend.lacking(made.program)
     if lacking:
-        raise UnsupportedError(solver, lacking, takers(made.program.features(), solver))
+        raise backend.refusal(lacking, made.program)
     _refuse_ignored(solver, backend.honours, options)
     start = None
     if options.start is not None and made.encode is not None:
@@ -271,7 +281,7 @@ def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None
 
 def _conclude(
     problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
-    crash: Exception | None, first: list[Evidence],
+    crash: Exception | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
@@ -284,12 +294,12 @@ def _conclude(
         judge, found = _verdict(problem, run, searched.result, control, options, crash)
     spent = time.perf_counter() - began
     try:
-        return _certified(judge, run, searched, options, found, spent, budget, progress, first)
+        return _certified(judge, run, searched, options, found, spent, budget, progress, first, beside)
     except CheckFailedError:  # and no answer
         raise
     except (Exception, KeyboardInterrupt) as fault:
         run.notes.append(f"no bound was verified: {in_words(fault)}")
-        return _certified(judge, run, searched, options, found, spent, None, None, [])
+        return _certified(judge, run, searched, options, found, spent, None, None, [], None)
 
 
 def _verdict(
@@ -306,7 +316,7 @@ def _verdict(
 
 def _certified(
     judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
-    budget: float | None, progress: Progress | None, first: list[Evidence],
+    budget: float | None, progress: Progress | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
     result, problem = searched.result, judge.problem
@@ -318,7 +328,7 @@ def _certified(
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress)
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress, beside)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
@@ -371,6 +381,7 @@ def _certified(
         evaluation=evaluation,
         statistics=dict(result.statistics),
         message="; ".join(messages),
+        chain=(() if run.made is None else run.made.links) + result.links,
         faults=faults,
     )
 
@@ -384,6 +395,7 @@ def _gather(
     budget: float,
     best: float | None,
     progress: Progress | None,
+    beside: Beside | None,
 ) -> None:
     """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
     result = searched.result
@@ -393,11 +405,15 @@ def _gather(
             evidence.append(run.made.dual_evidence(result.row_duals))
         except Exception as fault:
             run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
+    if searched.interrupted and beside is not None:
+        evidence.extend(beside.answer or ())
     if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
         return
     known = tuple(evidence)
 
     def find(control: Control) -> RawResult:
+        if beside is not None:
+            return RawResult("unknown", answer=beside.found(control))
         found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
@@ -428,9 +444,7 @@ def _status(
             value = evaluation.values[0]
             if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
-        if result.status == "optimal" and run.exactness(result) is Exactness.EXACT:
-            return "optimal"
-        return "feasible"
+        return "optimal" if result.status == "optimal" and _claims_optimum(run.exactness(result), result, evaluation) else "feasible"
     if certificate.infeasible:
         return "infeasible"
     if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness(result).infeasibility_is_valid:
@@ -438,6 +452,13 @@ def _status(
     if result.status == "unbounded" and run.exactness(result).answer_is_valid:
         return "unbounded"
     return "error" if result.status == "error" else "unknown"
+
+
+def _claims_optimum(exactness: Exactness, result: RawResult, evaluation: Evaluation) -> bool:
+    """Whether a claimed optimum is one of the problem: of a relaxation if it is met, up to what solvers see."""
+    if exactness is not Exactness.RELAXATION or result.bound is None or len(evaluation.values) != 1:
+        return exactness is Exactness.EXACT
+    return same(result.bound, evaluation.values[0], evaluation.size, EQUAL_TOLERANCE)
 
 
 def _versions(run: _Run) -> dict[str, str]:

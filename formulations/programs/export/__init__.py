@@ -34,7 +34,8 @@ def write_program(program: Program, path: str | PathLike[str], *, names: bool = 
         If the data hold a NaN or sides that cross, which neither format can express, or the file cannot be written.
     """
     from ....instances.atomic import atomic_write
-    from ._checks import refuse_cones, refuse_crossing, refuse_numbers
+    from ..soundness import refuse_numbers
+    from ._checks import refuse_cones, refuse_crossing
 
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..program import Floats, Program, Rows
-from ._checks import refuse_crossing, refuse_numbers
+from ..soundness import refuse_numbers
+from ._checks import refuse_crossing
 
 
 def to_cvxpy(program: Program) -> Any:

@@ -8,7 +8,8 @@ import numpy as np
 
 from ....instances.errors import InputError
 from ..program import Program
-from ._checks import merged_rows, refuse_cones, refuse_numbers
+from ..soundness import refuse_numbers
+from ._checks import merged_rows, refuse_cones
 
 
 def to_highs(program: Program) -> Any:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..program import Program
-from ._checks import merged_rows, refuse_cones, refuse_numbers
+from ..soundness import refuse_numbers
+from ._checks import merged_rows, refuse_cones
 
 
 def to_mathopt(program: Program) -> Any:

@@ -6,7 +6,9 @@ import math
 from typing import Any
 
 from ..program import Program
-from ._checks import merged_rows, refuse_cones, refuse_numbers, refuse_quadratic
+from ..reductions.one_sided_rows import ONE_SIDED_ROWS
+from ..soundness import refuse_numbers
+from ._checks import merged_rows, refuse_cones, refuse_quadratic
 
 
 def to_pulp(program: Program) -> Any:
@@ -51,12 +53,16 @@ def to_pulp(program: Program) -> Any:
         for j, (low, high, whole) in enumerate(columns)
     ]  # fmt: skip
     model.setObjective(pulp.LpAffineExpression(zip(x, program.cost.tolist(), strict=True), constant=program.offset))
-    indptr, indices, data = (part.tolist() for part in merged_rows(program))
-    for i, (low, high) in enumerate(zip(program.row_lower.tolist(), program.row_upper.tolist(), strict=True)):
-        entries = [(x[indices[k]], data[k]) for k in range(indptr[i], indptr[i + 1])]
-        sides = [(pulp.LpConstraintEQ, low, "")] if low == high else [(pulp.LpConstraintLE, high, ""), (pulp.LpConstraintGE, low, "_low")]
-        for sense, side, suffix in sides:
-            if math.isfinite(side):
-                last = "" if suffix and high == math.inf else suffix
-                model.addConstraint(pulp.LpConstraint(pulp.LpAffineExpression(entries), sense, f"r{i}{last}", side))
+    steps = ONE_SIDED_ROWS.apply(program)
+    split = steps[0].program if steps else program
+    indptr, indices, data = (part.tolist() for part in merged_rows(split))
+    origins = steps[0].rows.tolist() if steps else range(program.num_rows)
+    for k, (i, low, high) in enumerate(zip(origins, split.row_lower.tolist(), split.row_upper.tolist(), strict=True)):
+        if low == -math.inf and high == math.inf:
+            continue
+        sense, side = (pulp.LpConstraintEQ, low) if low == high else (pulp.LpConstraintLE, high)
+        if high == math.inf:
+            sense, side = pulp.LpConstraintGE, low
+        entries = pulp.LpAffineExpression([(x[indices[e]], data[e]) for e in range(indptr[k], indptr[k + 1])])
+        model.addConstraint(pulp.LpConstraint(entries, sense, f"r{i}" if k < program.num_rows else f"r{i}_low", side))
     return model

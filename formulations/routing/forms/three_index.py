@@ -44,8 +44,8 @@ from ....instances.errors import InputError
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Rows, Variables
+from ...programs.reductions.units import scaled
 from ...programs.rows import Ints, rows
-from ...programs.scaling import scaled
 from ..preparation import SHORT, Preparation, leaves_cycles, prepare
 from ..reachability import minimum_vehicles
 from ..routes import Route, Routes

@@ -72,8 +72,8 @@ from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
 from ...programs.exactness import Exactness
 from ...programs.program import Floats, Program, Rows, Variables
+from ...programs.reductions.units import scaled
 from ...programs.rows import rows
-from ...programs.scaling import scaled
 from ..preparation import Preparation, Resource, leaves_cycles, prepare, waiting_is_possible
 from ..reachability import minimum_vehicles
 from ..routes import Routes

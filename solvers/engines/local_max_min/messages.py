@@ -4,6 +4,9 @@ Two robots are neighbours when some target is seen by an action of each. A round
 reading of theirs. The number of rounds is 5h - 4, whatever the robots, weights and eps are: 1 to get to know each other, and h - 1
 each for the ceilings of the trees, for the levels that others want tested, for their test (all at once: the factor log(1/eps) in
 rounds is traded for messages of O(1/eps) numbers), for the smoothing, and for the solution.
+
+It earns its place beside the arrays by what only it can show: that the algorithm is local, with its rounds and messages counted, and,
+being written from the robots' side without those arrays, that they compute what the robots would (the tests compare share by share).
 """
 
 from __future__ import annotations

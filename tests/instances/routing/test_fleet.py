@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from waybound.instances.routing.fleet import equal_fleet, problems_of
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 
 
 def sites(**more: Any) -> Sites:
@@ -46,6 +48,8 @@ ONE = (VehicleType(1),)
 def test_the_first_problem_is_what_the_data_mean_and_the_last_is_always_allowed(
     data: dict[str, Any], fleet: tuple[VehicleType, ...], first: str
 ) -> None:
-    found = problems_of(sites(**data), fleet)
+    xy = np.array([(0, 0), (3, 0), (0, 4)], dtype=float)
+    made = RoutingInstance("tiny", "json", sites(**data), Travel("euclidean", xy), fleet)
+    found = problems_of(made)
     assert found[0] == first and found[-1] == "min-cost-vrp"
     assert len(found) == (1 if first == "min-cost-vrp" else 2)

@@ -10,12 +10,12 @@ from programs import program
 
 from waybound.formulations.programs.program import LINEAR
 from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.solvers.backend import Control, Options, takes_features
+from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends import cvxpy as module
 from waybound.solvers.backends.cvxpy import CVXPY, PROGRAMS
 
 INF = math.inf
-CONTINUOUS = [s for s in PROGRAMS if takes_features(LINEAR, PROGRAMS[s])]
+CONTINUOUS = [s for s in PROGRAMS if CVXPY(s).able(LINEAR)]
 
 
 def run(p, variant="", **options):

@@ -13,9 +13,9 @@ import waybound as wb
 from waybound.formulations.programs.program import INTEGERS, QUADRATIC
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.solvers.backend import LIMITS, STATUSES, Control, Options, takes_features
+from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module
-from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, MathOpt
+from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, REDUCTIONS, MathOpt
 
 INF = math.inf
 LP = program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)
@@ -51,7 +51,7 @@ def test_without_a_name_the_program_decides():
     assert run(MILP).statistics["solver"] == "gscip"
 
 
-@pytest.mark.parametrize("solver", [s for s in PROGRAMS if not takes_features(PRODUCT.features(), PROGRAMS[s])])
+@pytest.mark.parametrize("solver", [s for s in PROGRAMS if not MathOpt(s).able(PRODUCT.features())])
 def test_a_quadratic_objective_is_an_unsupported_feature_that_names_others(solver):
     with pytest.raises(UnsupportedError, match=r"MIQP programs; can take it: .*mathopt:gscip"):
         run(PRODUCT, solver)
@@ -59,9 +59,10 @@ def test_a_quadratic_objective_is_an_unsupported_feature_that_names_others(solve
 
 def test_the_user_meets_the_same_error_through_solve():
     problem = WinnerTakesAllSATA(CASES["S3"].graph)
+    with pytest.raises(UnsupportedError, match=r"mathopt:gscip"):
+        wb.solve(problem, "mathopt:pdlp", form="product")
     for solver in ("mathopt:highs", "mathopt:cp-sat"):
-        with pytest.raises(UnsupportedError, match=r"mathopt:gscip"):
-            wb.solve(problem, solver, form="product")
+        assert "linear-products" in [link.name for link in wb.solve(problem, solver, form="product", bound_time=0).chain]
     assert wb.solve(problem, "mathopt", form="product", bound_time=0).objective == 31.0
     assert wb.solve(problem, "mathopt:scip", form="product", bound_time=0).objective == 31.0
 
@@ -69,6 +70,7 @@ def test_the_user_meets_the_same_error_through_solve():
 def test_an_error_inside_mathopt_becomes_an_unsupported_feature(monkeypatch):
     # MathOpt raises the same for whatever a solver lacks; here the programs are declared too widely.
     monkeypatch.setitem(PROGRAMS, "highs", (INTEGERS | QUADRATIC,))
+    monkeypatch.setitem(REDUCTIONS, "highs", ())
     with pytest.raises(UnsupportedError, match=r"quadratic objectives.*can take it: .*mathopt:gscip"):
         run(PRODUCT, "highs")
 
@@ -89,7 +91,7 @@ def test_cp_sat_gets_whole_variables_only():
 @pytest.mark.parametrize("solver", PROGRAMS)
 def test_unknown_parameters_are_refused(solver):
     with pytest.raises(UsageError):
-        run(MILP if takes_features(INTEGERS, PROGRAMS[solver]) else LP, solver, extra={"no_such_option": 1})
+        run(MILP if MathOpt(solver).able(INTEGERS) else LP, solver, extra={"no_such_option": 1})
 
 
 @pytest.mark.parametrize(
@@ -104,7 +106,7 @@ def test_unknown_parameters_are_refused(solver):
     ],
 )
 def test_own_parameters_are_taken(solver, extra):
-    p = MILP if takes_features(INTEGERS, PROGRAMS[solver]) else LP
+    p = MILP if MathOpt(solver).able(INTEGERS) else LP
     assert run(p, solver, extra=extra).objective == pytest.approx(10.0 if p is MILP else 2.8, abs=1e-6)
 
 

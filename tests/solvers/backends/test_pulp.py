@@ -2,12 +2,12 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.formulations.programs.program import Program
+from tests.programs import program
 from waybound.instances.errors import MissingPackageError, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.pulp import PuLP
 
-EMPTY = Program("empty", "min", (), ())
+SMALL = program([1], [[1]], 1, 2)
 
 
 @pytest.mark.parametrize("variant", ["", "CBC", "cbc", "PULP_CBC_CMD"])
@@ -17,7 +17,7 @@ def test_cbc_goes_by_several_names(variant: str) -> None:
 
 def test_a_solver_that_pulp_does_not_know_is_refused_with_those_it_knows() -> None:
     with pytest.raises(UsageError, match="HiGHS"):
-        PuLP("NoSuchSolver").run(EMPTY, Options(), Control())
+        PuLP("NoSuchSolver").run(SMALL, Options(), Control())
 
 
 def test_a_solver_that_is_not_there_is_reported_as_missing() -> None:
@@ -25,7 +25,7 @@ def test_a_solver_that_is_not_there_is_reported_as_missing() -> None:
 
     absent = next(n for n in ("MOSEK", "XPRESS", "COPT") if n not in pulp.listSolvers(onlyAvailable=True))
     with pytest.raises(MissingPackageError, match=absent):
-        PuLP(absent).run(EMPTY, Options(), Control())
+        PuLP(absent).run(SMALL, Options(), Control())
 
 
 def test_discovery_imports_nothing() -> None:

@@ -61,7 +61,7 @@ def test_options_of_the_library_are_taken_by_name(extra) -> None:
     ("extra", "message"),
     [
         ({"first_solution_strategy": "magic"}, "is one of .*SAVINGS"), ({"metaheuristics": "x"}, "no option 'metaheuristics'"),
-        ({"guided_local_search_lambda_coefficient": "much"}, "is no value"), ({"solution_limit": 3}, "no option"),
+        ({"guided_local_search_lambda_coefficient": "much"}, "takes a number"), ({"solution_limit": 3}, "no option"),
     ],
 )  # fmt: skip
 def test_wrong_options_are_refused(extra, message: str) -> None:

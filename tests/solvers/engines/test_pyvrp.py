@@ -49,7 +49,7 @@ def test_options_reach_their_group() -> None:
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        ({"ils.history_length": "long"}, "takes a int"), ({"ils.exhaustive_on_best": "perhaps"}, "takes a bool"),
+        ({"ils.history_length": "long"}, "takes a whole number"), ({"ils.exhaustive_on_best": "perhaps"}, "takes a truth value"),
         ({"penalty.target_feasible": 7}, "target_feasible"), ({"seed": 3}, "no option 'seed'"),
     ],
 )  # fmt: skip

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.programs.program import Floats, Program
+from ..program import Floats, Program
+from .reduction import Reduction, Step
 
 PASSES = 20
 WIDEST = 1e12
@@ -16,36 +17,41 @@ WIDEST = 1e12
 _SLACK = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class Box:
-    """Bounds of the variables; still infinite where nothing was found."""
+class Bounded(Step):
+    """Bounds that leave the optimum in place; still infinite where nothing was found."""
 
-    lower: Floats
-    upper: Floats
+    name = "finite-bounds"
 
 
-def finite_box(program: Program) -> Box:
-    """Bounds that leave the optimum in place, where the given ones are infinite.
+class FiniteBounds(Reduction):
+    """Derives bounds where the given ones are infinite.
 
-    Parameters
-    ----------
-    program : Program
-        Its rows hold each column once.
-
-    Returns
-    -------
-    Box
-        Bounds of integer variables are whole. A missing bound is taken from a row, whose other variables are bounded; or from the
-        objective: a variable that costs nothing or more need not exceed what the rows can ever ask of it. Bounds are moved
-        outwards by more than their rounding. An infeasible program stays infeasible.
+    A missing bound is taken from a row, whose other variables are bounded; or from the objective: a variable that costs nothing or more
+    need not exceed what the rows can ever ask of it. Bounds are moved outwards by more than their rounding, those of integer variables
+    to whole numbers. An infeasible program stays infeasible.
     """
-    search = _Search(program)
-    for _ in range(PASSES):
-        if not (np.isinf(search.lower) | np.isinf(search.upper)).any():
-            break
-        if not (search.from_rows() or search.from_objective()):
-            break
-    return Box(search.lower, search.upper)
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        """See ``Reduction.apply``; the rows hold each column once."""
+        search = _Search(program)
+        for _ in range(PASSES):
+            if not (np.isinf(search.lower) | np.isinf(search.upper)).any():
+                break
+            if not (search.from_rows() or search.from_objective()):
+                break
+        if np.array_equal(search.lower, program.lower) and np.array_equal(search.upper, program.upper):
+            return ()
+        derived = np.isinf(program.lower) & np.isfinite(search.lower), np.isinf(program.upper) & np.isfinite(search.upper)
+        variables, first = [], 0
+        for block in program.variables:
+            mine = slice(first, first := first + block.size)
+            variables.append(replace(block, lower=search.lower[mine], upper=search.upper[mine]))
+        count = int((derived[0] | derived[1]).sum())
+        told = f"bounds of {count} variables from rows and objective" if count else "bounds of integer variables made whole"
+        return (Bounded(program=replace(program, variables=tuple(variables)), told=told),)
+
+
+FINITE_BOUNDS = FiniteBounds()
 
 
 class _Search:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import waybound as wb
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.program import Program, Rows, Variables
-from waybound.formulations.programs.scaling import COMMON, scaled
+from waybound.formulations.programs.reductions.units import COMMON, scaled
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.highs import Highs
 
@@ -69,7 +69,7 @@ def test_answers_values_and_duals_come_back_in_the_units_of_the_data(unit, worth
 def test_vectors_survive_the_way_there_and_back(unit, worth):
     made = scaled(knapsack(2.0**unit, 2.0**worth))
     x = np.array([1.0, 0.0, 2.0**unit])
-    assert np.array_equal(made.vector(made.scaled_vector(x)), x)
+    assert np.array_equal(made.vector(made.encoded(x)), x)
     assert made.residual(x) == 0.0
 
 
@@ -78,7 +78,7 @@ def test_cones_stay_cones():
     program = replace(knapsack(2.0**-40), cones=(Cones("norm", "second-order", 2, starts, columns, entries, np.zeros(2)),))
     made = scaled(program)
     for x in (np.array([1.0, 0.0, 2.0**-40]), np.array([0.0, 0.0, -(2.0**-40)])):
-        assert (made.program.cones[0].excess(made.scaled_vector(x)) <= 0) == (program.cones[0].excess(x) <= 0)
+        assert (made.program.cones[0].excess(made.encoded(x)) <= 0) == (program.cones[0].excess(x) <= 0)
 
 
 @pytest.mark.parametrize("power", [-60, -30, 30, 60])

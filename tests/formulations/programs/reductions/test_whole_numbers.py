@@ -11,10 +11,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from programs import program
 
+from waybound.formulations.programs.reductions.reduction import Irreducible
+from waybound.formulations.programs.reductions.whole_numbers import ROW_ERROR, UNLIMITED, WHOLE_NUMBERS, IntegerProgram
 from waybound.solvers.backend import BACKENDS, Control, Options
-from waybound.solvers.integer_program import ROW_ERROR, UNLIMITED, Uncountable, integer_program
 
 INF = math.inf
+
+
+def integer_program(p) -> IntegerProgram:
+    return WHOLE_NUMBERS.apply(p)[-1].program
 
 
 def activity(counted, z) -> np.ndarray:
@@ -111,7 +116,7 @@ def test_flows_are_counted_where_their_columns_hold_one_of_each_sign():
     ],
 )
 def test_what_cannot_be_counted_is_named(p, feature):
-    with pytest.raises(Uncountable, match=feature):
+    with pytest.raises(Irreducible, match=feature):
         integer_program(p)
 
 

@@ -18,7 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .program import Floats, Program
+from ..program import Floats, Program
+from .reduction import Reduction, Step
 
 SMALLEST, LARGEST = -4, 20
 """Binary exponents of ordinary sizes: from 1/16, of which a solver's tolerance is 1.6e-5, to a million."""
@@ -32,43 +33,37 @@ COMMON = 2
 _PASSES = 4
 
 
-@dataclass(frozen=True, eq=False)
-class Scaled:
-    """A program in other units, and the way back.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Scaled(Step):
+    """A program in other units.
 
     Parameters
     ----------
-    program : Program
-        What a solver sees.
     columns, rows : int arrays of shape (variables,) and (rows,)
         Binary exponents of S and R.
     objective : int
         That of f.
     """
 
-    program: Program
+    name = "units"
     columns: NDArray[np.int64]
     rows: NDArray[np.int64]
     objective: int
 
     def vector(self, x: Floats) -> Floats:
-        """x of the program as it was, from x' of the scaled one."""
         return np.asarray(np.ldexp(x, self.columns), dtype=np.float64)
 
-    def scaled_vector(self, x: Floats) -> Floats:
-        """x' from x."""
+    def encoded(self, x: Floats) -> Floats:
         return np.asarray(np.ldexp(x, -self.columns), dtype=np.float64)
 
     def residual(self, x: Floats) -> float:
         """Largest violation by x, a vector of the program as it was, as a solver counts it."""
-        return self.program.residual(self.scaled_vector(x))
+        return float(self.program.residual(self.encoded(x)))
 
-    def value(self, value: float | None) -> float | None:
-        """An objective or a bound in the units of the program as it was."""
-        return None if value is None else _times(value, -self.objective)
+    def value(self, value: float) -> float:
+        return _times(value, -self.objective)
 
     def duals(self, duals: Floats) -> Floats:
-        """Row duals in these units."""
         return np.asarray(np.ldexp(duals, self.rows - self.objective), dtype=np.float64)
 
 
@@ -79,10 +74,10 @@ def scaled(program: Program, *, always: bool = False) -> Scaled:
     """
     row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
     sizes = _sizes(program, row)
-    ones = np.zeros(program.num_variables, dtype=np.int64)
+    ones, none = np.zeros(program.num_variables, dtype=np.int64), np.zeros(program.num_rows, dtype=np.int64)
     found = [np.where(program.integer, 0.0, sizes), *_heaviest(program, row, ones)]
     if not always and all(_ordinary(part) for part in found):
-        return Scaled(program, ones, np.zeros(program.num_rows, dtype=np.int64), 0)
+        return Scaled(program=program, columns=ones, rows=none, objective=0)
     columns = np.where(program.integer, 0, _shift(sizes))
     heaviest, dearest = _heaviest(program, row, columns)
     data = np.ldexp(np.abs(program.data), columns[program.indices])
@@ -94,8 +89,21 @@ def scaled(program: Program, *, always: bool = False) -> Scaled:
     with np.errstate(over="ignore"):
         made = _apply(program, columns, rows, objective)
     if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(made), strict=True)):
-        return Scaled(program, ones, np.zeros(program.num_rows, dtype=np.int64), 0)  # numbers too far apart for any unit
-    return Scaled(made, columns, rows, objective)
+        return Scaled(program=program, columns=ones, rows=none, objective=0)  # numbers too far apart for any unit
+    told = f"{program.num_variables} variables and {program.num_rows} rows brought to ordinary sizes by powers of two"
+    return Scaled(program=made, told=told, columns=columns, rows=rows, objective=objective)
+
+
+class Units(Reduction):
+    """Brings programs with extraordinary numbers to ordinary units."""
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        """See ``Reduction.apply``."""
+        made = scaled(program)
+        return () if made.program is program else (made,)
+
+
+UNITS = Units()
 
 
 def _numbers(p: Program) -> tuple[Floats, ...]:

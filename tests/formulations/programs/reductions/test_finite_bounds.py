@@ -10,10 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import program
 
+from waybound.formulations.programs.reductions.finite_bounds import FINITE_BOUNDS
 from waybound.solvers.backend import BACKENDS, Control, Options
-from waybound.solvers.boxes import finite_box
 
 INF = math.inf
+
+
+def finite_box(p):
+    steps = FINITE_BOUNDS.apply(p)
+    return steps[-1].program if steps else p
 
 
 def box(*args, **options):

@@ -14,14 +14,16 @@ by no more than ``ROW_ERROR``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.programs.program import Floats, Program
-from .boxes import finite_box
+from ..exactness import Exactness
+from ..program import Floats, Program, Variables
+from .finite_bounds import FINITE_BOUNDS
+from .reduction import Irreducible, Reduction, Step
 
 Integers = NDArray[np.int64]
 
@@ -47,10 +49,6 @@ _WHOLE = 1e-9
 _EPS = math.ulp(1.0)
 
 
-class Uncountable(ValueError):
-    """A program that cannot be written in integers; the text is the feature that it has."""
-
-
 @dataclass(frozen=True, eq=False)
 class IntegerProgram:
     """minimise ``cost z + sum of factors z_i z_j`` over rows and bounds; ``x = shift + unit * z``.
@@ -74,7 +72,11 @@ class IntegerProgram:
         Of the program's objective, in its own sense.
     exact : bool
         Whether nothing was rounded.
+    source : Program
+        What it counts, of finite bounds.
     """
+
+    is_integer: ClassVar[bool] = True
 
     lower: Integers
     upper: Integers
@@ -93,6 +95,20 @@ class IntegerProgram:
     error: float
     constant: float
     exact: bool
+    source: Program
+
+    @property
+    def num_variables(self) -> int:
+        return len(self.cost)
+
+    def value(self, z: Any) -> float:
+        """Objective, in integers, of integer values."""
+        z = np.asarray(z, dtype=np.float64)
+        return float(self.cost @ z + self.factors @ z[self.pairs].prod(axis=1))
+
+    def residual(self, z: Any) -> float:
+        """Largest violation by integer values, as they are once counted in fractions again."""
+        return self.source.residual(self.vector(z))
 
     def vector(self, z: Any) -> Floats:
         """The program's vector for integer values."""
@@ -114,39 +130,41 @@ class IntegerProgram:
 UNLIMITED = 2**62
 
 
-def integer_program(program: Program) -> IntegerProgram:
+def integer_program(given: Program, bounded: Program | None = None) -> IntegerProgram:
     """The program in integers.
 
     Parameters
     ----------
-    program : Program
+    given : Program
         Linear or with products, its rows holding each column once.
+    bounded : Program, optional
+        The same with bounds derived where it has none, which need not be met exactly.
 
     Raises
     ------
-    Uncountable
+    Irreducible
         If a continuous variable cannot be counted in steps, a variable has no bounds, or numbers are too far apart.
     """
+    program = bounded or given
     sense = 1.0 if program.sense == "min" else -1.0
-    box = finite_box(program)
-    endless = ~(np.isfinite(box.lower) & np.isfinite(box.upper))
+    endless = ~(np.isfinite(program.lower) & np.isfinite(program.upper))
     if endless.any():
         name = program.variable_name(int(np.argmax(endless)))
-        raise Uncountable(f"variables without bounds ({name})")
-    fixed = box.lower == box.upper
-    shift = np.where(fixed, box.lower, 0.0)
+        raise Irreducible(f"variables without bounds ({name})")
+    fixed = program.lower == program.upper
+    shift = np.where(fixed, program.lower, 0.0)
     cost, constant, pairs, products = _objective(program, shift, fixed)
     whole = program.integer | fixed
     if (~whole[pairs]).all(axis=1).any():
-        raise Uncountable("products of continuous variables")
+        raise Irreducible("products of continuous variables")
 
     m, (row, column, value) = program.num_rows, _entries(program, fixed)
     moved = program.matrix @ shift
     sides = np.stack([program.row_lower - moved, program.row_upper - moved])
     row_scale, unit, group = _unimodular(program, row, column, value, whole)
-    bounds = np.stack([np.where(fixed, 0.0, box.lower), np.where(fixed, 0.0, box.upper)])
-    given = np.where(np.isfinite([program.lower, program.upper]), bounds, 0.0)  # bounds that were derived need not be met exactly
-    factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, given / unit), whole, row_scale, group)
+    bounds = np.stack([np.where(fixed, 0.0, program.lower), np.where(fixed, 0.0, program.upper)])
+    met = np.where(np.isfinite([given.lower, given.upper]), bounds, 0.0)
+    factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, met / unit), whole, row_scale, group)
     row_factor, unit = row_scale * factor[group[:m]], np.where(whole, 1.0, unit / factor[group[m:]])
     indptr, indices, data, row_lower, row_upper = _rounded_rows(
         program, row, column, value, sides, bounds, whole, row_factor, exact[group[:m]]
@@ -157,12 +175,13 @@ def integer_program(program: Program) -> IntegerProgram:
     high = np.where(whole, np.floor(_snapped(steps[1])), np.ceil(_snapped(steps[1] + fuzz[1])))
     scale, weights, error = _scaled_objective(cost * unit, products * unit[pairs].prod(axis=1), pairs, low, high)
     if not (np.abs([low, high]).max(initial=0.0) <= LARGEST):
-        raise Uncountable("values that are too large to count in integers")
+        raise Irreducible("values that are too large to count in integers")
     n = len(unit)
     return IntegerProgram(
         lower=low.astype(np.int64), upper=high.astype(np.int64), cost=weights[:n].astype(np.int64), pairs=pairs,
         factors=weights[n:].astype(np.int64), indptr=indptr, indices=indices, data=data, row_lower=row_lower, row_upper=row_upper,
         unit=unit, shift=shift, sense=sense, scale=scale, error=error, constant=constant, exact=bool(exact.all()) and error == 0.0,
+        source=program,
     )  # fmt: skip
 
 
@@ -213,7 +232,7 @@ def _unimodular(
         scale[i] = 1.0 / np.abs(entry)
         alike = _is_whole(scale[i] * np.abs(entry)).all()
         if not alike or not _is_network(i, j, np.sign(entry), m, n):
-            raise Uncountable(f"continuous variables that cannot be counted in steps (such as {program.variable_name(int(j[0]))})")
+            raise Irreducible(f"continuous variables that cannot be counted in steps (such as {program.variable_name(int(j[0]))})")
     return scale, step, group.astype(np.int64)
 
 
@@ -301,7 +320,7 @@ def _rounded_rows(
     rounded = np.where(whole[column], np.rint(scaled), np.sign(scaled))
     reach = np.bincount(row, np.abs(scaled) * top, minlength=m)
     if reach.max(initial=0.0) > LARGEST:
-        raise Uncountable(f"numbers as far apart as those of row {program.row_name(int(np.argmax(reach)))}")
+        raise Irreducible(f"numbers as far apart as those of row {program.row_name(int(np.argmax(reach)))}")
     off = np.where(whole[column], np.abs(scaled - rounded), 0.0)
     side = sides * row_factor
     fuzz = FUZZ * (reach + np.where(np.isfinite(side), np.abs(side), 0.0))
@@ -351,3 +370,62 @@ def _is_whole(values: Floats) -> NDArray[np.bool_]:
 def _snapped(values: Floats) -> Floats:
     """Values that are whole but for the rounding of floats, made whole."""
     return np.where(_is_whole(values), np.rint(values), values)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Counted(Step):
+    """An ``IntegerProgram``."""
+
+    name = "whole-numbers"
+
+    def vector(self, x: Any) -> Floats:
+        return self.program.vector(x)  # type: ignore[no-any-return]
+
+    def encoded(self, x: Floats) -> Floats:
+        return np.where(np.isfinite(x), self.program.nearest(x), np.nan)
+
+    def value(self, value: float) -> float:
+        return float(self.program.sense * value / self.program.scale + self.program.constant)
+
+    def bound(self, bound: float) -> float:
+        return self.program.bound(bound)  # type: ignore[no-any-return]
+
+
+class WholeNumbers(Reduction):
+    """Counts all variables in whole steps, with finite bounds: for solvers that know nothing else."""
+
+    may_refuse = True
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        """See ``Reduction.apply``; the rows hold each column once."""
+        bounded = FINITE_BOUNDS.apply(program)
+        made = integer_program(program, bounded[-1].program if bounded else None)
+        told = f"objective in steps of {1.0 / made.scale:g}"
+        if not made.exact:
+            told += f", rounded by {made.error:g} at most, rows loosened by {ROW_ERROR:g} at most"
+        return (*bounded, Counted(program=made, exactness=Exactness.EXACT if made.exact else Exactness.RELAXATION, told=told))
+
+
+class Whole(Step):
+    """Integer variables in the place of continuous ones that have whole values anyway."""
+
+    name = "whole-variables"
+
+
+class WholeVariables(Reduction):
+    """Makes all variables integer and gives them finite bounds, where that leaves their values as they are."""
+
+    may_refuse = True
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        """See ``Reduction.apply``; the rows hold each column once."""
+        bounded = FINITE_BOUNDS.apply(program)
+        counted = integer_program(program, bounded[-1].program if bounded else None)
+        if not ((counted.unit == 1.0).all() and (counted.shift == np.round(counted.shift)).all()):
+            raise Irreducible("continuous variables")
+        low, high = counted.vector(counted.lower), counted.vector(counted.upper)
+        made = replace(program, variables=(Variables("x", lower=low, upper=high, cost=program.cost, integer=True),))
+        return (*bounded, Whole(program=made, told=f"{int((~program.integer).sum())} continuous variables made integer"))
+
+
+WHOLE_NUMBERS, WHOLE_VARIABLES = WholeNumbers(), WholeVariables()

@@ -1,0 +1,71 @@
+"""The options that a solver has of its own, beside those that all share."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from typing import Any
+
+from ..instances.errors import UsageError
+
+FEW = 12
+"""Up to as many options are listed where one is not known; of more, the close ones."""
+
+TRUTHS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0": False}
+
+
+def own_options(
+    label: str, given: Mapping[str, Any], known: Mapping[str, Any], common: Mapping[str, str] | None = None, word: str = "option"
+) -> dict[str, Any]:
+    """Options that the user named, in the types that they have.
+
+    Parameters
+    ----------
+    label : str
+        The solver's name in messages.
+    given : mapping
+        Names and values, mostly text.
+    known : mapping
+        All names, each with its default, whose type the value shall have; None takes any.
+    common : mapping, optional
+        Names that stand for an option that all solvers share, and what that is called.
+    word : str
+        What the solver calls an option.
+
+    Raises
+    ------
+    UsageError
+        For the first one that is common, not known, or not of its type.
+    """
+    made = {}
+    for name, value in given.items():
+        if common and name in common:
+            raise UsageError(f"{label}: set {common[name]} by its own option, not by {name}")
+        if name not in known:
+            raise UsageError(f"{label} has no {word} {name!r}{_hint(name, known)}")
+        kind = type(known[name])
+        try:
+            made[name] = value if known[name] is None else _converted(value, kind)
+        except (KeyError, TypeError, ValueError, OverflowError):
+            raise UsageError(f"{label}: {word} {name} takes a {WORDS.get(kind, kind.__name__)}, not {value!r}") from None
+    return made
+
+
+WORDS: dict[type, str] = {bool: "truth value", int: "whole number", float: "number", str: "text"}
+
+
+def _hint(name: str, known: Mapping[str, Any]) -> str:
+    if not known:
+        return "; it takes none"
+    if len(known) <= FEW:
+        return f"; it takes {', '.join(known)}"
+    close = difflib.get_close_matches(name, known, n=3)
+    return f"; close: {', '.join(close)}" if close else ""
+
+
+def _converted(value: Any, kind: type) -> Any:
+    if kind is bool:
+        return TRUTHS[str(value).lower()]
+    if kind is int:
+        return int(str(value))
+    return kind(value)

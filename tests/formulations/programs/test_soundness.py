@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.programs.soundness import refuse_numbers
+from waybound.instances.errors import InputError
+
+
+def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:
+    x = Variables("x", keys=(np.arange(2),), lower=np.array(lower), upper=np.array(upper), cost=np.ones(2))
+    rows = Rows(
+        "need", indptr=np.array([0, len(indices)], dtype=np.int32), indices=np.array(indices, dtype=np.int32), data=np.array(data),
+        lower=np.array(side[:1]), upper=np.array(side[1:]),
+    )  # fmt: skip
+    return Program("sane", "min", (x,), (rows,))
+
+
+@pytest.mark.parametrize(
+    ("parts", "word"),
+    [
+        ({"lower": (0.0, math.inf), "upper": (1.0, math.inf)}, r"lower bound of variable x\[1\]"),
+        ({"upper": (-math.inf, 1.0)}, r"upper bound of variable x\[0\]"),
+        ({"side": (math.inf, math.inf)}, "left side of row need"), ({"side": (-math.inf, -math.inf)}, "right side of row need"),
+        ({"data": (1.0, math.nan)}, "coefficient"), ({"indices": (0, 2)}, "column that does not exist"),
+    ],
+)  # fmt: skip
+def test_numbers_that_mean_nothing_are_refused_by_name(parts, word: str) -> None:
+    with pytest.raises(InputError, match=word):
+        refuse_numbers(program(**parts))
+
+
+def test_a_sound_program_is_let_pass() -> None:
+    refuse_numbers(program())

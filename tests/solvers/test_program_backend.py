@@ -1,0 +1,125 @@
+"""What all program backends do alike: trivial programs, the solver's last word, infeasible or unbounded, options that are common."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.programs import program as dense
+from waybound.formulations.programs.exactness import Exactness
+from waybound.formulations.programs.program import INTEGERS, Program, Rows, Variables
+from waybound.formulations.programs.reductions.minimisation import MINIMISATION
+from waybound.solvers.backend import Control, Options, RawResult
+from waybound.solvers.program_backend import ProgramBackend, settled
+
+
+def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:
+    x = Variables("x", keys=(np.arange(2),), lower=np.array(lower), upper=np.array(upper), cost=np.ones(2))
+    rows = Rows(
+        "need", indptr=np.array([0, len(indices)], dtype=np.int32), indices=np.array(indices, dtype=np.int32), data=np.array(data),
+        lower=np.array(side[:1]), upper=np.array(side[1:]),
+    )  # fmt: skip
+    return Program("sane", "min", (x,), (rows,))
+
+
+def test_crossed_bounds_settle_a_program_by_name() -> None:
+    result = settled(program(lower=(0.0, 2.0)))
+    assert result is not None
+    assert result.status == "infeasible"
+    assert "x[1]" in result.message
+
+
+def test_crossed_sides_settle_a_program_by_name() -> None:
+    result = settled(program(side=(3.0, 2.0)))
+    assert result is not None
+    assert (result.status, "need" in result.message) == ("infeasible", True)
+
+
+def test_every_other_program_is_left_to_the_solver() -> None:
+    assert settled(program()) is None
+
+
+@pytest.mark.parametrize("side", [(1e-9, math.inf), (-math.inf, -1e-9)])
+def test_an_empty_row_that_excludes_zero_settles_a_program_by_name_however_small_its_side(side) -> None:
+    result = settled(program(data=(0.0, 0.0), side=side))
+    assert result is not None
+    assert (result.status, "need" in result.message) == ("infeasible", True)
+    assert settled(program(data=(0.0, 0.0), side=(-1e-9, 1e-9))) is None
+
+
+class Says(ProgramBackend):
+    """Says what it is told to say, in this order."""
+
+    name, package, modules, summary, title = "says", "numpy", ("json",), "for tests", "Says"
+    programs = (INTEGERS,)
+
+    def __init__(self, *words: RawResult, publishes: np.ndarray | None = None, reductions=()) -> None:
+        super().__init__()
+        self.words, self.publishes, self.reductions, self.seen = list(words), publishes, reductions, []
+
+    def search(self, program: Program, options: Options, control: Control) -> RawResult:
+        self.seen.append(program)
+        if self.publishes is not None:
+            control.publish(self.publishes, 0.0)
+        return self.words.pop(0)
+
+
+def knapsack(**changes) -> Program:
+    """Worth 5 and 3, weights 2 and 2 of 3, both whole: the best is 5 + 10."""
+    return replace(dense([5, 3], [[2, 2]], -math.inf, 3, 0, 1, integer=[0, 1], sense="max", offset=10.0), **changes)
+
+
+GOOD, BAD = np.array([1.0, 0.0]), np.array([1.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("said", "status", "limit", "objective", "message"),
+    [
+        (RawResult("optimal", answer=GOOD, bound=15.0), "optimal", "none", 15.0, ""),
+        (RawResult("optimal", answer=GOOD, bound=18.0), "feasible", "gap", 15.0, ""),
+        (RawResult("optimal", answer=GOOD), "feasible", "gap", 15.0, ""),
+        (RawResult("optimal", answer=BAD, bound=18.0), "unknown", "none", None, "Says reports a point that is not feasible within 1e-05"),
+        (RawResult("optimal"), "unknown", "none", None, "Says reports a point that is not feasible within 1e-05"),
+        (RawResult("unknown", "time", GOOD, bound=18.0), "feasible", "time", 15.0, ""),
+        (RawResult("unknown", "time", GOOD, bound=15.0), "optimal", "none", 15.0, ""),
+        (RawResult("unknown", "iterations", bound=18.0), "unknown", "nodes", None, "Says found no feasible point within the nodes limit"),
+        (RawResult("infeasible", answer=GOOD, bound=3.0), "infeasible", "none", None, ""),
+        (RawResult("error", message="no licence"), "error", "none", None, "no licence"),
+    ],
+)  # fmt: skip
+def test_the_last_word_is_taken_for_what_it_is_worth(said, status, limit, objective, message) -> None:
+    result = Says(said).run(knapsack(), Options(), Control())
+    assert (result.status, result.limit, result.objective, result.message) == (status, limit, objective, message)
+
+
+def test_the_optimum_of_a_continuous_program_is_its_bound() -> None:
+    linear = dense([5, 3], [[2, 2]], -math.inf, 3, 0, 1, sense="max")
+    result = Says(RawResult("optimal", answer=np.array([1.0, 0.5]))).run(linear, Options(), Control())
+    assert (result.status, result.objective, result.bound) == ("optimal", 6.5, 6.5)
+
+
+def test_an_incumbent_stands_in_for_a_last_point_that_breaks_a_row() -> None:
+    result = Says(RawResult("optimal", answer=BAD, bound=15.0), publishes=GOOD).run(knapsack(), Options(), Control())
+    assert (result.status, result.objective) == ("optimal", 15.0)
+
+
+@pytest.mark.parametrize(
+    ("again", "status"), [("optimal", "unbounded"), ("infeasible", "infeasible"), ("unknown", "infeasible_or_unbounded")]
+)
+def test_infeasible_and_unbounded_are_told_apart_without_the_objective(again, status) -> None:
+    backend = Says(RawResult("infeasible_or_unbounded"), RawResult(again))
+    assert backend.run(knapsack(), Options(), Control()).status == status
+    assert not backend.seen[1].cost.any()
+
+
+def test_results_come_back_through_the_chain_and_say_how() -> None:
+    backend = Says(RawResult("unknown", "time", GOOD, bound=-6.0, row_duals=np.array([-2.0])), reductions=(MINIMISATION,), publishes=GOOD)
+    events: list[dict] = []
+    result = backend.run(knapsack(), Options(), Control(events.append))
+    assert (result.objective, result.bound, result.row_duals.tolist()) == (15.0, 16.0, [2.0])
+    assert events[0]["objective"] == 15.0
+    assert [str(link) for link in result.links] == ["minimisation (exact): sign turned, constant 10 left out"]
+    assert result.holds is Exactness.EXACT

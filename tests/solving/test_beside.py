@@ -1,0 +1,81 @@
+"""Bounds that are found beside a search end it, and are its evidence."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+
+import waybound as wb
+from waybound.formulations.problem import Problem
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.linear_programs import LinearPrograms
+from waybound.solving import solve
+from waybound.solving.beside import Beside, BoundWork, free_core
+from waybound.solving.goal import Goal
+
+
+class Waits(Engine):
+    """Publishes what it was told to, and waits until it is asked to stop, or for its time."""
+
+    name, family, package, modules, summary, features = "waits", "routing", "waybound", ("json",), "for tests", frozenset()
+    answer: Any = None
+
+    def missing(self, problem: Problem) -> frozenset[str]:
+        return frozenset()
+
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        if self.answer is not None:
+            control.publish(self.answer, problem.evaluate(self.answer).values[0])
+        end = time.perf_counter() + options.time_limit
+        while not control.stopped and time.perf_counter() < end:
+            time.sleep(0.01)
+        return RawResult("unknown", "time")
+
+
+@pytest.fixture
+def waits(registered, monkeypatch):
+    """The engine, on a machine with a free core, with nothing proved before its search."""
+    registered(BACKENDS, "waits", Waits)
+    monkeypatch.setattr(solve, "free_core", lambda threads: True)
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap: ([], Goal(problem, [], gap)))
+    return Waits
+
+
+def test_a_search_ends_when_the_bound_beside_it_meets_its_answer(waits, monkeypatch):
+    problem = wb.generate("random", seed=1, customers=4)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    solution = wb.solve(problem, "waits", time_limit=60)
+    assert solution.seconds["solve"] < 30
+    assert (solution.status, solution.limit, solution.bound_kind) == ("optimal", "none", "verified")
+
+
+def test_a_search_ends_when_it_is_proved_beside_it_that_there_is_no_answer(waits):
+    problem = wb.generate("random", seed=1, customers=6, vehicles=1, capacity=10)
+    solution = wb.solve(problem, "waits", time_limit=60)
+    assert solution.seconds["solve"] < 30
+    assert (solution.status, solution.limit, solution.certificate.infeasible) == ("infeasible", "none", True)
+
+
+def test_what_fails_beside_a_search_costs_no_answer(waits, monkeypatch):
+    problem = wb.read("demo-tiny")
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda *_: 1 / 0)
+    solution = wb.solve(problem, "waits", time_limit=0.5, bound_time=1.5)
+    assert solution.objective == pytest.approx(384.7341401)
+
+
+def test_the_end_of_a_wait_ends_the_bounding(waits):
+    problem = wb.read("demo-tiny")
+    beside = Beside(BoundWork(problem, 60.0, (), LinearPrograms()), Goal(problem, []), Control())
+    control = Control()
+    control.stop()
+    began = time.perf_counter()
+    beside.found(control)
+    assert time.perf_counter() - began < 20
+
+
+def test_a_core_is_free_where_threads_are_fewer_than_cores():
+    assert free_core(0)
+    assert not free_core(10**6)
