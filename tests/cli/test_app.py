@@ -21,7 +21,7 @@ def commands() -> dict[str, Any]:
 
 def test_every_command_is_registered_under_its_name() -> None:
     assert set(commands()) == COMMANDS
-    assert set(commands()["instances"].commands) == {"fetch", "list", "path", "show"}
+    assert set(commands()["instances"].commands) == {"list", "path", "show"}
 
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))

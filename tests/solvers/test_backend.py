@@ -11,21 +11,9 @@ from programs import program
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC
-from waybound.formulations.programs.scaling import scaled
-from waybound.instances.errors import MissingPackageError, UnsupportedError, UsageError
-from waybound.solvers.backend import (
-    BACKENDS,
-    Control,
-    Engine,
-    Options,
-    ProgramBackend,
-    RawResult,
-    kinds_of,
-    solver_named,
-    takers,
-    takes_features,
-)
+from waybound.instances.errors import MissingPackageError, UsageError
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
+from waybound.solvers.program_backend import ProgramBackend
 
 PLAIN = program([3, 2], [[2, 3]], -np.inf, 10.5, 0, [4, 5])
 
@@ -34,14 +22,10 @@ class Made(ProgramBackend):
     """Says what it is told to."""
 
     name, package, modules, summary = "made", "no-such-distribution", ("json",), "for tests"
-    programs = (LINEAR, INTEGERS)
     variants = ("fast",)
-    said = RawResult("unknown")
 
     def search(self, program: Any, options: Options, control: Control) -> RawResult:
-        self.seen, self.options = program, options
-        control.publish(None if options.start is None else options.start, 1.0, 2.0)
-        return self.said
+        return RawResult("unknown")
 
 
 # -- control -----------------------------------------------------------------------------------------------------------
@@ -79,68 +63,6 @@ def test_an_answer_that_reaches_the_goal_stops_the_search_and_a_bound_does_not()
     assert control.stopped
     control.publish("c", 4.0)
     assert len(asked) == 2 and control.answer == "c"
-
-
-# -- programs ----------------------------------------------------------------------------------------------------------
-
-
-def test_a_program_of_ordinary_size_is_searched_as_it_is() -> None:
-    backend = Made()
-    backend.run(PLAIN, Options(start=np.array([1.0, 1.0])), Control())
-    assert backend.seen is PLAIN
-
-
-def test_everything_comes_back_in_the_units_of_the_program() -> None:
-    """The same program with x in millionths: start, incumbent, bound, answer and duals keep their meaning."""
-    unit = 2.0**20
-    tiny = program([3 / unit, 2 / unit], [[2 / unit, 3 / unit]], -np.inf, 10.5 / unit / unit, 0, [4 / unit, 5 / unit])
-    made = scaled(tiny)
-    assert made.program is not tiny
-    backend, control = Made(), Control()
-    point = np.array([1.0, 2.0]) / unit
-    backend.said = RawResult("optimal", answer=made.scaled_vector(point), objective=3.0, bound=2.0, row_duals=np.array([1.0]))
-    result = backend.run(tiny, Options(start=point), control)
-    assert backend.options.start == pytest.approx(made.scaled_vector(point))
-    assert control.answer == pytest.approx(point) and result.answer == pytest.approx(point)
-    assert (result.objective, result.bound, control.bound) == (made.value(3.0), made.value(2.0), made.value(2.0))
-    assert result.row_duals == pytest.approx(made.duals(np.array([1.0])))
-
-
-def test_a_wish_to_stop_reaches_the_search_of_a_scaled_program() -> None:
-    class Waits(Made):
-        def search(self, program: Any, options: Options, control: Control) -> RawResult:
-            outer.stop()
-            return RawResult("unknown", "interrupt" if control.stopped else "none")
-
-    outer = Control()
-    huge = program([3e12, 2e12], [[2e12, 3e12]], -np.inf, 1e25, 0, [4e12, 5e12])
-    assert scaled(huge).program is not huge
-    assert Waits().run(huge, Options(), outer).limit == "interrupt"
-
-
-def test_a_program_that_it_cannot_take_is_refused_with_those_that_can() -> None:
-    squares = program([1, 1], [[1, 1]], 0, 1, quadratic=[[2, 0], [0, 2]])
-    with pytest.raises(UnsupportedError, match=r"made:fast cannot take this problem: it lacks QP programs; can take it: .*highs"):
-        Made("fast").run(squares, Options(), Control())
-    assert Made().missing(squares) == {"QP programs"} and Made().missing(PLAIN) == frozenset()
-
-
-@pytest.mark.parametrize(
-    ("features", "programs", "only_integers", "takes"),
-    [
-        (LINEAR, (LINEAR,), False, True), (INTEGERS, (LINEAR,), False, False), (LINEAR, (INTEGERS,), False, True),
-        (LINEAR, (INTEGERS,), True, False), (INTEGERS, (INTEGERS,), True, True),
-        (INTEGERS | QUADRATIC, (INTEGERS, QUADRATIC), False, False),
-        (INTEGERS | QUADRATIC, (INTEGERS | QUADRATIC,), True, True), (LINEAR, (), False, False),
-    ],
-)  # fmt: skip
-def test_features_are_taken_together(features: frozenset[str], programs: Any, only_integers: bool, takes: bool) -> None:
-    assert takes_features(features, programs, only_integers) == takes
-
-
-def test_takers_leave_out_the_one_that_was_asked() -> None:
-    assert {"highs", "scip"} <= set(takers(LINEAR)) and "highs" not in takers(LINEAR, but="highs")
-    assert kinds_of(Made) == ["LP", "MILP"]
 
 
 # -- names -------------------------------------------------------------------------------------------------------------
