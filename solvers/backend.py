@@ -6,8 +6,9 @@ import importlib.util
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness, Link
 from ..instances.errors import MissingPackageError, UsageError
 from ..instances.registry import Registry
+from .own_options import own_options
 
 STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unbounded", "unknown", "error")
 LIMITS = ("none", "time", "iterations", "gap", "nodes", "memory", "interrupt")
@@ -189,6 +191,8 @@ class Backend(ABC):
         Whether it can only be stopped in a process of its own.
     honours : frozenset of str
         Of ``iterations, no_improvement, gap`` those that it keeps to; ``solve`` refuses the others by name.
+    options : mapping of names to defaults, or None
+        Options of its own, in the types of the defaults; checked before it starts. None if it asks the library behind it and checks itself.
     one_thread : bool
         Whether it searches on one thread, whatever it is given.
     order : int
@@ -206,6 +210,7 @@ class Backend(ABC):
     takes: ClassVar[str]
     needs_process: bool = False
     honours: ClassVar[frozenset[str]] = frozenset({"iterations", "gap"})
+    options: ClassVar[Mapping[str, Any] | None] = MappingProxyType({})
     one_thread: ClassVar[bool] = False
     order: ClassVar[int] = 100
     variants: ClassVar[tuple[str, ...]] = ()
@@ -214,6 +219,15 @@ class Backend(ABC):
         if variant and not self.variants:
             raise UsageError(f"solver {self.name} has no variants, so {self.name}:{variant} does not exist")
         self.variant = variant
+
+    @property
+    def label(self) -> str:
+        """Its name as the user writes it."""
+        return f"{self.name}:{self.variant}" if self.variant else self.name
+
+    def converted(self, options: Options) -> Options:
+        """``options`` with those of its own in their types; raises UsageError for others."""
+        return options if self.options is None else replace(options, extra=own_options(self.label, options.extra, self.options))
 
     @classmethod
     def installed(cls) -> bool:

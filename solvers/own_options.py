@@ -67,5 +67,5 @@ def _converted(value: Any, kind: type) -> Any:
     if kind is bool:
         return TRUTHS[str(value).lower()]
     if kind is int:
-        return int(str(value))
+        return int(str(value))  # no fraction, and no truth value
     return kind(value)

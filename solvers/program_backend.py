@@ -56,11 +56,6 @@ class ProgramBackend(Backend):
     reductions: tuple[Reduction, ...] = ()
     feasible_tolerance: ClassVar[float] = FEASIBLE_TOLERANCE
 
-    @property
-    def label(self) -> str:
-        """Its name as the user writes it."""
-        return f"{self.name}:{self.variant}" if self.variant else self.name
-
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
         """Names of the solvers within this one, itself first, that take programs of ``features``."""
@@ -105,6 +100,7 @@ class ProgramBackend(Backend):
         InputError, UnsupportedError, UsageError
         """
         refuse_numbers(program)
+        options = self.converted(options)
         lacking = self.lacking(program)
         if lacking:
             raise self.refusal(lacking, program)

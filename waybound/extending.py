@@ -1,10 +1,7 @@
 """Everything that a package outside waybound imports to add to it: contracts, building blocks and the registries.
 
-Each registry has a group of entry points of its own: ``waybound.solvers``, ``waybound.heuristics``, ``waybound.forms``,
-``waybound.formats``, ``waybound.problems``, ``waybound.bounds``, ``waybound.checkers``, ``waybound.generators``, ``waybound.kinds``,
-``waybound.set_functions``, ``waybound.constraints``. An entry point names a module that registers itself on import, or the entry. How
-each is written, with an example: ``docs/adding-*.md``; set functions and constraints, which need an entry for files only:
-``docs/selection.md``.
+Each registry has a group of entry points of its own, which docs/extending.md lists with all names of this module. How each thing is
+written, with an example that runs: ``docs/adding-*.md``.
 
 What stands here keeps its name and meaning within a minor version; other modules may move.
 """
@@ -12,28 +9,48 @@ What stands here keeps its name and meaning within a minor version; other module
 from __future__ import annotations
 
 from .formulations.certificate import verified_bound
-from .formulations.evaluation import Check, Evaluation, Violation, judge
-from .formulations.evidence import CHECKERS, Evidence, EvidenceChecker, Guarantee
+from .formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
+from .formulations.evidence import CHECKERS, Evidence, EvidenceChecker, Guarantee, Reason
 from .formulations.forms import FORMS, Form
+from .formulations.max_min.bottleneck_sata import BottleneckSATA
+from .formulations.max_min.max_min_lp import MaxMinLP
 from .formulations.problem import PROBLEMS, Problem
 from .formulations.programs.compiled import Compiled
 from .formulations.programs.cones import Cones
-from .formulations.programs.exactness import Exactness
+from .formulations.programs.exactness import Exactness, Link
 from .formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Program, Rows, Variables
+from .formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
+from .formulations.programs.reductions.minimisation import MINIMISATION
+from .formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
+from .formulations.programs.reductions.reduction import Chain, Irreducible, Reduction, Step
+from .formulations.programs.reductions.whole_numbers import WHOLE_NUMBERS
 from .formulations.programs.rows import rows
+from .formulations.routing.problem import RoutingProblem
+from .formulations.routing.routes import Route, Routes
+from .formulations.selection.selections import Selection
+from .formulations.selection.submodular_selection import SubmodularSelection
+from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from .formulations.stop import NEVER, Stop, Stopped
 from .formulations.tolerance import allowance, same, widening
 from .heuristics.heuristic import HEURISTICS, Heuristic, Outcome, Setting
 from .instances.document import dump_json, fields, parse_json
 from .instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from .instances.formats import FORMATS, Format
-from .instances.generators import GENERATORS, Generator
+from .instances.generators import GENERATORS, Draw, Generator
+from .instances.generators.settings import Setting as DataSetting
 from .instances.instance import Instance, digest
 from .instances.kinds import KINDS, Kind
 from .instances.registry import Registry
+from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
+from .instances.routing.travel import Travel
 from .instances.selection.constraints import Constraint, LimitRows, LinearConstraint
-from .instances.selection.functions import AT_ENTRY, AT_ITEM, ItemFunction, ItemWeights, SetFunction
+from .instances.selection.functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunction, ItemWeights, SetFunction
+from .instances.selection.instance import SelectionInstance
 from .instances.selection.json_kind import CONSTRAINTS, SET_FUNCTIONS, JsonPart
+from .instances.sensing.graph import SensingGraph
+from .instances.worlds import WORLDS, World, WorldKind
+from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
+from .reports.ratios.study import STUDIES, Fault, Figure, Report, Study, StudySetting
 from .solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from .solvers.bounds import BOUNDS, BoundMethod
 from .solvers.linear_programs import LinearPrograms
@@ -52,23 +69,40 @@ __all__ = [
     "GENERATORS",
     "HEURISTICS",
     "INTEGERS",
+    "IN_MATRIX",
     "KINDS",
     "LINEAR",
+    "LINEAR_PRODUCTS",
+    "MINIMISATION",
+    "MISSIONS",
     "NEVER",
+    "ONE_SIDED_ROWS",
     "PROBLEMS",
     "QUADRATIC",
     "SET_FUNCTIONS",
+    "STUDIES",
+    "WHOLE_NUMBERS",
+    "WORLDS",
+    "BottleneckSATA",
     "BoundMethod",
+    "Chain",
     "Check",
+    "Checklist",
     "Compiled",
     "Cones",
     "Constraint",
     "Control",
+    "DataSetting",
+    "Decision",
+    "Draw",
+    "Energy",
     "Engine",
     "Evaluation",
     "Evidence",
     "EvidenceChecker",
     "Exactness",
+    "Fault",
+    "Figure",
     "Form",
     "Format",
     "Generator",
@@ -76,6 +110,7 @@ __all__ = [
     "Heuristic",
     "InputError",
     "Instance",
+    "Irreducible",
     "ItemFunction",
     "ItemWeights",
     "JsonPart",
@@ -83,24 +118,48 @@ __all__ = [
     "LimitRows",
     "LinearConstraint",
     "LinearPrograms",
+    "Link",
+    "MaxMinLP",
     "MissingPackageError",
+    "Mission",
     "Options",
     "Outcome",
     "Problem",
     "Program",
     "ProgramBackend",
     "RawResult",
+    "Reason",
+    "Reduction",
     "Registry",
+    "Report",
+    "Route",
+    "Routes",
+    "RoutingInstance",
+    "RoutingProblem",
     "Rows",
+    "Scene",
+    "Selection",
+    "SelectionInstance",
+    "SensingGraph",
     "SetFunction",
     "Setting",
+    "Sites",
+    "Step",
     "Stop",
     "Stopped",
+    "Study",
+    "StudySetting",
+    "SubmodularSelection",
+    "Travel",
     "UnsupportedError",
     "UsageError",
     "Variables",
+    "VehicleType",
     "Violation",
     "WayboundError",
+    "WinnerTakesAllSATA",
+    "World",
+    "WorldKind",
     "allowance",
     "digest",
     "dump_json",

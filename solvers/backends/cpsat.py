@@ -53,6 +53,7 @@ class CpSat(ProgramBackend):
     package = "ortools"
     modules = ("ortools",)
     summary = "OR-Tools CP-SAT: integer programs, products of variables included, counted in 64 bits"
+    options = None
     order = 60
     programs = (INTEGERS | QUADRATIC,)
     only_integers = True

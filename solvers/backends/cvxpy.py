@@ -39,6 +39,7 @@ class CVXPY(ProgramBackend):
     package = "cvxpy"
     modules = ("cvxpy",)
     summary = "CVXPY: Clarabel for linear, quadratic and cone programs; SCS or HiGHS as cvxpy:NAME"
+    options = None
     order = 80
     interrupts = "shows no incumbents, and is ended without an answer when it is asked to stop"
     programs = tuple(chain.from_iterable(PROGRAMS.values()))

@@ -76,6 +76,7 @@ class Highs(ProgramBackend):
     package = "highspy"
     modules = ("highspy",)
     summary = "HiGHS: LP, MILP and convex QP, arrays straight into the solver"
+    options = None
     order = 30
     programs = (INTEGERS, QUADRATIC)
     reductions = (LINEAR_PRODUCTS,)

@@ -70,6 +70,7 @@ class MathOpt(ProgramBackend):
     package = "ortools"
     modules = ("ortools",)
     summary = "OR-Tools MathOpt: SCIP (nonconvex quadratics too) and GLOP, others as mathopt:NAME"
+    options = None
     order = 50
     interrupts = "mathopt:highs shows no incumbents, and is ended without an answer when it is asked to stop"
     programs = tuple(chain.from_iterable(PROGRAMS.values()))

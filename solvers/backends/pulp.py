@@ -37,6 +37,7 @@ class PuLP(ProgramBackend):
     package = "pulp"
     modules = ("pulp",)
     summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
+    options = None
     order = 70
     interrupts = "CBC shows no incumbents, and hands over its best one when it is asked to stop; pulp:NAME is ended without an answer"
     programs = (INTEGERS,)

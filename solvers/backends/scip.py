@@ -45,6 +45,7 @@ class Scip(ProgramBackend):
     package = "pyscipopt"
     modules = ("pyscipopt",)
     summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"
+    options = None
     order = 40
     programs = (INTEGERS | QUADRATIC,)
     reductions = (FiniteNumbers(INFINITE),)

@@ -51,6 +51,7 @@ class ORTools(Engine):
     package = "ortools"
     modules = ("ortools.constraint_solver.pywrapcp", "ortools.constraint_solver.routing_enums_pb2")
     summary = "OR-Tools routing library: insertion and guided local search"
+    options = None
     order = 20
     interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
     needs_process = True

@@ -43,6 +43,7 @@ class PyVRP(Engine):
     package = "pyvrp"
     modules = ("pyvrp",)
     summary = "PyVRP: iterated local search for vehicle routing"
+    options = None
     order = 10
     honours = frozenset({"iterations", "no_improvement", "gap"})  # a gap by the bounds that ``solve`` verifies meanwhile
     one_thread = True

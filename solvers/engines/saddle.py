@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import functools
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -18,7 +19,6 @@ from ...instances.sensing.graph import SensingGraph
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from ..bounds.max_min.ball import weights_evidence
 from ..linear_programs import LinearPrograms
-from ..own_options import own_options
 from .saddle_steps.game import Game, Limits, Record
 from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
@@ -57,6 +57,7 @@ class Saddle(Engine):
     summary = "first-order methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
     one_thread = bounds_itself = True
+    options: ClassVar[Mapping[str, Any]] = {"h": 0}
     family = "max-min"
     features = frozenset({"sensing", "packing-covering"})
 
@@ -65,19 +66,14 @@ class Saddle(Engine):
         lacking = self.missing(problem)
         if lacking:
             raise UnsupportedError(self.name, lacking)
-        h = _layers(options.extra)
+        h: int = self.converted(options).extra.get("h", 0)
+        if not 0 <= h <= MOST_LAYERS:
+            raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {h!r}")
         task = _Task(problem)
         if len(task.graph.unseen_targets):
             return task.unseen(options)
         _compile()
         return _search(task, h, options, control)
-
-
-def _layers(extra: dict[str, Any]) -> int:
-    h: int = own_options("saddle", extra, {"h": 0}).get("h", 0)
-    if isinstance(extra.get("h"), bool) or not 0 <= h <= MOST_LAYERS:
-        raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {extra['h']!r}")
-    return h
 
 
 class _Task:

@@ -15,7 +15,10 @@ from ..solvers.program_backend import ProgramBackend, kinds_of
 
 @dataclass(frozen=True)
 class SolverInfo:
-    """One row of ``waybound solvers``; ``missing`` lists what it lacks for the problem asked about."""
+    """One row of ``waybound solvers``.
+
+    ``missing`` lists what it lacks for the problem asked about; ``options`` those of its own, None where they are its library's.
+    """
 
     name: str
     kind: str
@@ -26,6 +29,7 @@ class SolverInfo:
     install: str
     missing: tuple[str, ...] = ()
     forms: tuple[str, ...] = ()
+    options: tuple[str, ...] | None = ()
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,7 @@ def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
             SolverInfo(
                 name, backend.takes, backend.installed(), backend.version(), backend.summary, takes,
                 f"pip install {backend.package}", tuple(sorted(missing)), forms,
+                None if backend.options is None else tuple(backend.options),
             )
         )  # fmt: skip
     return rows

@@ -213,6 +213,7 @@ def _solver_run(
     problem: Problem, given: Compiled | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
 ) -> _Run:
     backend = solver_named(solver)
+    options = backend.converted(options)
     versions = {backend.package: backend.version()}
     notes: list[str] = []
     isolate = isolate or backend.needs_process
