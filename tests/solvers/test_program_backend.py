@@ -10,10 +10,11 @@ import pytest
 
 from tests.programs import program as dense
 from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.programs.program import INTEGERS, Program, Rows, Variables
+from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Program, Rows, Variables
 from waybound.formulations.programs.reductions.minimisation import MINIMISATION
+from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import Control, Options, RawResult
-from waybound.solvers.program_backend import ProgramBackend, settled
+from waybound.solvers.program_backend import ProgramBackend, kinds_of, settled, takers
 
 
 def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:
@@ -123,3 +124,48 @@ def test_results_come_back_through_the_chain_and_say_how() -> None:
     assert events[0]["objective"] == 15.0
     assert [str(link) for link in result.links] == ["minimisation (exact): sign turned, constant 10 left out"]
     assert result.holds is Exactness.EXACT
+
+
+def test_a_program_of_ordinary_size_is_searched_as_it_is() -> None:
+    backend, given = Says(RawResult("unknown")), knapsack()
+    backend.run(given, Options(), Control())
+    assert backend.seen == [given]
+
+
+def test_a_wish_to_stop_reaches_the_search_of_a_program_in_other_units() -> None:
+    class Waits(Says):
+        def search(self, program: Program, options: Options, control: Control) -> RawResult:
+            assert program is not huge
+            outer.stop()
+            return RawResult("unknown", "interrupt" if control.stopped else "none")
+
+    outer = Control()
+    huge = dense([3e12, 2e12], [[2e12, 3e12]], -math.inf, 1e25, 0, [4e12, 5e12])
+    assert Waits().run(huge, Options(), outer).limit == "interrupt"
+
+
+def test_a_program_that_it_cannot_take_is_refused_with_those_that_can() -> None:
+    squares = dense([1, 1], [[1, 1]], 0, 1, quadratic=[[2, 0], [0, 2]])
+    assert Says().missing(squares) == {"QP programs"} and Says().missing(knapsack()) == frozenset()
+    with pytest.raises(UnsupportedError, match=r"says cannot take this problem: it lacks QP programs; can take it: .*highs"):
+        Says().run(squares, Options(), Control())
+
+
+@pytest.mark.parametrize(
+    ("features", "programs", "only_integers", "takes"),
+    [
+        (LINEAR, (LINEAR,), False, True), (INTEGERS, (LINEAR,), False, False), (LINEAR, (INTEGERS,), False, True),
+        (LINEAR, (INTEGERS,), True, False), (INTEGERS, (INTEGERS,), True, True),
+        (INTEGERS | QUADRATIC, (INTEGERS, QUADRATIC), False, False), (INTEGERS | QUADRATIC, (INTEGERS | QUADRATIC,), True, True),
+        (LINEAR, (), False, False),
+    ],
+)  # fmt: skip
+def test_features_are_taken_together(features, programs, only_integers, takes) -> None:
+    backend = Says()
+    backend.programs, backend.only_integers = programs, only_integers
+    assert backend.able(features) == takes
+
+
+def test_takers_leave_out_the_one_that_was_asked() -> None:
+    assert {"highs", "scip"} <= set(takers(LINEAR)) and "highs" not in takers(LINEAR, but="highs")
+    assert kinds_of(Says) == ["LP", "MILP"]
