@@ -20,7 +20,7 @@ from ..solvers.own_options import own_options
 
 
 @dataclass(frozen=True)
-class Setting:
+class Context:
     """What a heuristic may use while it runs.
 
     Parameters
@@ -33,7 +33,7 @@ class Setting:
     publish : callable
         ``publish(answer)`` reports a better answer.
     stop : Stop
-        The wish to end; ``setting.begin()`` adds the time.
+        The wish to end; ``context.begin()`` adds the time.
     linear : LinearPrograms
         Who solves the linear programs that it meets.
     """
@@ -78,7 +78,7 @@ class Heuristic:
     features : frozenset of str
         Features of the problem that it can handle.
     run : callable
-        ``run(problem, setting, **parameters) -> Outcome``. Keyword parameters are its options.
+        ``run(problem, context, **parameters) -> Outcome``. Keyword parameters are its options.
     summary : str
         One line.
     stated : str
@@ -137,11 +137,11 @@ class HeuristicWork:
     def __call__(self, control: Control) -> RawResult:
         o, stop = self.options, Stop()
         control.on_stop(stop.ask)
-        setting = Setting(
+        context = Context(
             rng=np.random.default_rng(o.seed), seconds=o.time_limit, start=o.start, publish=control.publish, stop=stop,
             linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
         )  # fmt: skip
-        found = HEURISTICS[self.name].run(self.problem, setting, **o.extra)
+        found = HEURISTICS[self.name].run(self.problem, context, **o.extra)
         return RawResult(
             "unknown", found.limit, found.answer, statistics=found.statistics, message=found.message, evidence=found.evidence,
             holds=Exactness.NEITHER, guarantee=found.guarantee,

@@ -12,7 +12,7 @@ from waybound.formulations.evidence import Evidence, Guarantee
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.stop import Stop
-from waybound.heuristics.heuristic import HEURISTICS, Heuristic, HeuristicWork, Outcome, Setting
+from waybound.heuristics.heuristic import HEURISTICS, Context, Heuristic, HeuristicWork, Outcome
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.linear_programs import LinearPrograms
@@ -20,7 +20,7 @@ from waybound.solvers.linear_programs import LinearPrograms
 PROBLEM = cover_30(3)
 
 
-def first(problem: Any, setting: Setting, *, count: int = 1, mark: str = "none") -> Outcome:
+def first(problem: Any, context: Context, *, count: int = 1, mark: str = "none") -> Outcome:
     """The first elements."""
     return Outcome(Selection(tuple(range(count))))
 
@@ -34,7 +34,7 @@ def test_parameters_are_the_keywords_with_their_defaults() -> None:
     with pytest.raises(UsageError, match="first has no option 'size'; it takes count, mark"):
         FIRST.check_parameters({"count": 3, "size": 1})
     with pytest.raises(UsageError, match="it takes none"):
-        Heuristic("bare", ("selection",), frozenset(), lambda problem, setting: Outcome(None), "").check_parameters({"size": 1})
+        Heuristic("bare", ("selection",), frozenset(), lambda problem, context: Outcome(None), "").check_parameters({"size": 1})
 
 
 def test_what_it_lacks_is_named() -> None:
@@ -45,22 +45,22 @@ def test_what_it_lacks_is_named() -> None:
 
 
 def test_everything_that_it_is_told_reaches_it_and_everything_it_says_comes_back(registered: Any) -> None:
-    seen: list[Setting] = []
+    seen: list[Context] = []
     proof = Evidence("marginal-gains", "by hand", 9.0, {"prefix": []})
     promise = Guarantee(2.0, "half", (), "nowhere")
 
-    def run(problem: Any, setting: Setting, *, count: int = 1) -> Outcome:
-        seen.append(setting)
-        setting.publish(Selection((0,)))
+    def run(problem: Any, context: Context, *, count: int = 1) -> Outcome:
+        seen.append(context)
+        context.publish(Selection((0,)))
         return Outcome(Selection(tuple(range(count))), promise, (proof,), {"looked": 5}, "a word", "time")
 
     registered(HEURISTICS, "told", Heuristic("told", ("selection",), PROBLEM.features(), run, ""))
     control, start = Control(), Selection((4,))
     options = Options(time_limit=3.0, seed=7, threads=2, start=start, lp_solver="scip", extra={"count": 2})
     result = HeuristicWork("told", PROBLEM, options)(control)
-    (setting,) = seen
-    assert setting.rng.random() == np.random.default_rng(7).random()
-    assert (setting.seconds, setting.start) == (3.0, start)
+    (context,) = seen
+    assert context.rng.random() == np.random.default_rng(7).random()
+    assert (context.seconds, context.start) == (3.0, start)
     assert control.answer == Selection((0,))
     assert (result.answer, result.limit, result.message, result.statistics) == (Selection((0, 1)), "time", "a word", {"looked": 5})
     assert (result.evidence, result.guarantee, result.holds, result.status) == ((proof,), promise, Exactness.NEITHER, "unknown")
@@ -69,15 +69,15 @@ def test_everything_that_it_is_told_reaches_it_and_everything_it_says_comes_back
 def test_a_wish_to_stop_reaches_it(registered: Any) -> None:
     control = Control()
 
-    def run(problem: Any, setting: Setting) -> Outcome:
-        assert not setting.stop.reached()
+    def run(problem: Any, context: Context) -> Outcome:
+        assert not context.stop.reached()
         control.stop()
-        return Outcome(Selection(()), limit=setting.begin().reached() or "none")
+        return Outcome(Selection(()), limit=context.begin().reached() or "none")
 
     registered(HEURISTICS, "stopped", Heuristic("stopped", ("selection",), PROBLEM.features(), run, ""))
     assert HeuristicWork("stopped", PROBLEM, Options())(control).limit == "interrupt"
 
 
 def test_its_time_begins_when_it_does() -> None:
-    setting = Setting(np.random.default_rng(1), 0.0, None, lambda answer: None, Stop(60.0), LinearPrograms())
-    assert not setting.stop.reached() and setting.begin().reached() == "time"
+    context = Context(np.random.default_rng(1), 0.0, None, lambda answer: None, Stop(60.0), LinearPrograms())
+    assert not context.stop.reached() and context.begin().reached() == "time"
