@@ -27,7 +27,7 @@ class Context:
     ----------
     rng : numpy.random.Generator
         The only source of randomness.
-    seconds : float
+    time_limit : float, seconds
         Wall time it may take.
     start : answer, optional
     publish : callable
@@ -39,7 +39,7 @@ class Context:
     """
 
     rng: np.random.Generator
-    seconds: float
+    time_limit: float
     start: Any
     publish: Callable[[Any], None]
     stop: Stop
@@ -47,7 +47,7 @@ class Context:
 
     def begin(self) -> Stop:
         """When a heuristic that starts now has to end: its time is up, or it is asked to."""
-        return self.stop.within(self.seconds)
+        return self.stop.within(self.time_limit)
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class HeuristicWork:
         o, stop = self.options, Stop()
         control.on_stop(stop.ask)
         context = Context(
-            rng=np.random.default_rng(o.seed), seconds=o.time_limit, start=o.start, publish=control.publish, stop=stop,
+            rng=np.random.default_rng(o.seed), time_limit=o.time_limit, start=o.start, publish=control.publish, stop=stop,
             linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
         )  # fmt: skip
         found = HEURISTICS[self.name].run(self.problem, context, **o.extra)

@@ -114,7 +114,7 @@ def ratio_of(sense: str, value: float, best: float) -> float:
 def run_heuristic(problem: Problem, name: str, options: Mapping[str, Any], seed: int) -> Outcome:
     """The heuristic alone, without the search around it: what ``solve`` runs, with the same random draws."""
     context = Context(
-        rng=np.random.default_rng(seed), seconds=SECONDS, start=None, publish=lambda answer: None, stop=NEVER,
+        rng=np.random.default_rng(seed), time_limit=SECONDS, start=None, publish=lambda answer: None, stop=NEVER,
         linear=LinearPrograms(seed=seed),
     )  # fmt: skip
     return HEURISTICS[name].run(problem, context, **options)

@@ -60,7 +60,7 @@ def test_everything_that_it_is_told_reaches_it_and_everything_it_says_comes_back
     result = HeuristicWork("told", PROBLEM, options)(control)
     (context,) = seen
     assert context.rng.random() == np.random.default_rng(7).random()
-    assert (context.seconds, context.start) == (3.0, start)
+    assert (context.time_limit, context.start) == (3.0, start)
     assert control.answer == Selection((0,))
     assert (result.answer, result.limit, result.message, result.statistics) == (Selection((0, 1)), "time", "a word", {"looked": 5})
     assert (result.evidence, result.guarantee, result.holds, result.status) == ((proof,), promise, Exactness.NEITHER, "unknown")

@@ -145,7 +145,7 @@ def test_a_bound_that_fails_costs_no_other_bound() -> None:
     for name in names:
         broken = dataclasses.replace(BOUNDS[name], compute=failing(MemoryError))
         with BOUNDS.temporary(name, broken), pytest.warns(RuntimeWarning, match=f"no bound by {name}: out of memory"):
-            assert wb.bound(problem, seconds=5).bound == 5.0
+            assert wb.bound(problem, bound_time=5).bound == 5.0
 
 
 @ways

@@ -31,14 +31,14 @@ class BoundWork:
     """Bounding, picklable, and called with a ``Control``, to which the evidence found so far is published."""
 
     problem: Problem
-    seconds: float
+    bound_time: float
     known: Sequence[Evidence]
     linear: LinearPrograms
 
     modules: ClassVar[tuple[str, ...]] = ("numba", "highspy")
 
     def __call__(self, control: Control) -> RawResult:
-        found = find_bounds(self.problem, self.seconds, known=self.known, control=control, linear=self.linear)
+        found = find_bounds(self.problem, self.bound_time, known=self.known, control=control, linear=self.linear)
         return RawResult("unknown", answer=found)
 
 
@@ -60,7 +60,7 @@ class Beside(Control):
     def _run(self, work: BoundWork) -> None:
         try:
             with suppress(Exception):  # what fails beside a search costs no answer; what was published stands
-                result = run_in_process(work, Options(time_limit=work.seconds), self)
+                result = run_in_process(work, Options(time_limit=work.bound_time), self)
                 if result.answer is not None:
                     self.answer = result.answer
         finally:

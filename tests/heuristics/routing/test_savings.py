@@ -131,13 +131,13 @@ def test_more_sites_than_there_is_memory_for_are_refused(monkeypatch: pytest.Mon
 @pytest.mark.parametrize("n", [300, 3_000])
 def test_cut_short_it_has_joined_fewer_routes(n: int) -> None:
     problem = scattered(n, capacity=100.0)
-    outcome = HEURISTICS["savings"].run(problem, replace(CONTEXT, seconds=0.0))
+    outcome = HEURISTICS["savings"].run(problem, replace(CONTEXT, time_limit=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert outcome.limit == "time" and "routes were left" in outcome.message
 
 
 def test_cut_short_a_lone_vehicle_still_drives_a_tour() -> None:
     problem = scattered(3_000, count=1)
-    outcome = HEURISTICS["savings"].run(problem, replace(CONTEXT, seconds=0.0))
+    outcome = HEURISTICS["savings"].run(problem, replace(CONTEXT, time_limit=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert len(outcome.answer) == 1 and outcome.limit == "time"
