@@ -258,7 +258,7 @@ def test_numbers_of_any_size_are_counted_in_integers(engine_name, power):
     load = np.ldexp([0.0, 1.0, 1.0, 1.5], -power)
     fleet = (VehicleType(capacity=float(np.ldexp(2.5, -power))),)
     problem = RoutingProblem(Sites.of(range(4), coordinates=xy, demand=load), Travel("euclidean", xy), fleet)
-    judged = problem.evaluate(run(engine_name, problem).answer)
+    judged = problem.evaluate(run(engine_name, problem, iterations=50).answer)
     assert judged.feasible
     assert judged.values[0] == pytest.approx(float(np.ldexp(27.5 + np.hypot(6.0, 0.5), power)), rel=1e-5)
 
