@@ -73,7 +73,7 @@ def find_bounds(
         if stop.reached():
             break
         try:
-            evidence = method.compute(problem, stop, linear)
+            evidence = method.evidence(problem, stop, linear, target)
         except UnsupportedError:
             continue
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
