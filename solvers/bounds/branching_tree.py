@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
+from ...formulations.forms import FORMS
 from ...formulations.problem import Decision, Problem
 from ...formulations.programs.compiled import Compiled
 from ...formulations.programs.program import INTEGERS, Floats
@@ -467,9 +468,9 @@ def _takes(made: Compiled) -> bool:
 
 
 def _missing(problem: Problem) -> frozenset[str]:
-    if type(problem).check_statement is Problem.check_statement or not problem.forms():
+    if type(problem).check_statement is Problem.check_statement:
         return frozenset({f"{problem.family} problems"})
-    return frozenset()
+    return frozenset() if any(FORMS[form].makes(problem) == INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
 
 
 BOUNDS.add("branching-tree", BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))
