@@ -5,6 +5,7 @@ It walks each route visit by visit, knows no program and no solver, and shares n
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -110,6 +111,11 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         for site in route.visits:
             if sites.depot[site]:
                 judge.test("visits", 1.0, f"{name} visits the depot {sites.ids[site]} on its way", vehicle=name, site=sites.ids[site])
+        if problem.forbidden is not None:
+            stops = [vehicle.start, *route.visits, vehicle.end]
+            for tail, head in itertools.pairwise(stops):
+                words = f"{name} goes from {sites.ids[tail]} to {sites.ids[head]}, which is forbidden"
+                judge.test("moves", float(problem.forbidden[tail, head]), words, vehicle=name, site=sites.ids[head])
         plan = schedule(problem, route)
 
         places = [*route.visits, vehicle.end]
@@ -157,4 +163,4 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
     sizes = tuple(math.fsum(abs(w * terms[t.name]) for w, t in level.terms) for level in problem.objective.levels())
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
-    return Evaluation(values, judge.checks(CHECKS), tuple(judge.violations), quantities, sizes)
+    return Evaluation(values, judge.checks(CHECKS if problem.forbidden is None else (*CHECKS, "moves")), tuple(judge.violations), quantities, sizes)

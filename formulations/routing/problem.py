@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import itertools
 import math
@@ -22,7 +23,7 @@ from ...instances.routing.solution_files import routes_from_text, sol_text, tour
 from ...instances.routing.travel import EXPLICIT, Travel, convention_named
 from ..evaluation import Evaluation
 from ..evidence import Evidence, Reason
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Decision, Problem
 from ..references import indices_of
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes, schedule
@@ -47,6 +48,8 @@ class RoutingProblem(Problem):
         Default: total cost.
     min_vehicles : int
         Routes that must be used at least.
+    forbidden : bool array of shape (sites, sites), optional
+        Moves that no route makes. Checkers and the judge know them; what is for whole problems refuses them.
     name : str
     problem : str
         Name of the member of the family ("vrptw", "cvrp", "tsp", ...).
@@ -67,6 +70,7 @@ class RoutingProblem(Problem):
     name: str
     problem: str
     notes: tuple[str, ...]
+    forbidden: NDArray[np.bool_] | None
 
     def __init__(
         self,
@@ -78,12 +82,15 @@ class RoutingProblem(Problem):
         name: str = "problem",
         problem: str = "cvrp",
         notes: Sequence[str] = (),
+        forbidden: NDArray[np.bool_] | None = None,
     ) -> None:
         aim = Objective() if objective is None else Objective.of(objective)
         self.__dict__.update(
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
-            notes=tuple(notes),
+            notes=tuple(notes), forbidden=forbidden,
         )  # fmt: skip
+        if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
+            raise InputError("forbidden moves must be truth values, one for each pair of sites", found=f"{forbidden.dtype} {forbidden.shape}")
         check_routing_data(sites, travel, self.fleet, min_vehicles)
 
     # -- construction ------------------------------------------------------------------------------------------------
@@ -198,7 +205,7 @@ class RoutingProblem(Problem):
         return digest(
             "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, t.metric,
             t.matrix if t.metric == EXPLICIT else t.coordinates, t.duration_matrix, t.convention, self.fleet,
-            self.min_vehicles, str(self.objective),
+            self.min_vehicles, str(self.objective), *(() if self.forbidden is None else (self.forbidden,)),
         )  # fmt: skip
 
     def features(self) -> frozenset[str]:
@@ -211,6 +218,8 @@ class RoutingProblem(Problem):
             found.add("objective:priorities")
         if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in levels):
             found.add("objective:weights")
+        if self.forbidden is not None:
+            found.add("forbidden-moves")
         return restrictions(self) | found
 
     @property
@@ -248,6 +257,40 @@ class RoutingProblem(Problem):
             "fleet": [{"name": v.name, **dataclasses.asdict(v), "start": s.ids[v.start], "end": s.ids[v.end]} for v in self.fleet],
             "min_vehicles": self.min_vehicles,
         }
+
+    # -- parts of all answers ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        return self.sites.index()
+
+    def check_statement(self, statement: Any) -> None:
+        """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between."""
+        arc = statement["arc"] if isinstance(statement, Mapping) and statement.keys() == {"arc"} else None
+        if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in self._index for site in arc):
+            expected = '{"arc": [the id of a site, the id of a site]}'
+            raise InputError("not a statement on a move", expected=expected, found=printable(str(statement), 80))
+
+    def restricted(self, decisions: Sequence[Decision]) -> RoutingProblem:
+        """The same problem without moves: one that is not made, and those that a customer, which is left and entered once, cannot make beside
+        one that is."""
+        moves = np.zeros((len(self.sites),) * 2, dtype=bool) if self.forbidden is None else self.forbidden.copy()
+        depot = self.sites.depot
+        for statement, holds in decisions:
+            self.check_statement(statement)
+            i, j = (self._index[site] for site in statement["arc"])
+            if not holds:
+                moves[i, j] = True
+                continue
+            kept = moves[i, j]
+            if not depot[i]:
+                moves[i] = True
+            if not depot[j]:
+                moves[:, j] = True
+            moves[i, j] = kept
+        made = copy.copy(self)
+        made.__dict__["forbidden"] = moves
+        return made
 
     # -- judging answers ---------------------------------------------------------------------------------------------
 
