@@ -163,4 +163,6 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
     sizes = tuple(math.fsum(abs(w * terms[t.name]) for w, t in level.terms) for level in problem.objective.levels())
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
-    return Evaluation(values, judge.checks(CHECKS if problem.forbidden is None else (*CHECKS, "moves")), tuple(judge.violations), quantities, sizes)
+    return Evaluation(
+        values, judge.checks(CHECKS if problem.forbidden is None else (*CHECKS, "moves")), tuple(judge.violations), quantities, sizes
+    )

@@ -90,7 +90,9 @@ class RoutingProblem(Problem):
             notes=tuple(notes), forbidden=forbidden,
         )  # fmt: skip
         if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
-            raise InputError("forbidden moves must be truth values, one for each pair of sites", found=f"{forbidden.dtype} {forbidden.shape}")
+            raise InputError(
+                "forbidden moves must be truth values, one for each pair of sites", found=f"{forbidden.dtype} {forbidden.shape}"
+            )
         check_routing_data(sites, travel, self.fleet, min_vehicles)
 
     # -- construction ------------------------------------------------------------------------------------------------
@@ -272,8 +274,8 @@ class RoutingProblem(Problem):
             raise InputError("not a statement on a move", expected=expected, found=printable(str(statement), 80))
 
     def restricted(self, decisions: Sequence[Decision]) -> RoutingProblem:
-        """The same problem without moves: one that is not made, and those that a customer, which is left and entered once, cannot make beside
-        one that is."""
+        """The same problem without moves: one that is not made, and those that are not made beside one that is, for a customer is left and
+        entered once."""
         moves = np.zeros((len(self.sites),) * 2, dtype=bool) if self.forbidden is None else self.forbidden.copy()
         depot = self.sites.depot
         for statement, holds in decisions:

@@ -52,8 +52,9 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
         types are bounded through ``relaxation.relax``.
     data : dict
         ``out`` and ``in``: lists with one number a site (entries of depots are ignored); ``fleet``: one number;
-        ``resources``, optional: lists with one number a site by name (``time, load, distance, duration, energy``, and
-        ``order``, the number of moves so far), negative ones read as 0. ``ray``, optional: true for multipliers of the rows alone, as if no arc cost anything.
+        ``resources``, optional: lists with one number a site by name (``time, load, distance, duration, energy``, and ``order``, the
+        number of moves so far), negative ones read as 0. ``ray``, optional: true for multipliers of the rows alone, as if no arc cost
+        anything.
 
     Returns
     -------

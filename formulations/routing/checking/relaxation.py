@@ -120,7 +120,8 @@ def relax(problem: RoutingProblem) -> Relaxation | None:
     fixed = [per_cost * v.fixed_cost + per_vehicle for v in problem.fleet]
     size = grain(np.concatenate([*(g.ravel() for g in grains), fixed]))
     fewest, most = _fleet(problem)
-    first, last = ~allowed[1:, 1:].any(axis=0), ~allowed[1:, 1:].any(axis=1)
+    inner = allowed[1:, 1:]
+    first, last = (np.logical_not(np.asarray(inner.any(axis=axis))) for axis in (0, 1))
     fewest = max(fewest, int(first.sum()), int(last.sum()))
     return Relaxation(customers, cost, fewest, most, resources, size, first, last)
 

@@ -49,7 +49,7 @@ duals out_i, in_j, phi and mu^r_i >= 0 of visit-out, visit-in, fleet and r-balan
         (c_ij - out_i - in_j - [i = 0] phi + sum_r mu^r_j w^r_ij) x_ij + sum_r (mu^r_j - mu^r_i) f^r_ij
 
 with out, in and mu 0 at the depot and f_0j = lo_0 x_0j. This is the Lagrangian of the rows above, all four dualised; at the optimal
-duals it is the LP's value. 
+duals it is the LP's value.
 
 Source: Gavish and Graves (1978) for the flows, with windows Bard, Kontoravdis and Yu (2002); Desrochers and Laporte (1991) for the
 lifted rows. docs/formulations/routing.md#two-index-forms compares them.
