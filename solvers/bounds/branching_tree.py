@@ -55,6 +55,9 @@ STRONG_ITERATIONS = 40
 MOST_NUMBERS = 4_000_000
 """In the evidence of all nodes together, some 200 megabytes: then the tree is handed over as it is."""
 
+ROOT = 0.5
+"""Share of the budget within which the first linear program must be solved; else no tree of it would be worth having."""
+
 SWEEP = 256
 """Nodes after which evidence that no leaf can need any more is dropped."""
 
@@ -161,8 +164,10 @@ class _Tree:
 
     def grow(self) -> None:
         """Branch until nothing is open."""
+        whole, self.stop = self.stop, self.stop.within(ROOT * self.stop.seconds_left)
         if not self._look(self.root):
             self.closed = -math.inf
+        self.stop = whole
         while self.open and self.numbers <= MOST_NUMBERS and not self.stop.reached():
             if self._reached(self.open[0][0]):  # by an answer that was found later
                 break

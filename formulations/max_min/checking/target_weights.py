@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.granularity import grain, lift
 from ...evidence import CHECKERS
+from ...routing.checking.multipliers import numbers
 
 _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324
@@ -56,17 +57,17 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     graph = getattr(problem, "graph", None)
     if problem.family != "max-min" or graph is None:
         raise InputError("weights of targets are evidence for bottleneck problems", found=problem.problem)
-    targets, weights = np.asarray(data["targets"]), np.asarray(data["weights"], dtype=np.float64)
-    if targets.ndim != 1 or targets.shape != weights.shape or (targets.size and targets.dtype.kind not in "iu"):
+    given = data["targets"]
+    whole = isinstance(given, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in given)
+    if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(given)):
         raise InputError("targets and weights must be lists of one length, the targets whole numbers")
+    targets, weights = np.array(given, dtype=np.int64), numbers(data, "weights", len(given))
     if targets.size and (targets.min() < 0 or targets.max() >= graph.num_targets or len(np.unique(targets)) != len(targets)):
         raise InputError("a target does not exist or stands twice", expected=f"0 to {graph.num_targets - 1}")
-    if not np.isfinite(weights).all():
-        raise InputError("a weight is not a finite number")
     if problem.decided and _contradicted(problem):
         return -math.inf
     y = np.zeros(graph.num_targets)
-    y[targets.astype(np.int64)] = np.maximum(weights, 0.0)
+    y[targets] = np.maximum(weights, 0.0)
     largest = float(y.max(initial=0.0))
     if largest <= 0.0:
         return math.inf
