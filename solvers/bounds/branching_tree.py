@@ -43,10 +43,10 @@ WHOLE = 1e-6
 RELIABLE = 4
 """Branchings on a variable, in each direction, after which its pseudo-costs stand for it."""
 
-CANDIDATES = 12
+CANDIDATES = 4
 """Variables that strong branching looks at in one node at most."""
 
-PATIENCE = 4
+PATIENCE = 3
 """Candidates in a row that are no better than the best before them, after which strong branching ends."""
 
 STRONG_ITERATIONS = 40
