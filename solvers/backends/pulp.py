@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,8 +59,15 @@ class PuLP(ProgramBackend):
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         if self.is_cbc:
+            began = time.perf_counter()
             with scratch() as folder:
-                return run_cbc(find_cbc(), program, options, control, folder)
+                result = run_cbc(find_cbc(), program, options, control, folder)
+                left = options.time_limit - (time.perf_counter() - began)
+                # Its preprocessing calls programs infeasible or unbounded that have an optimum.
+                if result.status == "infeasible_or_unbounded" and program.is_integer and left > 0 and not control.stopped:
+                    again = replace(options, time_limit=left, extra={**options.extra, "preprocess": "off"})
+                    result = run_cbc(find_cbc(), program, again, control, folder)
+            return result
         return _through_pulp(self._solver(options), self.title, program, options)
 
     def _solver(self, options: Options) -> Any:
