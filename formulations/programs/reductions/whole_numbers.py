@@ -73,7 +73,7 @@ class IntegerProgram:
     exact : bool
         Whether nothing was rounded.
     source : Program
-        What it counts, of finite bounds.
+        What it counts.
     """
 
     is_integer: ClassVar[bool] = True
@@ -181,7 +181,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
         lower=low.astype(np.int64), upper=high.astype(np.int64), cost=weights[:n].astype(np.int64), pairs=pairs,
         factors=weights[n:].astype(np.int64), indptr=indptr, indices=indices, data=data, row_lower=row_lower, row_upper=row_upper,
         unit=unit, shift=shift, sense=sense, scale=scale, error=error, constant=constant, exact=bool(exact.all()) and error == 0.0,
-        source=program,
+        source=given,
     )  # fmt: skip
 
 
@@ -423,6 +423,8 @@ class WholeVariables(Reduction):
         counted = integer_program(program, bounded[-1].program if bounded else None)
         if not ((counted.unit == 1.0).all() and (counted.shift == np.round(counted.shift)).all()):
             raise Irreducible("continuous variables")
+        if program.integer.all():
+            return bounded
         low, high = counted.vector(counted.lower), counted.vector(counted.upper)
         made = replace(program, variables=(Variables("x", lower=low, upper=high, cost=program.cost, integer=True),))
         return (*bounded, Whole(program=made, told=f"{int((~program.integer).sum())} continuous variables made integer"))
