@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from programs import program
 
 from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.program import Program, Rows, Variables
@@ -83,3 +84,9 @@ def test_the_duals_of_an_lp_prove_its_value() -> None:
     assert result.row_duals is not None
     assert (program.cost - program.matrix.T @ result.row_duals >= -1e-7).all()
     assert result.row_duals @ program.row_lower == pytest.approx(result.objective)
+
+
+def test_an_integer_between_fractional_bounds_is_whole() -> None:
+    between = program([-3, -3], [[1, 0]], -1, 1, [0.3, 0], [1.5, 2.5], integer=[0], sense="max")
+    result = Highs().run(between, Options(), Control())
+    assert (result.status, result.objective) == ("optimal", -3.0)
