@@ -56,6 +56,17 @@ class PuLP(ProgramBackend):
         """Whether CBC is meant."""
         return self.variant.upper() in ("", "CBC", "PULP_CBC_CMD", "COIN_CMD")
 
+    def converted(self, options: Options) -> Options:
+        """See ``Backend.converted``; a solver that PuLP does not know or find is refused whatever the program."""
+        if not self.is_cbc:
+            import pulp
+
+            if self.variant not in pulp.listSolvers():
+                raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}")
+            if self.variant not in _found():
+                raise MissingPackageError(f"PuLP does not find {self.variant} on this machine; found: {', '.join(_found())}")
+        return super().converted(options)
+
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         if self.is_cbc:
@@ -74,10 +85,6 @@ class PuLP(ProgramBackend):
         """PuLP's solver object for ``variant``, with those of the common options that it knows."""
         import pulp
 
-        if self.variant not in pulp.listSolvers():
-            raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}")
-        if self.variant not in pulp.listSolvers(onlyAvailable=True):
-            raise MissingPackageError(f"PuLP does not find {self.variant} on this machine; found: {', '.join(_found())}")
         common = {"msg": False, "timeLimit": options.time_limit, "gapRel": options.gap, "threads": options.threads}
         if options.iterations is not None:
             common["maxNodes"] = options.iterations
