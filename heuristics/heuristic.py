@@ -20,26 +20,26 @@ from ..solvers.own_options import own_options
 
 
 @dataclass(frozen=True)
-class Setting:
+class Context:
     """What a heuristic may use while it runs.
 
     Parameters
     ----------
     rng : numpy.random.Generator
         The only source of randomness.
-    seconds : float
+    time_limit : float, seconds
         Wall time it may take.
     start : answer, optional
     publish : callable
         ``publish(answer)`` reports a better answer.
     stop : Stop
-        The wish to end; ``setting.begin()`` adds the time.
+        The wish to end; ``context.begin()`` adds the time.
     linear : LinearPrograms
         Who solves the linear programs that it meets.
     """
 
     rng: np.random.Generator
-    seconds: float
+    time_limit: float
     start: Any
     publish: Callable[[Any], None]
     stop: Stop
@@ -47,7 +47,7 @@ class Setting:
 
     def begin(self) -> Stop:
         """When a heuristic that starts now has to end: its time is up, or it is asked to."""
-        return self.stop.within(self.seconds)
+        return self.stop.within(self.time_limit)
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Heuristic:
     features : frozenset of str
         Features of the problem that it can handle.
     run : callable
-        ``run(problem, setting, **parameters) -> Outcome``. Keyword parameters are its options.
+        ``run(problem, context, **parameters) -> Outcome``. Keyword parameters are its options.
     summary : str
         One line.
     stated : str
@@ -137,11 +137,11 @@ class HeuristicWork:
     def __call__(self, control: Control) -> RawResult:
         o, stop = self.options, Stop()
         control.on_stop(stop.ask)
-        setting = Setting(
-            rng=np.random.default_rng(o.seed), seconds=o.time_limit, start=o.start, publish=control.publish, stop=stop,
+        context = Context(
+            rng=np.random.default_rng(o.seed), time_limit=o.time_limit, start=o.start, publish=control.publish, stop=stop,
             linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
         )  # fmt: skip
-        found = HEURISTICS[self.name].run(self.problem, setting, **o.extra)
+        found = HEURISTICS[self.name].run(self.problem, context, **o.extra)
         return RawResult(
             "unknown", found.limit, found.answer, statistics=found.statistics, message=found.message, evidence=found.evidence,
             holds=Exactness.NEITHER, guarantee=found.guarantee,

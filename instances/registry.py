@@ -83,6 +83,9 @@ class Registry(Generic[T]):
         try:
             found = point.load()
             if not isinstance(found, ModuleType):
+                own = getattr(found, "name", point.name)
+                if own != point.name:
+                    raise UsageError(f"it calls itself {own!r}")
                 self.add(point.name, found)
         except Exception as fault:
             owner = "" if point.dist is None else f" of {point.dist.name}"

@@ -209,7 +209,7 @@ class Backend(ABC):
     interrupts: ClassVar[str] = ""
     takes: ClassVar[str]
     needs_process: bool = False
-    honours: ClassVar[frozenset[str]] = frozenset({"iterations", "gap"})
+    honours: frozenset[str] = frozenset({"iterations", "gap"})
     options: ClassVar[Mapping[str, Any] | None] = MappingProxyType({})
     one_thread: ClassVar[bool] = False
     order: ClassVar[int] = 100

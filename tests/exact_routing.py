@@ -1,9 +1,15 @@
-"""All routes of all vehicle types, and all ways to put them together, in whole numbers."""
+"""The brute force of routing: all routes of all vehicle types, and all ways to put them together, in whole numbers.
+
+All tests that ask for the truth of a small routing problem ask here. It shares no code with the package's judge, forms and checkers.
+Besides what keeps every limit exactly it knows what exceeds none by more than 1e-9 of it, for sums of doubles that meet a limit may
+come out a rounding above.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -31,8 +37,14 @@ def ints(values: Any, scale: int) -> Any:
     return None if math.isinf(values) else int(Fraction(values) * scale)
 
 
+def nearly(test: tuple[int, int | None, int]) -> bool:
+    """Whether a value is within a limit (None: there is none) but for 1e-9 of it, or of the size of what was added up."""
+    value, limit, size = test
+    return limit is None or value <= limit or (value - limit) * PARTS <= max(abs(limit), size)
+
+
 @dataclass(frozen=True)
-class _Driven:
+class Driven:
     """What one route adds up to, in whole units; ``strict`` tells whether it keeps every limit exactly."""
 
     strict: bool
@@ -42,16 +54,10 @@ class _Driven:
     duration: int
 
 
-class RoutingTruth(Truth):
-    """All routes of all vehicle types, and all ways to put them together."""
+class Roads:
+    """The data of a problem in whole numbers, and the routes that its vehicles can drive."""
 
     def __init__(self, problem: RoutingProblem) -> None:
-        super().__init__(problem.senses)
-        self.problem = problem
-        terms = [(w, t.name) for level in problem.objective.levels() for w, t in level.terms]
-        timed = any(name == "makespan" for _, name in terms)
-        self.mixed = timed or any(w < 0 for w, _ in terms)
-        self.clock = 0
         s, fleet = problem.sites, problem.fleet
         d, t = problem.travel.distances, problem.travel.durations
         weights = [w for level in problem.objective.levels() for w, _ in level.terms]
@@ -61,18 +67,39 @@ class RoutingTruth(Truth):
         self.d, self.t = ints(d, self.unit), ints(t, self.unit)
         self.demand, self.reward, self.service = (ints(a, self.unit) for a in (s.demand, s.reward, s.service))
         self.ready, self.due = ints(s.ready, self.unit), ints(s.due, self.unit)
-        customers = [k for k in range(len(s)) if not s.depot[k]]
-        self.driven: dict[tuple[int, tuple[int, ...]], _Driven] = {}
-        for kind, size in itertools.product(range(len(fleet)), range(1, len(customers) + 1)):
-            for visits in itertools.permutations(customers, size):
-                found = self._drive(fleet[kind], visits)
-                if found is not None:
-                    self.driven[kind, visits] = found
-        if timed:  # a duration is the difference of two clocks
-            self.size = Fraction(self.clock, self.unit)
-        self._extend(frozenset(customers), {c for c in customers if s.required[c]}, [], [0] * len(fleet))
+        self.customers = [k for k in range(len(s)) if not s.depot[k]]
+        self.clock = 0
 
-    def _drive(self, vehicle: VehicleType, visits: tuple[int, ...]) -> _Driven | None:
+    def routes(self, vehicle: VehicleType) -> Iterator[tuple[tuple[int, ...], Driven]]:
+        """Every route that ``vehicle`` can drive, and no part of one that load, distance or a window rules out already."""
+        begun: list[tuple[int, ...]] = [()]
+        while begun:
+            visits = begun.pop()
+            for site in self.customers:
+                if site not in visits:
+                    longer = (*visits, site)
+                    if self._on_the_way(vehicle, longer):
+                        begun.append(longer)
+                        found = self._drive(vehicle, longer)
+                        if found is not None:
+                            yield longer, found
+
+    def _on_the_way(self, vehicle: VehicleType, visits: tuple[int, ...]) -> bool:
+        """Whether a route may begin so: none of these grows less by going on."""
+        legs = list(itertools.pairwise((vehicle.start, *visits)))
+        tests = [(sum(self.demand[i] for i in visits), ints(vehicle.capacity, self.unit), 0)]
+        tests.append((sum(self.d[i][j] for i, j in legs), ints(vehicle.max_distance, self.unit), 0))
+        clock = self.ready[vehicle.start]
+        largest = abs(clock)
+        for k, (i, j) in enumerate(legs):
+            clock += self.t[i][j] + (self.service[i] if k else 0)
+            largest = max(largest, abs(clock))
+            tests.append((clock, self.due[j], largest))
+            clock = max(clock, self.ready[j])
+            largest = max(largest, abs(clock))
+        return all(nearly(test) for test in tests)
+
+    def _drive(self, vehicle: VehicleType, visits: tuple[int, ...]) -> Driven | None:
         stops = (vehicle.start, *visits, vehicle.end)
         legs = list(itertools.pairwise(stops))
         distance, moving = sum(self.d[i][j] for i, j in legs), [self.t[i][j] for i, j in legs]
@@ -107,18 +134,35 @@ class RoutingTruth(Truth):
             ]
             rate = ints(vehicle.energy.rate, self.unit)
             tests.append((rate * drawn, ints(vehicle.energy.capacity, self.unit) * self.unit, rate * largest))
-        over = [(value - limit, max(abs(limit), size)) for value, limit, size in tests if limit is not None and value > limit]
-        if any(excess * PARTS > size for excess, size in over):
+        if not all(nearly(test) for test in tests):
             return None
+        strict = all(limit is None or value <= limit for value, limit, _ in tests)
         cost = ints(vehicle.fixed_cost, self.unit) * self.unit + ints(vehicle.unit_cost, self.unit) * distance
-        return _Driven(not over, cost, sum(self.reward[i] for i in visits), distance, shortest)
+        return Driven(strict, cost, sum(self.reward[i] for i in visits), distance, shortest)
+
+
+class RoutingTruth(Truth):
+    """All routes of all vehicle types, and all ways to put them together."""
+
+    def __init__(self, problem: RoutingProblem) -> None:
+        super().__init__(problem.senses)
+        self.problem = problem
+        terms = [(w, t.name) for level in problem.objective.levels() for w, t in level.terms]
+        timed = any(name == "makespan" for _, name in terms)
+        self.mixed = timed or any(w < 0 for w, _ in terms)
+        roads, s, fleet = Roads(problem), problem.sites, problem.fleet
+        self.unit = roads.unit
+        self.driven = {(kind, visits): found for kind, vehicle in enumerate(fleet) for visits, found in roads.routes(vehicle)}
+        if timed:  # a duration is the difference of two clocks
+            self.size = Fraction(roads.clock, self.unit)
+        self._extend(frozenset(roads.customers), {c for c in roads.customers if s.required[c]}, [], [0] * len(fleet))
 
     def _extend(self, rest: frozenset[int], must: set[int], routes: list[tuple[int, tuple[int, ...]]], used: list[int]) -> None:
         if not rest:
             if len(routes) >= self.problem.min_vehicles:
                 parts = [self.driven[r] for r in routes]
                 answer = Routes(tuple(Route(visits, kind) for kind, visits in routes))
-                self.meet(self._values(parts), all(p.strict for p in parts), answer)
+                self.meet(self.values(parts), all(p.strict for p in parts), answer)
             return
         first = min(rest)
         if first not in must:
@@ -130,7 +174,7 @@ class RoutingTruth(Truth):
                 self._extend(rest.difference(visits), must, [*routes, (kind, visits)], used)
                 used[kind] -= 1
 
-    def _values(self, parts: list[_Driven]) -> Values:
+    def values(self, parts: list[Driven]) -> Values:
         u = self.unit
         terms = {
             "total-cost": sum(p.cost for p in parts), "reward": sum(p.reward for p in parts) * u, "vehicles": len(parts) * u * u,
@@ -149,4 +193,15 @@ class RoutingTruth(Truth):
         counts = [sum(kind == k for kind, _ in routes) for k in range(len(fleet))]
         if any(v.count is not None and c > v.count for v, c in zip(fleet, counts, strict=True)) or len(routes) < self.problem.min_vehicles:
             return None
-        return self._values([self.driven[r] for r in routes])
+        return self.values([self.driven[r] for r in routes])
+
+
+def best_values(problem: RoutingProblem) -> tuple[float, ...] | None:
+    """Values of the best answer, all levels; None if there is none."""
+    found = RoutingTruth(problem).lenient
+    return None if found is None else tuple(float(v) for v in found)
+
+
+def routes(problem: RoutingProblem, vehicle: VehicleType) -> list[tuple[int, ...]]:
+    """The visits of every route that ``vehicle`` can drive."""
+    return [visits for visits, _ in Roads(problem).routes(vehicle)]

@@ -1,16 +1,13 @@
-"""Brute force for small routing problems, written from the definitions; it shares no code with the package's judge, forms or checkers.
-
-Also the small instances that tests share, and what every form of a routing problem has to fulfil.
-"""
+"""The small routing instances that tests share, and what every form has to fulfil; the truth is that of ``exact_routing``."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import Any
 
 import numpy as np
 import pytest
+from exact_routing import RoutingTruth, best_values
 from hypothesis import strategies as st
 
 from waybound.formulations.programs.program import Program
@@ -19,108 +16,24 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 
-SLACK = 1e-9
-
-
-def route_is_feasible(problem: RoutingProblem, kind: VehicleType, visits: tuple[int, ...]) -> bool:
-    """Whether one vehicle can drive this route."""
-    sites, stops = problem.sites, (kind.start, *visits, kind.end)
-    d = [float(problem.travel.distances[i, j]) for i, j in itertools.pairwise(stops)]
-    move = [float(problem.travel.durations[i, j]) for i, j in itertools.pairwise(stops)]
-    serve = [0.0] + [float(sites.service[i]) for i in visits]
-    busy = [s + m for s, m in zip(serve, move, strict=True)]
-    if sum(float(sites.demand[i]) for i in visits) > kind.capacity + SLACK or sum(d) > kind.max_distance + SLACK:
-        return False
-    opens, closes = [float(sites.ready[i]) for i in stops], [float(sites.due[i]) for i in stops]
-    clock = opens[0]
-    for k, site in enumerate(visits, start=1):
-        clock = max(clock + busy[k - 1], float(sites.ready[site]))
-        if clock > closes[k] + SLACK:
-            return False
-    home = clock + busy[-1]
-    if home > closes[-1] + SLACK:
-        return False
-    latest = closes[-1]
-    for k in range(len(stops) - 2, -1, -1):
-        latest = min(closes[k], latest - busy[k])
-    shortest = max(home - latest, sum(busy))
-    if shortest > kind.max_duration + SLACK:
-        return False
-    if kind.energy is None:
-        return True
-    charged = {
-        "travel": sum(move),
-        "elapsed": shortest,
-        "elapsed-fixed-start": home - opens[0],
-        "windows": sum(max(b, opens[k + 1] - opens[k]) if k < len(visits) else b for k, b in enumerate(busy)),
-    }[kind.energy.charge]
-    return kind.energy.rate * charged <= kind.energy.capacity + SLACK
-
-
-def route_value(problem: RoutingProblem, kind: VehicleType, visits: tuple[int, ...]) -> float:
-    """Share of one route in the first level of the objective."""
-    stops = (kind.start, *visits, kind.end)
-    length = sum(float(problem.travel.distances[i, j]) for i, j in itertools.pairwise(stops))
-    terms = {
-        "total-cost": kind.fixed_cost + kind.unit_cost * length,
-        "vehicles": 1.0,
-        "reward": sum(float(problem.sites.reward[i]) for i in visits),
-    }
-    return sum(w * terms[t.name] for w, t in problem.objective.levels()[0].terms)
-
-
-def best_routes(problem: RoutingProblem) -> list[dict[frozenset[int], float]]:
-    """For each vehicle type, the value of the best feasible route through each set of customers."""
-    better = min if problem.sense == "min" else max
-    customers = [k for k in range(len(problem.sites)) if not problem.sites.depot[k]]
-    tables = []
-    for kind in problem.fleet:
-        table: dict[frozenset[int], float] = {}
-        for size in range(1, len(customers) + 1):
-            for visits in itertools.permutations(customers, size):
-                if route_is_feasible(problem, kind, visits):
-                    value, key = route_value(problem, kind, visits), frozenset(visits)
-                    table[key] = better(table.get(key, value), value)
-        tables.append(table)
-    return tables
-
 
 def optimum(problem: RoutingProblem) -> float | None:
-    """Value of the best answer by enumeration; None if there is none."""
-    better = min if problem.sense == "min" else max
-    customers = frozenset(k for k in range(len(problem.sites)) if not problem.sites.depot[k])
-    must = frozenset(k for k in customers if problem.sites.required[k])
-    # (sites served, routes used) -> best value; each set of routes is met once, by its smallest site first
-    states: dict[tuple[frozenset[int], int], float] = {(frozenset(), 0): 0.0}
-    for kind, table in zip(problem.fleet, best_routes(problem), strict=True):
-        count = len(customers) if kind.count is None else min(kind.count, len(customers))
-        layer = dict(states)
-        for _ in range(count):
-            following: dict[tuple[frozenset[int], int], float] = {}
-            for (served, routes), value in layer.items():
-                for visits, cost in table.items():
-                    if not visits & served:
-                        key = (served | visits, routes + 1)
-                        following[key] = better(following.get(key, value + cost), value + cost)
-            for key, value in following.items():
-                states[key] = better(states.get(key, value), value)
-            layer = following
-    found = [value for (served, routes), value in states.items() if must <= served and routes >= problem.min_vehicles]
-    return better(found) if found else None
+    """Value of the best answer in the first level of the objective; None if there is none."""
+    found = best_values(problem)
+    return None if found is None else found[0]
 
 
 def set_partitioning_bound(problem: RoutingProblem) -> float:
     """LP value of choosing routes from all feasible ones (one vehicle type, all customers required, total cost)."""
     from scipy.optimize import linprog
 
-    (table,) = best_routes(problem)
-    customers = [k for k in range(len(problem.sites)) if not problem.sites.depot[k]]
-    columns = list(table)
-    visits = np.array([[float(i in s) for s in columns] for i in customers])
+    truth = RoutingTruth(problem)
+    columns = list(truth.driven)
+    visits = np.array([[float(i in route) for _, route in columns] for i in problem.customers])
     count = problem.fleet[0].count
     found = linprog(
-        [table[s] for s in columns], A_eq=visits, b_eq=np.ones(len(customers)),
-        A_ub=np.ones((1, len(columns))), b_ub=[len(customers) if count is None else count],
+        [float(truth.values([truth.driven[c]])[0]) for c in columns], A_eq=visits, b_eq=np.ones(len(visits)),
+        A_ub=np.ones((1, len(columns))), b_ub=[len(visits) if count is None else count],
     )  # fmt: skip
     return math.inf if found.fun is None else float(found.fun)
 

@@ -13,7 +13,7 @@ import pandas as pd
 from waybound.formulations.evaluation import Checklist, Evaluation
 from waybound.formulations.evidence import CHECKERS, Evidence, Reason
 from waybound.formulations.problem import PROBLEMS, Problem
-from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from waybound.heuristics.heuristic import HEURISTICS, Context, Heuristic, Outcome
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.instance import digest
 from waybound.instances.kinds import KINDS, Kind
@@ -95,7 +95,7 @@ def machine_time(problem: LeastWaiting, data: Mapping[str, Any]) -> float:
     return math.inf if math.fsum(problem.jobs.durations.values()) > problem.jobs.horizon else -math.inf
 
 
-def shortest_first(problem: LeastWaiting, setting: Setting) -> Outcome:
+def shortest_first(problem: LeastWaiting, context: Context) -> Outcome:
     """Smith's rule."""
     return Outcome(tuple(sorted(problem.jobs.durations, key=problem.jobs.durations.__getitem__)))
 

@@ -15,7 +15,7 @@ from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Outcome, Setting
+from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
 from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, LimitRows, LinearConstraint, PartitionMatroid
 from waybound.instances.selection.functions import (
     Coverage,
@@ -104,14 +104,14 @@ class Apart(Constraint):
         return ~(masks & np.roll(masks, 1, axis=1)).any(axis=1) if masks.shape[1] > 1 else np.ones(len(masks), dtype=bool)
 
 
-def setting(seed: int = 1, seconds: float = 60.0) -> Setting:
+def context(seed: int = 1, seconds: float = 60.0) -> Context:
     """What a heuristic gets when nobody listens to it and no solver is at hand."""
-    return Setting(np.random.default_rng(seed), seconds, None, lambda a: None, NEVER, LinearPrograms())
+    return Context(np.random.default_rng(seed), seconds, None, lambda a: None, NEVER, LinearPrograms())
 
 
 def run(name: str, problem: Problem, seed: int = 1, **options: object) -> Outcome:
     """A heuristic by name; its answer must pass the problem's check."""
-    outcome = HEURISTICS[name].run(problem, setting(seed), **options)
+    outcome = HEURISTICS[name].run(problem, context(seed), **options)
     judged = problem.evaluate(outcome.answer)
     assert judged.feasible, judged.violations
     return outcome

@@ -1,8 +1,7 @@
-"""Small routing problems in which one feature matters, and their optima, all levels, by enumeration."""
+"""Small routing problems in which one feature matters."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -10,52 +9,10 @@ import numpy as np
 
 from waybound.formulations.routing.objective import Composable, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 CUSTOMERS = 5
-
-
-def optimum(problem: RoutingProblem) -> tuple[float, ...] | None:
-    """Values of the best answer, all levels, found by trying every answer; None if there is none."""
-    senses = [1.0 if s == "min" else -1.0 for s in problem.senses]
-    customers = problem.customers.tolist()
-    best_route: dict[tuple[frozenset[int], int], tuple[float, ...]] = {}
-    for size in range(1, len(customers) + 1):
-        for visits in itertools.permutations(customers, size):
-            for kind in range(len(problem.fleet)):
-                verdict = problem.evaluate(Routes.of([Route(visits, kind)]))
-                if any(v.check not in ("visits", "fleet") for v in verdict.violations):
-                    continue
-                value = tuple(s * v for s, v in zip(senses, verdict.values, strict=True))
-                key = (frozenset(visits), kind)
-                if key not in best_route or value < best_route[key]:
-                    best_route[key] = value
-    required = {c for c in customers if problem.sites.required[c]}
-    best: tuple[float, ...] | None = None
-
-    def extend(rest: frozenset[int], used: tuple[int, ...], value: tuple[float, ...]) -> None:
-        nonlocal best
-        if not rest & required and sum(used) >= problem.min_vehicles and (best is None or value < best):
-            best = value
-        if not rest:
-            return
-        first = min(rest)
-        if first not in required:
-            extend(rest - {first}, used, value)
-        others = sorted(rest - {first})
-        for size in range(len(others) + 1):
-            for group in itertools.combinations(others, size):
-                chosen = frozenset((first, *group))
-                for kind, vehicle in enumerate(problem.fleet):
-                    if (chosen, kind) in best_route and (vehicle.count is None or used[kind] < vehicle.count):
-                        step = best_route[chosen, kind]
-                        counts = tuple(u + (k == kind) for k, u in enumerate(used))
-                        extend(rest - chosen, counts, tuple(a + b for a, b in zip(value, step, strict=True)))
-
-    extend(frozenset(customers), (0,) * len(problem.fleet), (0.0,) * len(senses))
-    return None if best is None else tuple(s * v for s, v in zip(senses, best, strict=True))
 
 
 def small(feature: str, seed: int, convention: str) -> RoutingProblem:

@@ -120,7 +120,7 @@ def test_check_without_an_answer_says_so(solved):
 
 def test_bound_is_a_certificate_without_an_answer(solved):
     problem, solution = solved
-    made = wb.bound(problem, seconds=1.0)
+    made = wb.bound(problem, bound_time=1.0)
     assert made.feasible is None
     assert made.bound is not None
     assert made.bound <= solution.objective + 1e-6
@@ -130,7 +130,7 @@ def test_bounding_is_told_who_solves_linear_programs_and_with_what(registered):
     registered(BACKENDS, "counting", Counting)
     Counting.told.clear()
     problem = wb.read("sata-s3")
-    own, named = wb.bound(problem, seconds=20.0), wb.bound(problem, seconds=20.0, lp_solver="counting", seed=9, threads=2)
+    own, named = wb.bound(problem, bound_time=20.0), wb.bound(problem, bound_time=20.0, lp_solver="counting", seed=9, threads=2)
     assert own.bound is not None and named.bound == pytest.approx(own.bound)
     assert {(options.seed, options.threads) for _, options in Counting.told} == {(9, 2)}
     with pytest.raises(wb.UsageError, match="unknown solver 'hihgs'"):
@@ -148,7 +148,7 @@ def test_a_path_in_place_of_a_problem_is_answered_with_what_to_type(call):
 
 def test_bound_needs_time():
     with pytest.raises(wb.UsageError, match="positive"):
-        wb.bound(wb.read("demo-tiny"), seconds=0.0)
+        wb.bound(wb.read("demo-tiny"), bound_time=0.0)
 
 
 def test_explain_names_the_site_that_no_vehicle_can_serve():

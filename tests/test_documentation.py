@@ -62,6 +62,18 @@ def test_pages_and_sections_that_code_names_exist() -> None:
     assert not [name for name in named if missing(ROOT / name[1], name[2])]
 
 
+def test_modules_that_pages_and_code_name_exist() -> None:
+    floors = "instances|formulations|solvers|heuristics|reports|waybound|tests|solving|checking|cli|bounds|backends|engines"
+    known = ["/" + str(path.relative_to(ROOT)) for path in files()]
+    missing = []
+    for path in files():
+        text = path.read_text(encoding="utf-8").partition("## How what comes next would enter")[0]
+        for named in re.findall(rf"(?<![\w/.-])(?:{floors})/[\w/]+\.py", text):
+            if not named.endswith("/x.py") and not named.endswith("/test_x.py") and not any(one.endswith("/" + named) for one in known):
+                missing.append((str(path.relative_to(ROOT)), named))
+    assert not missing
+
+
 def test_links_between_pages_lead_somewhere() -> None:
     links = []
     for path in files():

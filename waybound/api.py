@@ -160,13 +160,13 @@ def read_certificate(path: Source) -> Mapping[str, Any]:
     return data
 
 
-def bound(problem: Problem, *, seconds: float = 60.0, seed: int = 1, threads: int = 1, lp_solver: str | None = None) -> Certificate:
-    """The best verified bound that ``seconds`` allow, as a certificate without an answer.
+def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads: int = 1, lp_solver: str | None = None) -> Certificate:
+    """The best verified bound that ``bound_time`` allows, as a certificate without an answer.
 
     Parameters
     ----------
     problem : Problem
-    seconds : float
+    bound_time : float, seconds
         Budget of all methods together.
     seed, threads : int
     lp_solver : str, optional
@@ -194,11 +194,11 @@ def bound(problem: Problem, *, seconds: float = 60.0, seed: int = 1, threads: in
     from .solving.bounding import find_bounds
 
     _refuse_path("bound", problem)
-    check_number("bound_time", seconds, above=0, option="the time for bounding")
+    check_number("bound_time", bound_time, above=0, option="the time for bounding")
     check_whole("seed", seed)
     check_whole("threads", threads, least=1)
     unable: list[str] = []
-    found = find_bounds(problem, seconds, unable=unable, linear=linear_programs(lp_solver, seed, threads))
+    found = find_bounds(problem, bound_time, unable=unable, linear=linear_programs(lp_solver, seed, threads))
     made = certify(problem, None, found, unproved=unable)
     for line in unable:
         warnings.warn(line, RuntimeWarning, stacklevel=2)

@@ -32,12 +32,12 @@ from .formulations.selection.submodular_selection import SubmodularSelection
 from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from .formulations.stop import NEVER, Stop, Stopped
 from .formulations.tolerance import allowance, same, widening
-from .heuristics.heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from .heuristics.heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .instances.document import dump_json, fields, parse_json
 from .instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from .instances.formats import FORMATS, Format
 from .instances.generators import GENERATORS, Draw, Generator
-from .instances.generators.settings import Setting as DataSetting
+from .instances.generators.settings import Setting
 from .instances.instance import Instance, digest
 from .instances.kinds import KINDS, Kind
 from .instances.registry import Registry
@@ -91,8 +91,8 @@ __all__ = [
     "Compiled",
     "Cones",
     "Constraint",
+    "Context",
     "Control",
-    "DataSetting",
     "Decision",
     "Draw",
     "Energy",

@@ -82,7 +82,8 @@ def _common_divisor(values: Floats) -> float | None:
         if largest > _MOST * divisor:
             return None
         rest = np.abs(left - np.rint(left / divisor) * divisor)
-        rest = rest[rest > 1e-13 * largest + 1e-7 * divisor]
+        noise = 8.0 * _EPS * largest * (largest / divisor)  # a rest is a sum of as many of the numbers, each off by its rounding
+        rest = rest[rest > 1e-7 * divisor + min(noise, 0.01 * divisor)]
         if not len(rest):
             return divisor
         left = np.append(np.unique(rest), divisor)  # ascending: a rest is at most half the divisor

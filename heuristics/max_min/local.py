@@ -20,7 +20,7 @@ from ...instances.errors import UsageError
 from ...instances.sensing.graph import SensingGraph
 from ...solvers.engines.local_max_min.arrays import MOST_LAYERS, check_options, local_shares
 from ...solvers.engines.local_max_min.cleaning import CleanGraph, clean
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.ending import CUT_SHORT
 from .rounding import check_ties, largest_shares
 
@@ -34,7 +34,7 @@ SOURCE = (
 
 def local(
     problem: BottleneckSATA | MaxMinLP,
-    setting: Setting,
+    context: Context,
     *,
     h: int = 4,
     heights: Any = None,
@@ -53,7 +53,7 @@ def local(
     ----------
     problem : BottleneckSATA or MaxMinLP
         Whole actions are the largest shares, without a guarantee. A ``MaxMinLP`` must have one packing row a variable.
-    setting : Setting
+    context : Context
         Its LP solver is used for the bound alone, its generator for random ties.
     h : int
         Layers, from 1 to 1000: shares depend on what lies within 3h - 2 hops. The guarantee improves with h, measured values need not.
@@ -98,25 +98,25 @@ def local(
     for name, value in (("normalise", normalise), ("ball", ball), ("messages", messages)):
         if not isinstance(value, bool):
             raise UsageError(f"{name} must be true or false, not {value!r}")
-    stop = setting.begin()
+    stop = context.begin()
     task = _task(problem)
     options = {"eps": eps, "search": search, "step": step, "smoothing": smoothing, "normalise": normalise}
     runs: list[_Run] = []
     for height in layers:
         try:
-            run = _run(task, height, messages, options, ties, setting.rng, stop)
+            run = _run(task, height, messages, options, ties, context.rng, stop)
         except Stopped:
             break
         if not runs or run.rank > max(r.rank for r in runs):
-            setting.publish(run.answer)
+            context.publish(run.answer)
         runs.append(run)
     cut = len(runs) < len(layers)
     if not runs:  # better than nothing
-        runs.append(_judged(task, 0, even_shares(task.graph), math.nan, {}, ties, setting.rng))
+        runs.append(_judged(task, 0, even_shares(task.graph), math.nan, {}, ties, context.rng))
     best = max(runs, key=lambda run: run.rank)
     evidence: tuple[Evidence, ...] = ()
     if ball or task.unseen.size:
-        evidence = _bound(task, best.coverage, setting, stop)
+        evidence = _bound(task, best.coverage, context, stop)
     guarantee, notes = _guarantee(task, runs, search)
     if cut:
         done = f"the largest h was {best.h}" if best.h else "robots divide themselves evenly"
@@ -262,12 +262,12 @@ def _guarantee(task: _Task, runs: list[_Run], search: str) -> tuple[Guarantee | 
     return Guarantee(_ratio(cleaned, run), statement, assumptions, SOURCE), notes
 
 
-def _bound(task: _Task, coverage: Floats, setting: Setting, stop: Stop) -> tuple[Evidence, ...]:
+def _bound(task: _Task, coverage: Floats, context: Context, stop: Stop) -> tuple[Evidence, ...]:
     if stop.reached() and not task.unseen.size:
         return ()
     from ...solvers.bounds.max_min.ball import ball_evidence
 
-    found = ball_evidence(task.problem, coverage, stop, setting.linear)
+    found = ball_evidence(task.problem, coverage, stop, context.linear)
     return () if found is None else (task.translate(found),)
 
 

@@ -15,18 +15,18 @@ from ...formulations.programs.reductions.units import scaled
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UnsupportedError
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.limits import FORMULATED, FUNCTIONS, first_allowed, not_whole
 from .rounding import by_share, check_ties
 
 
-def lp_rounding(problem: SubmodularSelection | BottleneckSATA, setting: Setting, *, ties: str = "last") -> Outcome:
+def lp_rounding(problem: SubmodularSelection | BottleneckSATA, context: Context, *, ties: str = "last") -> Outcome:
     """Solve the linear relaxation of the problem's first linear form, and take the elements of largest share.
 
     Parameters
     ----------
     problem : BottleneckSATA or SubmodularSelection
-    setting : Setting
+    context : Context
         Hands in the LP solver.
     ties : str
         Which of equal shares is taken: ``last``, ``first`` or ``random``.
@@ -48,14 +48,14 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, setting: Setting,
     Source: Sung (2019), 3.4.1; where it fails: docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
     check_ties(ties)
-    stop = setting.begin()
+    stop = context.begin()
     linear = [f for f in problem.forms() if FORMS[f].exactness is Exactness.EXACT and FORMS[f].makes(problem) <= INTEGERS]
     if not linear:
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
     made = problem.compile(linear[0], relax=True)
     program = made.program
     units = scaled(program, always=True)  # the same optimum in any unit, where there are several
-    result = setting.linear.solve(units.program, stop)
+    result = context.linear.solve(units.program, stop)
     statistics: dict[str, Any] = {"form": made.form, "lp_status": result.status}
     if result.answer is None or result.status != "optimal":
         message = f"the LP was not solved in time: {result.message or result.status}"
@@ -64,8 +64,8 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, setting: Setting,
     point = units.vector(np.asarray(result.answer, dtype=np.float64))
     shares = point[:n]
     statistics["lp_value"] = program.value(point)
-    answer = Selection(tuple(first_allowed(problem, by_share(shares, ties, setting.rng))))
-    setting.publish(answer)  # which outlives a fault in its evidence
+    answer = Selection(tuple(first_allowed(problem, by_share(shares, ties, context.rng))))
+    context.publish(answer)  # which outlives a fault in its evidence
     evidence: tuple[Evidence, ...] = ()
     if result.row_duals is not None and made.dual_evidence is not None:
         evidence = (made.dual_evidence(units.duals(result.row_duals)),)

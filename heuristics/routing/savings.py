@@ -14,7 +14,7 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.memory import fits, readable
 from ...instances.routing.travel import Travel
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.ending import CUT_SHORT
 
 Sites = NDArray[np.int64]
@@ -44,14 +44,14 @@ STRIP = 1 << 22
 """Distances that are looked at before the time is."""
 
 
-def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) -> Outcome:
+def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) -> Outcome:
     """Start with one route a customer, and join route ends in order of the cost they save.
 
     Parameters
     ----------
     problem : RoutingProblem
         One depot, one vehicle type, every site required.
-    setting : Setting
+    context : Context
         Cut short, it has joined fewer routes.
     shape : float, > 0
         Weight of the joining arc: savings are ``c_i0 + c_0j - shape * c_ij`` (Yellow 1970). 1 is the original.
@@ -77,7 +77,7 @@ def savings(problem: RoutingProblem, setting: Setting, *, shape: float = 1.0) ->
         raise UsageError(f"shape must be a positive number of at most 1e6, not {shape!r}")
     from .savings_steps.merging_kernels import merge
 
-    stop, vehicle, sites, travel = setting.begin(), problem.fleet[0], problem.sites, problem.travel
+    stop, vehicle, sites, travel = context.begin(), problem.fleet[0], problem.sites, problem.travel
     n, depot, every, limit = len(sites), vehicle.start, np.arange(len(sites)), problem.vehicle_limit
     if n > ALL_PAIRS and not fits(BYTES_A_JOIN * NEIGHBOURS * n):
         raise UsageError(f"savings for {n:,} sites needs {readable(BYTES_A_JOIN * NEIGHBOURS * n)}, more than there is")

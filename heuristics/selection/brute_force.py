@@ -19,7 +19,7 @@ from ...formulations.stop import Stop
 from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...solvers.bounds.selection.growing_sets import WeightedSet
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions
 from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, not_whole
@@ -39,14 +39,14 @@ CHUNK = 4096
 Floats = NDArray[np.float64]
 
 
-def brute_force(problem: SubmodularSelection | BottleneckSATA, setting: Setting) -> Outcome:
+def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context) -> Outcome:
     """Enumerate all answers, but for branches that a bound shows to be no better, and keep the first of the best.
 
     Parameters
     ----------
     problem : SubmodularSelection or BottleneckSATA
         With at most 10,000,000 answers, or 1,000,000 sets of a user's function: full sets where the function is monotone, all else.
-    setting : Setting
+    context : Context
 
     Returns
     -------
@@ -59,7 +59,7 @@ def brute_force(problem: SubmodularSelection | BottleneckSATA, setting: Setting)
     UsageError
         If there are too many answers.
     """
-    stop = setting.begin()
+    stop = context.begin()
     if isinstance(problem, BottleneckSATA):
         return _bottleneck(problem, stop)
     c, n, weights = problem.constraint, problem.num_elements, problem.function.as_item_weights()

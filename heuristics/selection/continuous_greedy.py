@@ -12,7 +12,7 @@ from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.selection.functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemWeights
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import FUNCTIONS, GROUPED, Limits
@@ -31,14 +31,14 @@ MOST_ENTRIES = 50_000_000
 """Positive weights of a matrix that are turned into sparse form; each takes about 30 bytes."""
 
 
-def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: int = 100) -> Outcome:
+def continuous_greedy(problem: SubmodularSelection, context: Context, *, steps: int = 100) -> Outcome:
     """Raise the probabilities of the elements along the best bases, in ``steps`` equal steps, and round them by pipage.
 
     Parameters
     ----------
     problem : SubmodularSelection
         Coverage or facility location, whose expected value under independent draws, F, has a closed form.
-    setting : Setting
+    context : Context
     steps : int, 1 to 1,000,000
         T; more steps cost proportionally more.
 
@@ -65,7 +65,7 @@ def continuous_greedy(problem: SubmodularSelection, setting: Setting, *, steps: 
         raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS:,}, not {steps!r}")
     from .greedy_steps import multilinear
 
-    stop = setting.begin()
+    stop = context.begin()
     limits, found = Limits.of(problem), problem.function.as_item_weights()
     assert found is not None
     weights = _sparse(found)

@@ -6,20 +6,20 @@ from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, greedy_guarantee
 from .greedy_steps.limits import ANY_FUNCTION, ASKED, GROUPED, not_whole
 from .greedy_steps.picking import check_threshold, pick
 
 
-def greedy(problem: SubmodularSelection | BottleneckSATA, setting: Setting, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
+def greedy(problem: SubmodularSelection | BottleneckSATA, context: Context, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
     """Take what gains most, until the constraint allows no more.
 
     Parameters
     ----------
     problem : SubmodularSelection or BottleneckSATA
-    setting : Setting
+    context : Context
     eps : float, >= 0
         Selection: stop where the largest gain is smaller.
     evaluation : str
@@ -47,8 +47,8 @@ def greedy(problem: SubmodularSelection | BottleneckSATA, setting: Setting, *, e
     if isinstance(problem, BottleneckSATA):
         if eps > 0 or evaluation != "auto":
             raise UsageError("eps and evaluation are options for selection problems; a bottleneck has none")
-        return _bottleneck(problem, setting)
-    stop = setting.begin()
+        return _bottleneck(problem, context)
+    stop = context.begin()
     taken = pick(problem, stop, evaluation=evaluation, eps=float(eps))
     holds, message = assumptions(problem)
     guarantee = greedy_guarantee(problem, holds)
@@ -59,10 +59,10 @@ def greedy(problem: SubmodularSelection | BottleneckSATA, setting: Setting, *, e
     return concluded(problem, stop, taken.elements, holds, guarantee, statistics, message, whole=taken.ended != "stopped")
 
 
-def _bottleneck(problem: BottleneckSATA, setting: Setting) -> Outcome:
+def _bottleneck(problem: BottleneckSATA, context: Context) -> Outcome:
     from .greedy_steps.bottleneck import best_worst_target
 
-    g, stop = problem.graph, setting.begin()
+    g, stop = problem.graph, context.begin()
     starts, actions = g.by_robot
     picks, asked = best_worst_target(stop.flag, starts, actions, g.indptr, g.indices, g.weights, g.num_targets)
     chosen = picks[picks >= 0].tolist()

@@ -18,7 +18,7 @@ from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...instances.selection.functions import ItemWeights, SetFunction
 from ...solvers.bounds.selection.growing_sets import GrowingSet, ValuedSet, WeightedSet
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import ANY_FUNCTION
@@ -43,13 +43,13 @@ PROVED = {
 PROVED[1] = PROVED[0]
 
 
-def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate: int | None = None) -> Outcome:  # noqa: A002
+def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate: int | None = None) -> Outcome:  # noqa: A002
     """Fill the knapsack by gain per cost, from every starting set of up to ``enumerate`` elements; the best filling wins.
 
     Parameters
     ----------
     problem : SubmodularSelection with a knapsack constraint
-    setting : Setting
+    context : Context
         Its time limit is kept between starts: the guarantee is then that of the sizes that were finished.
     enumerate : int, 0 to 3, optional
         Largest size of the starting sets. By default as large as takes about a second (3 up to some hundred elements).
@@ -79,7 +79,7 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
     usable = np.nonzero((costs > 0) & (costs <= budget))[0]
     weights = problem.function.as_item_weights()
     depth = _affordable(weights, len(usable)) if enumerate is None else int(enumerate)
-    stop = setting.begin()
+    stop = context.begin()
     free = np.nonzero(c.costs == 0)[0].tolist()
     filling = (
         _ValuedFilling(problem.function, free, costs, budget, stop) if weights is None
@@ -95,7 +95,7 @@ def knapsack_greedy(problem: SubmodularSelection, setting: Setting, *, enumerate
             starts += int(np.searchsorted(usable, hi) - np.searchsorted(usable, lo))
             if len(found):
                 best, picks = value, found
-                setting.publish(Selection((*free, *picks), in_order=True))
+                context.publish(Selection((*free, *picks), in_order=True))
             if stop.reached():
                 break
         else:

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...formulations.selection.submodular_selection import SubmodularSelection
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, greedy_guarantee
 from .greedy_steps.limits import ANY_FUNCTION, ASKED, GROUPED, chosen_elements
 from .greedy_steps.picking import check_threshold, pick
 
 
-def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 0.0, base: Sequence[int] | str = ()) -> Outcome:
+def lazy_greedy(problem: SubmodularSelection, context: Context, *, eps: float = 0.0, base: Sequence[int] | str = ()) -> Outcome:
     """Keep the gains of earlier rounds as upper bounds, and evaluate again only the elements that could still be the best.
 
     Parameters
     ----------
     problem : SubmodularSelection
-    setting : Setting
+    context : Context
     eps : float, >= 0
         Stop where the largest gain is smaller.
     base : sequence of int, or str
@@ -45,7 +45,7 @@ def lazy_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 
     """
     check_threshold(eps)
     begun = chosen_elements("base", base, problem)
-    stop = setting.begin()
+    stop = context.begin()
     taken = pick(problem, stop, evaluation="lazy", eps=float(eps), base=begun)
     holds, message = assumptions(problem)
     guarantee = None if begun else greedy_guarantee(problem, holds)

@@ -7,17 +7,17 @@ import numpy as np
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, first_allowed, not_whole
 
 
-def random(problem: SubmodularSelection | BottleneckSATA, setting: Setting) -> Outcome:
+def random(problem: SubmodularSelection | BottleneckSATA, context: Context) -> Outcome:
     """A random maximal answer.
 
     Parameters
     ----------
     problem : SubmodularSelection or BottleneckSATA
-    setting : Setting
+    context : Context
         Its generator draws.
 
     Returns
@@ -30,7 +30,7 @@ def random(problem: SubmodularSelection | BottleneckSATA, setting: Setting) -> O
     -----
     Source: the baseline of Sung (2019), 3.5.1.
     """
-    picks = np.array(first_allowed(problem, setting.rng.permutation(problem.num_elements)), dtype=np.int64)
+    picks = np.array(first_allowed(problem, context.rng.permutation(problem.num_elements)), dtype=np.int64)
     limits = Limits.if_any(problem)
     if limits is not None:  # robot by robot
         picks = picks[np.argsort(limits.groups[picks], kind="stable")]

@@ -13,7 +13,7 @@ from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...solvers.bounds.selection.growing_sets import empty_set
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import FNW, assumptions
 from .greedy_steps.limits import ANY_FUNCTION, Limits
@@ -21,14 +21,14 @@ from .greedy_steps.limits import ANY_FUNCTION, Limits
 SOURCE = f"{FNW}; for winner takes all Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, theorem 2"
 
 
-def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: Sequence[int | str] | str | None = None) -> Outcome:
+def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: Sequence[int | str] | str | None = None) -> Outcome:
     """Each robot in its turn takes the action of largest gain over the actions taken so far, the first of equal ones.
 
     Parameters
     ----------
     problem : SubmodularSelection with a partition matroid
         Winner takes all: the groups are the robots; a group with room for several elements picks them one after the other.
-    setting : Setting
+    context : Context
     order : sequence of int or str, optional
         All groups, each once: by number from 0, or by name (text separated by commas counts as names). By default as numbered.
 
@@ -49,7 +49,7 @@ def sequential_greedy(problem: SubmodularSelection, setting: Setting, *, order: 
     brings most, and to nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978). With
     picks g_i in turn and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2 F(G).
     """
-    stop, limits = setting.begin(), Limits.of(problem)
+    stop, limits = context.begin(), Limits.of(problem)
     turns = _turns(problem, order, len(limits.room))
     weights = problem.function.as_item_weights()
     if weights is None:

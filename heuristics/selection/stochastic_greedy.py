@@ -10,7 +10,7 @@ from ...formulations.evidence import Guarantee
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...solvers.bounds.selection.growing_sets import empty_set
-from ..heuristic import HEURISTICS, Heuristic, Outcome, Setting
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.ending import CUT_SHORT, concluded
 from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import ANY_FUNCTION, Limits
@@ -18,14 +18,14 @@ from .greedy_steps.limits import ANY_FUNCTION, Limits
 SOURCE = "Mirzasoleiman, Badanidiyuru, Karbasi, Vondrák and Krause (2015), Lazier than lazy greedy"
 
 
-def stochastic_greedy(problem: SubmodularSelection, setting: Setting, *, eps: float = 0.1) -> Outcome:
+def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: float = 0.1) -> Outcome:
     """In each of k rounds, take the best of ``(n / k) ln(1 / eps)`` elements drawn from those that are left.
 
     Parameters
     ----------
     problem : SubmodularSelection
         With a cardinality limit k.
-    setting : Setting
+    context : Context
         Its generator draws the samples.
     eps : float, 0 < eps < 1 - 1/e
         What may be lost in expectation.
@@ -53,9 +53,9 @@ def stochastic_greedy(problem: SubmodularSelection, setting: Setting, *, eps: fl
     chosen, picks = empty_set(problem.function), []
     # The first ``left`` places hold what is not chosen; a chosen element changes places with the last of these.
     order, place, left = np.arange(n), np.arange(n), n
-    stop, rounds = setting.begin(), 0
+    stop, rounds = context.begin(), 0
     while rounds < k and not (rounds and stop.reached()):
-        drawn = order[:left] if size >= left else order[setting.rng.choice(left, size, replace=False)]
+        drawn = order[:left] if size >= left else order[context.rng.choice(left, size, replace=False)]
         element, gain = chosen.best_of(np.sort(drawn), stop)
         if element < 0:
             break

@@ -26,7 +26,7 @@ import numpy as np
 
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Setting
+from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.heuristics.selection.greedy_steps.picking import pick
 from waybound.instances.selection.constraints import Cardinality
 from waybound.instances.selection.functions import Coverage, DenseFacilityLocation
@@ -37,8 +37,8 @@ TARGETS = {"coverage": 10.0, "facility location": 3.0}
 TARGET_EVALUATIONS = 0.05
 
 
-def setting() -> Setting:
-    return Setting(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, LinearPrograms())
+def context() -> Context:
+    return Context(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, LinearPrograms())
 
 
 def generate(what: str, elements: int, picks: int, seed: int) -> SubmodularSelection:
@@ -61,13 +61,13 @@ def generate(what: str, elements: int, picks: int, seed: int) -> SubmodularSelec
 
 def with_waybound(problem: SubmodularSelection, heuristic: str, **options: Any) -> tuple[float, list[int], dict[str, Any]]:
     began = time.process_time()
-    outcome = HEURISTICS[heuristic].run(problem, setting(), **options)
+    outcome = HEURISTICS[heuristic].run(problem, context(), **options)
     return time.process_time() - began, list(outcome.answer.elements), outcome.statistics
 
 
 def picking_alone(problem: SubmodularSelection) -> tuple[float, list[int], dict[str, Any]]:
     began = time.process_time()
-    taken = pick(problem, setting().begin())
+    taken = pick(problem, context().begin())
     return time.process_time() - began, taken.elements, {"evaluation": taken.evaluation}
 
 

@@ -15,7 +15,7 @@ from ...formulations.certificate import better_bound, check_certificate, verifie
 from ...formulations.evidence import Guarantee
 from ...formulations.problem import Problem
 from ...formulations.stop import NEVER
-from ...heuristics.heuristic import HEURISTICS, Outcome, Setting
+from ...heuristics.heuristic import HEURISTICS, Context, Outcome
 from ...instances.errors import CheckFailedError, InputError
 from ...solvers.linear_programs import LinearPrograms
 from .optimum import Optimum, optimum
@@ -113,11 +113,11 @@ def ratio_of(sense: str, value: float, best: float) -> float:
 
 def run_heuristic(problem: Problem, name: str, options: Mapping[str, Any], seed: int) -> Outcome:
     """The heuristic alone, without the search around it: what ``solve`` runs, with the same random draws."""
-    setting = Setting(
-        rng=np.random.default_rng(seed), seconds=SECONDS, start=None, publish=lambda answer: None, stop=NEVER,
+    context = Context(
+        rng=np.random.default_rng(seed), time_limit=SECONDS, start=None, publish=lambda answer: None, stop=NEVER,
         linear=LinearPrograms(seed=seed),
     )  # fmt: skip
-    return HEURISTICS[name].run(problem, setting, **options)
+    return HEURISTICS[name].run(problem, context, **options)
 
 
 def judge(

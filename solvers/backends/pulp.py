@@ -48,6 +48,8 @@ class PuLP(ProgramBackend):
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.needs_process = not self.is_cbc  # they hear no wish to stop
+        if not self.is_cbc:
+            self.honours = self.honours - {"iterations"}
         self.title = "CBC" if self.is_cbc else f"{variant} through PuLP"
         self.reductions = (*self.reductions, MINIMISATION if self.is_cbc else ONE_SIDED_ROWS)
 
@@ -86,8 +88,6 @@ class PuLP(ProgramBackend):
         import pulp
 
         common = {"msg": False, "timeLimit": options.time_limit, "gapRel": options.gap, "threads": options.threads}
-        if options.iterations is not None:
-            common["maxNodes"] = options.iterations
         known = inspect.signature(_class(self.variant)).parameters
         extra = dict(options.extra)
         if self.variant == "HiGHS":
@@ -98,8 +98,6 @@ class PuLP(ProgramBackend):
             extra = {"random_seed": options.seed % (2**31 - 1), **named_options(self.label, extra)}
         elif not any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values()):
             extra = own_options(self.label, extra, dict.fromkeys(known))
-        if "maxNodes" in common and "maxNodes" not in known:
-            raise UsageError(f"pulp:{self.variant} has no limit on iterations; use a time limit")
         chosen = {name: value for name, value in common.items() if name in known}
         return pulp.getSolver(self.variant, **chosen, **extra)
 

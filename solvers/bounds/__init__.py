@@ -42,3 +42,8 @@ class BoundMethod:
 
 
 BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")
+
+
+def replaced(problem: Any) -> frozenset[str]:
+    """Names of the methods for which another one stands where ``problem`` is concerned."""
+    return frozenset[str]().union(*(method.replaces(problem) for method in BOUNDS.values()))

@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exact_routing import best_values
 from hypothesis import HealthCheck, given, settings
 from oracles import optimum as first_level_optimum
 from oracles import small_problems
-from small_routing import FEATURES, optimum, small
+from small_routing import FEATURES, small
 
 from waybound.formulations.routing.objective import LongestRoute, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
@@ -56,7 +57,7 @@ def test_each_declared_feature_gives_the_optimum_of_small_problems(engine_name, 
         if BACKENDS[engine_name]().missing(problem):
             continue
         tried += 1
-        best = optimum(problem)
+        best = best_values(problem)
         result = run(engine_name, problem, iterations=WORK.get(engine_name, 200))
         if best is None:
             assert result.answer is None or not problem.evaluate(result.answer).feasible
@@ -188,7 +189,7 @@ def test_an_infeasible_start_does_no_harm(engine_name):
     result = run(engine_name, problem, start=tour, iterations=WORK.get(engine_name, 200))
     verdict = problem.evaluate(result.answer)
     assert verdict.feasible
-    assert verdict.values == pytest.approx(optimum(problem))
+    assert verdict.values == pytest.approx(best_values(problem))
 
 
 def test_a_start_for_another_fleet_is_refused_not_crashed_on(engine_name):
@@ -196,7 +197,7 @@ def test_a_start_for_another_fleet_is_refused_not_crashed_on(engine_name):
     alone = Routes.of([[c] for c in problem.customers.tolist()])
     result = run(engine_name, problem, start=alone, iterations=WORK.get(engine_name, 200))
     assert result.statistics["start"] == "refused"
-    assert problem.evaluate(result.answer).values == pytest.approx(optimum(problem))
+    assert problem.evaluate(result.answer).values == pytest.approx(best_values(problem))
 
 
 @pytest.mark.parametrize("routes", [[Route((99,))], [Route((-1,))], [Route((0,))], [Route((1, 2), 7)]])
@@ -204,7 +205,7 @@ def test_a_start_for_other_sites_or_vehicles_is_refused_not_crashed_on(engine_na
     problem = small("limited-fleet", 0, "round")
     result = run(engine_name, problem, start=Routes.of(routes), iterations=WORK.get(engine_name, 200))
     assert result.status != "error"
-    assert problem.evaluate(result.answer).values == pytest.approx(optimum(problem))
+    assert problem.evaluate(result.answer).values == pytest.approx(best_values(problem))
 
 
 def test_a_problem_without_customers_is_solved_by_staying_at_home(engine_name):
@@ -217,7 +218,7 @@ def test_a_problem_without_customers_is_solved_by_staying_at_home(engine_name):
 def test_demand_beyond_the_fleet_leaves_no_answer(engine_name):
     problem = small("capacity", 1, "round")
     problem = replace(problem, fleet=(replace(problem.fleet[0], count=1, capacity=10.0),))
-    assert optimum(problem) is None
+    assert best_values(problem) is None
     result = run(engine_name, problem, iterations=50, time_limit=2)
     assert result.status in ("unknown", "infeasible")
     assert result.answer is None
@@ -257,7 +258,7 @@ def test_numbers_of_any_size_are_counted_in_integers(engine_name, power):
     load = np.ldexp([0.0, 1.0, 1.0, 1.5], -power)
     fleet = (VehicleType(capacity=float(np.ldexp(2.5, -power))),)
     problem = RoutingProblem(Sites.of(range(4), coordinates=xy, demand=load), Travel("euclidean", xy), fleet)
-    judged = problem.evaluate(run(engine_name, problem).answer)
+    judged = problem.evaluate(run(engine_name, problem, iterations=50).answer)
     assert judged.feasible
     assert judged.values[0] == pytest.approx(float(np.ldexp(27.5 + np.hypot(6.0, 0.5), power)), rel=1e-5)
 

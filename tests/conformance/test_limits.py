@@ -15,14 +15,11 @@ from waybound.solvers.program_backend import ProgramBackend
 
 CVXPY = ("cvxpy", "cvxpy:SCS", "cvxpy:HIGHS")
 
-DEAF = ("pulp:HiGHS", "mathopt:highs", *CVXPY)
-"""They hear no wish to stop, and show no progress: a process of their own ends them."""
-
 NO_BOUND = ("pulp:HiGHS",)
 """PuLP drops the bound."""
 
-NO_WORK_LIMIT = {"pulp:HiGHS": ("LP", "MILP"), "mathopt:gscip": ("LP",), "scip": ("LP",)}
-"""Kinds of programs for which they have no limit on work."""
+NO_WORK_LIMIT = ("mathopt:gscip", "scip")
+"""They have no limit on work for linear programs."""
 
 NO_START = ("pulp:HiGHS", *CVXPY)
 
@@ -97,10 +94,8 @@ def test_a_tiny_time_limit_of_an_lp_claims_nothing_false(program, solve_with):
 
 
 def test_a_node_limit_is_named(knapsack, backend_name, solve_with):
-    if "MILP" in NO_WORK_LIMIT.get(backend_name, ()):
-        with pytest.raises(UsageError, match="iterations"):
-            solve_with(knapsack, iterations=1)
-        return
+    if "iterations" not in made(backend_name).honours:
+        pytest.skip(f"{backend_name} has no work limit")
     result = solve_with(knapsack, iterations=1, time_limit=60)
     assert (result.status, result.limit) == ("feasible", "nodes")
     holds(knapsack, result)
@@ -110,7 +105,9 @@ def test_an_iteration_limit_of_an_lp_is_named(program, backend_name, solve_with)
     rng = np.random.default_rng(4)
     a = rng.random((60, 80))
     lp = program(rng.random(80).tolist(), a, a.sum(axis=1) * 0.3, np.inf, 0, 1)
-    if "LP" in NO_WORK_LIMIT.get(backend_name, ()):
+    if "iterations" not in made(backend_name).honours:
+        pytest.skip(f"{backend_name} has no work limit")
+    if backend_name in NO_WORK_LIMIT:
         with pytest.raises(UsageError, match="iterations"):
             solve_with(lp, iterations=3)
         return
@@ -120,7 +117,7 @@ def test_an_iteration_limit_of_an_lp_is_named(program, backend_name, solve_with)
 
 
 def test_work_limits_repeat_to_the_bit(knapsack, backend_name, solve_with):
-    if "MILP" in NO_WORK_LIMIT.get(backend_name, ()):
+    if "iterations" not in made(backend_name).honours:
         pytest.skip(f"{backend_name} has no work limit")
     first, second = (solve_with(knapsack, iterations=1, seed=7) for _ in range(2))
     assert first.objective == second.objective
@@ -136,7 +133,7 @@ def test_a_gap_that_suffices_is_not_called_optimal(knapsack, solve_with):
 
 
 def test_an_interrupt_in_mid_run_keeps_the_best_answer(knapsack, backend_name, solve_with):
-    if backend_name in DEAF:
+    if made(backend_name).needs_process:
         pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     began = time.perf_counter()
     result = solve_with(knapsack, stopped_after(SHORT), time_limit=120)
@@ -146,7 +143,7 @@ def test_an_interrupt_in_mid_run_keeps_the_best_answer(knapsack, backend_name, s
 
 
 def test_an_interrupt_without_an_incumbent_leaves_no_answer(market_split, backend_name, solve_with):
-    if backend_name in DEAF:
+    if made(backend_name).needs_process:
         pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     result = solve_with(market_split, stopped_after(SHORT), time_limit=120)
     assert (result.status, result.limit) == ("unknown", "interrupt")
@@ -154,7 +151,7 @@ def test_an_interrupt_without_an_incumbent_leaves_no_answer(market_split, backen
 
 
 def test_an_interrupt_before_the_run_ends_it_at_once(knapsack, backend_name, solve_with):
-    if backend_name in DEAF:
+    if made(backend_name).needs_process:
         pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     control = Control()
     control.stop()
@@ -174,7 +171,7 @@ def test_any_backend_can_be_ended_in_a_process_of_its_own(market_split, backend_
 
 
 def test_progress_is_published_and_ends_at_the_result(knapsack, backend_name, solve_with):
-    if backend_name in DEAF:
+    if made(backend_name).needs_process:
         pytest.skip(f"{backend_name} shows no progress")
     events = []
     control = Control(events.append)

@@ -7,7 +7,8 @@ import time
 
 import numpy as np
 import pytest
-from small_routing import optimum, small
+from exact_routing import best_values
+from small_routing import small
 
 import waybound as wb
 from waybound.formulations.routing.problem import RoutingProblem
@@ -33,7 +34,7 @@ def test_all_solvers_find_the_optimum_of_small_problems(solver: str, feature: st
     work = {"iterations": 300} if solver in ROUTING else {}
     solution = wb.solve(problem, solver, time_limit=20, bound_time=0, **work)
     assert solution.certificate.feasible
-    assert solution.objective == pytest.approx(optimum(problem)[0], abs=1e-6)
+    assert solution.objective == pytest.approx(best_values(problem)[0], abs=1e-6)
     assert solution.status in ("optimal", "feasible")
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -88,3 +91,37 @@ def test_where_no_form_fits_the_nearest_is_named_with_what_it_lacks() -> None:
     free = wb.SubmodularSelection(wb.UserFunction(lambda sets: np.zeros(len(sets)), 2), wb.Cardinality(1))
     with pytest.raises(UnsupportedError, match=r"^no form can take this problem: the nearest, [a-z-]+, lacks "):
         free.compile()
+
+
+# -- every form shows what it writes -----------------------------------------------------------------------------------
+
+TESTS = Path(__file__).resolve().parents[1]
+
+
+def text_to_text(name: str, tests: Path = TESTS) -> str | None:
+    """What is missing for a form to have a test from text to text where its module is mirrored; None if nothing is."""
+    build = FORMS[name].build
+    module = inspect.getmodule(getattr(build, "func", build))
+    assert module is not None
+    path = tests.joinpath(*module.__name__.split(".")[1:-1]) / f"test_{module.__name__.rsplit('.', 1)[1]}.py"
+    wanted = f"test_{name.replace('-', '_')}_from_text_to_text"
+    if not path.is_file():
+        return f"{name}: no {path.relative_to(tests)}"
+    found = [node for node in ast.parse(path.read_text()).body if isinstance(node, ast.FunctionDef) and node.name == wanted]
+    if not found:
+        return f"{name}: no {wanted} in {path.relative_to(tests)}"
+    body = list(ast.walk(found[0]))
+    texts = [node.value for node in body if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    shown = any(isinstance(node, ast.Assert) for node in body) and name in texts and any(text.count("\n") > 3 for text in texts)
+    return None if shown else f"{name}: {wanted} does not compare the form with rows that it spells out"
+
+
+def test_every_form_has_a_test_from_text_to_text_where_its_module_is_mirrored(tmp_path: Path) -> None:
+    assert [fault for name in FORMS if (fault := text_to_text(name))] == []
+    assert text_to_text("product", tmp_path) == "product: no formulations/selection/forms/test_product.py"
+    empty = tmp_path / "formulations" / "selection" / "forms" / "test_product.py"
+    empty.parent.mkdir(parents=True)
+    empty.write_text("def test_product():\n    pass\n")
+    assert text_to_text("product", tmp_path) == "product: no test_product_from_text_to_text in formulations/selection/forms/test_product.py"
+    empty.write_text("def test_product_from_text_to_text():\n    assert True\n")
+    assert str(text_to_text("product", tmp_path)).endswith("does not compare the form with rows that it spells out")

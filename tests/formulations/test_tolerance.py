@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from waybound.formulations.tolerance import EQUAL, LIMIT, VECTOR, allowance, gap, ratio, room, same, widening
 
-POWERS = st.sampled_from([-1000, -300, -30, -10, 0, 10, 30, 300, 900])
+POWERS = st.sampled_from([-900, -300, -30, -10, 0, 10, 30, 300, 900])
 NUMBERS = st.floats(-1e9, 1e9).filter(lambda v: v == 0 or abs(v) > 1e-9)
 
 

@@ -10,6 +10,7 @@ import itertools
 import math
 from dataclasses import replace
 
+import exact_routing
 import numpy as np
 import pytest
 
@@ -25,9 +26,6 @@ from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.bounds.routing.fleet_need import fleet_need_evidence
 from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence, too_few_vehicles_evidence
 from waybound.solving.explaining import explain, reasons_from_data
-
-LET_PASS = 1e-8
-"""More than the judge lets pass for rounding; no sum of the numbers drawn exceeds a limit by so little without meeting it."""
 
 CHARGES = ("travel", "elapsed", "elapsed-fixed-start", "windows")
 
@@ -91,53 +89,9 @@ def draw(seed: int, sites_more: int = 0) -> RoutingProblem:
 # -- brute force -------------------------------------------------------------------------------------------------------
 
 
-def routes(problem: RoutingProblem, kind: VehicleType) -> set[frozenset[int]]:
+def routes(problem: RoutingProblem, vehicle: VehicleType) -> set[frozenset[int]]:
     """Sets of sites that one vehicle can serve on a route, by trying every order."""
-    s = problem.sites
-    near, far = problem.travel.durations.tolist(), problem.travel.distances.tolist()
-    ready, due, service, demand = s.ready.tolist(), s.due.tolist(), s.service.tolist(), s.demand.tolist()
-    found: set[frozenset[int]] = set()
-    opening = ready[kind.start]
-
-    def close(order: tuple[int, ...], clock: float) -> bool:
-        stops = (kind.start, *order, kind.end)
-        work = [(service[i] if k else 0.0) + near[i][j] for k, (i, j) in enumerate(itertools.pairwise(stops))]
-        home = clock + work[-1]
-        if home > due[kind.end] + LET_PASS or sum(far[i][j] for i, j in itertools.pairwise(stops)) > kind.max_distance + LET_PASS:
-            return False
-        # Backwards: the latest moment at which the vehicle may leave and still keep every window.
-        latest = due[kind.end]
-        for k in range(len(stops) - 2, -1, -1):
-            latest = min(due[stops[k]], latest - work[k])
-        elapsed = max(home - max(latest, opening), sum(work))
-        if elapsed > kind.max_duration + LET_PASS:
-            return False
-        if kind.energy is None:
-            return True
-        gaps = [ready[j] - ready[i] for i, j in itertools.pairwise(stops[:-1])]
-        drawn = {
-            "travel": sum(near[i][j] for i, j in itertools.pairwise(stops)),
-            "elapsed": elapsed,
-            "elapsed-fixed-start": home - opening,
-            "windows": sum(max(w, g) for w, g in zip(work, gaps, strict=False)) + work[-1],
-        }[kind.energy.charge]
-        return kind.energy.rate * drawn <= kind.energy.capacity + LET_PASS
-
-    def go(order: tuple[int, ...], clock: float, load: float) -> None:
-        last = order[-1] if order else kind.start
-        for site in problem.customers.tolist():
-            if site in order or load + demand[site] > kind.capacity + LET_PASS:
-                continue
-            arrival = clock + (service[last] if order else 0.0) + near[last][site]
-            if arrival > due[site] + LET_PASS:
-                continue
-            begin, longer = max(arrival, ready[site]), (*order, site)
-            if close(longer, begin):
-                found.add(frozenset(longer))
-            go(longer, begin, load + demand[site])
-
-    go((), opening, 0.0)
-    return found
+    return {frozenset(visits) for visits in exact_routing.routes(problem, vehicle)}
 
 
 def has_answer(problem: RoutingProblem, tables: list[set[frozenset[int]]], required: set[int], least: int) -> bool:

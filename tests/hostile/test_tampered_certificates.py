@@ -35,8 +35,9 @@ from waybound.instances.routing.travel import Travel
 from waybound.solving.bounding import find_bounds
 
 from .. import random_sensing, sata_cases, selection_problems
+from ..exact_routing import best_values
 from ..programs import program
-from ..small_routing import optimum, small
+from ..small_routing import small
 
 NEAR = 1e-6
 """Relative difference up to which a number counts as the true one."""
@@ -68,7 +69,9 @@ def _cases_of(problem: Problem, best: float | None, answers: list[Any], *further
 def _routing() -> list[Case]:
     cases = []
     for feature in ("time-windows", "limited-fleet", "heterogeneous-fleet", "max-distance", "prizes", "reward", "vehicles"):
-        problem, truth = next((p, best) for p in (small(feature, seed, "exact") for seed in range(20)) if (best := optimum(p)) is not None)
+        problem, truth = next(
+            (p, best) for p in (small(feature, seed, "exact") for seed in range(20)) if (best := best_values(p)) is not None
+        )
         first = [[c] for c in problem.customers.tolist()]
         good = wb.solve(problem, time_limit=0.3, iterations=200, bound_time=0).answer
         cases += _cases_of(problem, truth[0], [good, wb.Routes.of(first[:2])])

@@ -129,3 +129,11 @@ def test_places_walk_the_rooms_of_a_floor(tmp_path: Path, monkeypatch: pytest.Mo
     import floor_of_rooms  # type: ignore[import-not-found]
 
     assert floor_of_rooms.BOXES.names() == ["blue", "red"]
+
+
+def test_an_entry_that_calls_itself_otherwise_than_its_entry_point_is_told(installed) -> None:
+    made: Registry[object] = Registry("thing", group="waybound.things")
+    source = "class Named:\n    def __init__(self, name):\n        self.name = name\nONE = Named('one')\nTWO = Named('zwei')\n"
+    installed("[waybound.things]\none = outside_named:ONE\ntwo = outside_named:TWO\n", {"outside_named": source})
+    with pytest.warns(RuntimeWarning, match="thing two of outside cannot be loaded: it calls itself 'zwei'"):
+        assert made.names() == ["one"]

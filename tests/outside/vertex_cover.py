@@ -25,6 +25,7 @@ from waybound.extending import (
     PROBLEMS,
     BoundMethod,
     Compiled,
+    Context,
     Evaluation,
     Evidence,
     Form,
@@ -35,7 +36,6 @@ from waybound.extending import (
     Outcome,
     Problem,
     Program,
-    Setting,
     Stop,
     Variables,
     digest,
@@ -207,7 +207,7 @@ BOUNDS.add("edge-prices", BoundMethod("edge-prices", missing, bound))
 # -- heuristic ----------------------------------------------------------------------------------------------------------------
 
 
-def local_ratio(problem: VertexCover, setting: Setting) -> Outcome:
+def local_ratio(problem: VertexCover, context: Context) -> Outcome:
     """All vertices that are paid in full."""
     prices, left = pay(problem)
     used = np.zeros(len(left), dtype=bool)

@@ -11,11 +11,11 @@ import pytest
 
 from tests.programs import program as dense
 from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.programs.program import INTEGERS, Program, Rows, Variables
+from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Program, Rows, Variables
 from waybound.formulations.programs.reductions.minimisation import MINIMISATION
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import Control, Options, RawResult, solver_named
-from waybound.solvers.program_backend import ProgramBackend, settled
+from waybound.solvers.program_backend import ProgramBackend, kinds_of, settled, takers
 
 
 def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:
@@ -170,3 +170,48 @@ def test_a_refusal_names_those_who_take_the_numbers_too() -> None:
     squares = dense([1], [[1]], 0, 3, 0, 3, integer=[0], quadratic=[[-2]])
     with pytest.raises(UnsupportedError, match=r"squares of variables that are not binary; can take it: cpsat, mathopt:gscip, scip$"):
         solver_named("highs").run(squares, Options(), Control())
+
+
+def test_a_program_of_ordinary_size_is_searched_as_it_is() -> None:
+    backend, given = Says(RawResult("unknown")), knapsack()
+    backend.run(given, Options(), Control())
+    assert backend.seen == [given]
+
+
+def test_a_wish_to_stop_reaches_the_search_of_a_program_in_other_units() -> None:
+    class Waits(Says):
+        def search(self, program: Program, options: Options, control: Control) -> RawResult:
+            assert program is not huge
+            outer.stop()
+            return RawResult("unknown", "interrupt" if control.stopped else "none")
+
+    outer = Control()
+    huge = dense([3e12, 2e12], [[2e12, 3e12]], -math.inf, 1e25, 0, [4e12, 5e12])
+    assert Waits().run(huge, Options(), outer).limit == "interrupt"
+
+
+def test_a_program_that_it_cannot_take_is_refused_with_those_that_can() -> None:
+    squares = dense([1, 1], [[1, 1]], 0, 1, quadratic=[[2, 0], [0, 2]])
+    assert Says().missing(squares) == {"QP programs"} and Says().missing(knapsack()) == frozenset()
+    with pytest.raises(UnsupportedError, match=r"says cannot take this problem: it lacks QP programs; can take it: .*highs"):
+        Says().run(squares, Options(), Control())
+
+
+@pytest.mark.parametrize(
+    ("features", "programs", "only_integers", "takes"),
+    [
+        (LINEAR, (LINEAR,), False, True), (INTEGERS, (LINEAR,), False, False), (LINEAR, (INTEGERS,), False, True),
+        (LINEAR, (INTEGERS,), True, False), (INTEGERS, (INTEGERS,), True, True),
+        (INTEGERS | QUADRATIC, (INTEGERS, QUADRATIC), False, False), (INTEGERS | QUADRATIC, (INTEGERS | QUADRATIC,), True, True),
+        (LINEAR, (), False, False),
+    ],
+)  # fmt: skip
+def test_features_are_taken_together(features, programs, only_integers, takes) -> None:
+    backend = Says()
+    backend.programs, backend.only_integers = programs, only_integers
+    assert backend.able(features) == takes
+
+
+def test_takers_leave_out_the_one_that_was_asked() -> None:
+    assert {"highs", "scip"} <= set(takers(LINEAR)) and "highs" not in takers(LINEAR, but="highs")
+    assert kinds_of(Says) == ["LP", "MILP"]

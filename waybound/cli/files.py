@@ -66,7 +66,7 @@ def generate(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="A setting of the recipe; an unknown one lists them all. Repeatable."),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N")] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed and settings give the same bytes.")] = 1,
     to_format: Annotated[
         str | None, typer.Option("--to-format", metavar="NAME", help="Format to write, where the suffix does not say it.")
     ] = None,

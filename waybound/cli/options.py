@@ -44,8 +44,8 @@ Set = Annotated[
         "Repeatable.",
     ),
 ]
-Seed = Annotated[int, typer.Option("--seed", metavar="N")]
-Threads = Annotated[int, typer.Option("--threads", metavar="N")]
+Seed = Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same answer, where no time limit decides.")]
+Threads = Annotated[int, typer.Option("--threads", metavar="N", help="Threads that a solver may use, where it can use several.")]
 LpSolver = Annotated[
     str | None, typer.Option("--lp-solver", metavar="NAME", help="Who solves the linear programs met on the way; highs by default.")
 ]

@@ -29,7 +29,7 @@ def ratio(
             help="Random instances for each heuristic, spread over the families; trials of each point of an experiment.",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N")] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same instances and runs.")] = 1,
     jobs: Annotated[int, typer.Option("--jobs", metavar="N", help="Processes that share the work; the figures do not depend on it.")] = 1,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="Write tables (.csv, .md), figures (.png) and violating instances here.")

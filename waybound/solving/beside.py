@@ -33,7 +33,7 @@ class BoundWork:
     """Bounding, picklable, and called with a ``Control``, to which the evidence found so far is published."""
 
     problem: Problem
-    seconds: float
+    bound_time: float
     known: Sequence[Evidence]
     linear: LinearPrograms
 
@@ -42,7 +42,7 @@ class BoundWork:
     def __call__(self, control: Control) -> RawResult:
         control.publish([])
         unable: list[str] = []
-        found = find_bounds(self.problem, self.seconds, known=self.known, control=control, unable=unable, linear=self.linear)
+        found = find_bounds(self.problem, self.bound_time, known=self.known, control=control, unable=unable, linear=self.linear)
         return RawResult("unknown", answer=found, statistics={"unable": unable})
 
 
@@ -73,7 +73,7 @@ class Beside(Control):
 
     def _run(self, work: BoundWork) -> None:
         try:
-            result = run_in_process(work, Options(time_limit=work.seconds), self)
+            result = run_in_process(work, Options(time_limit=work.bound_time), self)
             self.fault, self.unable = "" if self.answer is not None else result.message, result.statistics.get("unable", [])
             self.answer = self.answer if result.answer is None else result.answer
         except Exception as fault:  # costs no answer; what was published stands

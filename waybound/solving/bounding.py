@@ -13,13 +13,13 @@ from ..formulations.stop import Stop
 from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control
-from ..solvers.bounds import BOUNDS, BoundMethod
+from ..solvers.bounds import BOUNDS, BoundMethod, replaced
 from ..solvers.linear_programs import LinearPrograms
 
 
 def find_bounds(
     problem: Problem,
-    seconds: float,
+    bound_time: float,
     *,
     target: float | None = None,
     known: Sequence[Evidence] = (),
@@ -33,7 +33,7 @@ def find_bounds(
     Parameters
     ----------
     problem : Problem
-    seconds : float
+    bound_time : float, seconds
         Budget for all methods together, without what they prepare once a process; 0 turns bounding off.
     target : float, optional
         Value of an answer: evidence that reaches it ends the search.
@@ -54,20 +54,19 @@ def find_bounds(
     """
     found: list[Evidence] = []
     failed: list[str] = [] if unable is None else unable
-    if seconds <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
+    if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
     methods: list[BoundMethod] = []
-    every = sorted(BOUNDS.values(), key=lambda method: method.order)
-    replaced = frozenset[str]().union(*(method.replaces(problem) for method in every))
-    for method in every:
+    others = replaced(problem)
+    for method in sorted(BOUNDS.values(), key=lambda method: method.order):
         try:
-            if method.name not in replaced and not method.missing(problem):
+            if method.name not in others and not method.missing(problem):
                 method.prepare()
                 methods.append(method)
         except Exception as fault:
             failed.append(f"no bound by {method.name}: {in_words(fault)}")
-    stop, linear = Stop(seconds), linear or LinearPrograms()
+    stop, linear = Stop(bound_time), linear or LinearPrograms()
     control.on_stop(stop.ask)
 
     for method in methods:
@@ -85,7 +84,7 @@ def find_bounds(
         found.append(evidence)
         control.publish(list(found))
         if progress is not None:
-            progress({"phase": "bound", "seconds": seconds - stop.seconds_left, "objective": target, "bound": evidence.value})
+            progress({"phase": "bound", "seconds": bound_time - stop.seconds_left, "objective": target, "bound": evidence.value})
         if _reaches(evidence.value, target) and _reaches(proved(problem, evidence), target):
             break
     return found

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from waybound.formulations.checking.granularity import Grain, grain, is_decimal, lift
@@ -62,6 +62,7 @@ def test_no_multiple_lies_between_a_bound_and_its_lift(count, parts, share):
 
 
 @given(st.lists(st.integers(0, 10**5), min_size=1, max_size=50).filter(any), st.sampled_from([1, 10, 100, 1000]), st.sampled_from(SCALES))
+@example([23934, 60227], 10, 6.223015277861142e-61)
 def test_a_sum_of_grains_survives_its_own_lift(counts, parts, scale):
     values = np.array(counts) / parts * scale
     total = math.fsum(values)

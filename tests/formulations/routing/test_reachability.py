@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exact_routing import routes
 from hypothesis import HealthCheck, given, settings
-from oracles import ASYM_5, SQUARE_4, TWO_INDEX, best_routes, optimum, route_is_feasible, routing, small_problems, solved
+from oracles import ASYM_5, SQUARE_4, TWO_INDEX, optimum, routing, small_problems, solved
 
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
@@ -22,14 +23,14 @@ DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthC
 @DRAWN
 @given(problem=small_problems(most=3))
 def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
-    visited = {site for table in best_routes(problem) for sites in table for site in sites}
+    visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
 
 
 @settings(DRAWN, max_examples=60)
 @given(problem=small_problems(most=3, hetero=True))
 def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
-    visited = {site for table in best_routes(problem) for sites in table for site in sites}
+    visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
 
 
@@ -37,7 +38,7 @@ def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(pro
 @given(problem=small_problems(most=3, hetero=True))
 def test_sites_are_called_servable_alone_exactly_where_a_route_of_their_own_is_feasible(problem: RoutingProblem) -> None:
     for site, good in zip(problem.customers.tolist(), servable_alone(problem).tolist(), strict=True):
-        assert good == any(route_is_feasible(problem, kind, (site,)) for kind in problem.fleet)
+        assert good == any((site,) in routes(problem, vehicle) for vehicle in problem.fleet)
 
 
 @DRAWN

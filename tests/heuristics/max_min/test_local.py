@@ -13,7 +13,7 @@ from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.stop import Stop
-from waybound.heuristics.heuristic import HEURISTICS, Outcome, Setting
+from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.sensing.graph import graph_of_edges
 from waybound.solvers.engines.local_max_min.arrays import local_shares
@@ -25,8 +25,8 @@ def run(problem: Any, published: list[Any] | None = None, stopped: bool = False,
     stop = Stop()
     if stopped:
         stop.ask()
-    setting = Setting(np.random.default_rng(1), 10.0, None, keep.append, stop, AnsweredBy(lambda program, seconds: None))
-    return HEURISTICS["local"].run(problem, setting, **{"ball": False, **options})
+    context = Context(np.random.default_rng(1), 10.0, None, keep.append, stop, AnsweredBy(lambda program, seconds: None))
+    return HEURISTICS["local"].run(problem, context, **{"ball": False, **options})
 
 
 def shares_of(name: str) -> BottleneckSATA:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from sata_cases import CASES
-from selection_problems import CONSTRAINTS, KINDS, cover_30, optimum, random_problem, setting
+from selection_problems import CONSTRAINTS, KINDS, context, cover_30, optimum, random_problem
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -69,7 +69,7 @@ def test_without_a_solved_lp_there_is_no_answer() -> None:
         def solve(self, *_: Any, **__: Any) -> RawResult:
             return RawResult("unknown", limit="time", answer=np.zeros(91))
 
-    late = replace(setting(), linear=Late())
+    late = replace(context(), linear=Late())
     outcome = HEURISTICS["lp-rounding"].run(cover_30(6), late)
     assert outcome.answer is None and outcome.evidence == ()
     assert "the LP was not solved in time" in outcome.message

@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Setting
+from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.linear_programs import LinearPrograms
 
-SETTING = Setting(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, LinearPrograms())
+CONTEXT = Context(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, LinearPrograms())
 
 
 def run(problem: RoutingProblem, **parameters: float) -> Routes:
-    answer = HEURISTICS["savings"].run(problem, SETTING, **parameters).answer
+    answer = HEURISTICS["savings"].run(problem, CONTEXT, **parameters).answer
     assert isinstance(answer, Routes)
     return answer
 
@@ -81,13 +81,13 @@ def test_routes_are_joined_at_a_loss_while_the_fleet_is_too_small() -> None:
 def test_a_fleet_too_small_is_said() -> None:
     problem = problem_of(np.random.default_rng(5), 20, windows=True, limit=False)
     tight = RoutingProblem(problem.sites, problem.travel, (VehicleType(count=1, capacity=25),))
-    assert "for a fleet of 1" in HEURISTICS["savings"].run(tight, SETTING).message
+    assert "for a fleet of 1" in HEURISTICS["savings"].run(tight, CONTEXT).message
 
 
 @pytest.mark.parametrize("shape", [0, -1, math.nan, math.inf, "wide"])
 def test_a_shape_out_of_range_is_refused(shape: object) -> None:
     with pytest.raises(UsageError, match="shape"):
-        HEURISTICS["savings"].run(problem_of(np.random.default_rng(1), 3, windows=False, limit=False), SETTING, shape=shape)
+        HEURISTICS["savings"].run(problem_of(np.random.default_rng(1), 3, windows=False, limit=False), CONTEXT, shape=shape)
 
 
 # -- large instances, and being cut short ------------------------------------------------------------------------------
@@ -104,10 +104,10 @@ def scattered(n: int, seed: int = 1, matrix: bool = False, **fleet: Any) -> Rout
 @pytest.mark.parametrize("fleet", [{"count": 1}, {"capacity": 40.0}, {"max_distance": 4000.0}, {"capacity": 40.0, "count": 80}])
 def test_joins_of_near_sites_are_nearly_as_good_as_all(fleet: dict[str, Any], matrix: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = scattered(500, matrix=matrix, **fleet)
-    plain = HEURISTICS["savings"].run(problem, SETTING)
+    plain = HEURISTICS["savings"].run(problem, CONTEXT)
     monkeypatch.setattr("waybound.heuristics.routing.savings.ALL_PAIRS", 100)
     monkeypatch.setattr("waybound.heuristics.routing.savings.NEIGHBOURS", 20)
-    near = HEURISTICS["savings"].run(problem, SETTING)
+    near = HEURISTICS["savings"].run(problem, CONTEXT)
     judged = problem.evaluate(near.answer)
     assert judged.feasible
     assert judged.values[0] <= 1.02 * problem.evaluate(plain.answer).values[0]
@@ -117,7 +117,7 @@ def test_joins_of_near_sites_are_nearly_as_good_as_all(fleet: dict[str, Any], ma
 def test_many_sites_need_no_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = scattered(5_000, capacity=200.0)
     monkeypatch.setattr(Travel, "distances", property(lambda self: pytest.fail("all distances")))
-    outcome = HEURISTICS["savings"].run(problem, SETTING)
+    outcome = HEURISTICS["savings"].run(problem, CONTEXT)
     assert problem.evaluate(outcome.answer).feasible
     assert 100 < len(outcome.answer) < 200
 
@@ -125,19 +125,19 @@ def test_many_sites_need_no_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_more_sites_than_there_is_memory_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("waybound.instances.memory.available", lambda: 1e6)
     with pytest.raises(UsageError, match=r"savings for 2,500 sites needs 14 MiB, more than there is"):
-        HEURISTICS["savings"].run(scattered(2_500), SETTING)
+        HEURISTICS["savings"].run(scattered(2_500), CONTEXT)
 
 
 @pytest.mark.parametrize("n", [300, 3_000])
 def test_cut_short_it_has_joined_fewer_routes(n: int) -> None:
     problem = scattered(n, capacity=100.0)
-    outcome = HEURISTICS["savings"].run(problem, replace(SETTING, seconds=0.0))
+    outcome = HEURISTICS["savings"].run(problem, replace(CONTEXT, time_limit=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert outcome.limit == "time" and "routes were left" in outcome.message
 
 
 def test_cut_short_a_lone_vehicle_still_drives_a_tour() -> None:
     problem = scattered(3_000, count=1)
-    outcome = HEURISTICS["savings"].run(problem, replace(SETTING, seconds=0.0))
+    outcome = HEURISTICS["savings"].run(problem, replace(CONTEXT, time_limit=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert len(outcome.answer) == 1 and outcome.limit == "time"

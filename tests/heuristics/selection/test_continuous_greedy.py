@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from selection_problems import KINDS, cover_30, cover_tight, half_tight, only_evidence, optimum, random_problem, run, setting, value
+from selection_problems import KINDS, context, cover_30, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -61,7 +61,7 @@ def test_it_is_deterministic() -> None:
 
 
 def test_without_time_there_is_an_answer_but_no_guarantee() -> None:
-    outcome = HEURISTICS["continuous-greedy"].run(cover_30(6), setting(seconds=0.0), steps=1_000_000)
+    outcome = HEURISTICS["continuous-greedy"].run(cover_30(6), context(seconds=0.0), steps=1_000_000)
     assert cover_30(6).evaluate(outcome.answer).feasible and len(outcome.answer) == 6
     assert outcome.guarantee is None
     assert "the time was up" in outcome.message

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import (
     KINDS,
+    context,
     cover_30,
     cover_30_sets,
     cover_tight,
@@ -20,7 +21,6 @@ from selection_problems import (
     optimum,
     random_problem,
     run,
-    setting,
     value,
 )
 
@@ -299,7 +299,7 @@ def test_a_slow_function_ends_at_the_time_limit_without_a_guarantee(heuristic: s
     n = 150 if heuristic == "brute-force" else 200
     f = UserFunction(slow_roots, n, monotone=True, submodular=True)
     problem = SubmodularSelection(f, constraint)
-    outcome = HEURISTICS[heuristic].run(problem, setting(seconds=0.05))
+    outcome = HEURISTICS[heuristic].run(problem, context(seconds=0.05))
     assert problem.evaluate(outcome.answer).feasible
     assert outcome.guarantee is None
     assert "the time was up" in outcome.message

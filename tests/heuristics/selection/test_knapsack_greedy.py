@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from selection_problems import KINDS, cover_tight, only_evidence, optimum, random_problem, run, setting, value
+from selection_problems import KINDS, context, cover_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -105,7 +105,7 @@ def test_the_time_limit_lowers_what_is_promised() -> None:
     f = Coverage.from_sets([rng.integers(0, 500, 50) for _ in range(400)], rng.random(500))
     problem = SubmodularSelection(f, Knapsack(rng.uniform(1, 2, 400), 60.0))
     run("knapsack-greedy", problem, enumerate=0)  # compiled by now
-    outcome = HEURISTICS["knapsack-greedy"].run(problem, setting(seconds=0.2), enumerate=3)
+    outcome = HEURISTICS["knapsack-greedy"].run(problem, context(seconds=0.2), enumerate=3)
     assert problem.evaluate(outcome.answer).feasible and len(outcome.answer) > 0
     assert outcome.statistics["enumerate"] < 2
     assert outcome.guarantee is not None and outcome.guarantee.ratio == pytest.approx(2 / E)
@@ -115,7 +115,7 @@ def test_the_time_limit_lowers_what_is_promised() -> None:
 
 def test_before_the_first_filling_nothing_is_promised() -> None:
     problem = sums([1.0, 2.0], [1.0, 1.0], 1.0)
-    outcome = HEURISTICS["knapsack-greedy"].run(problem, setting(seconds=0.0))
+    outcome = HEURISTICS["knapsack-greedy"].run(problem, context(seconds=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert (outcome.guarantee, outcome.limit) == (None, "time")
 

@@ -7,7 +7,6 @@ import math
 import pytest
 
 import waybound as wb
-from waybound.formulations.problem import problem_from_instance
 from waybound.reports.ratios.guarantees import FALSE_ALARM, GuaranteePlan, hoeffding_margin, run_plan
 from waybound.reports.ratios.judging import Configuration, judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
@@ -165,33 +164,3 @@ def test_an_optimum_that_does_not_hold_up_is_a_fault(measured, monkeypatch):
     report = measured("greedy")
     assert kinds(report) == {"optimum"}
     assert report.num_faults == 40
-
-
-@pytest.mark.parametrize("kind", ["bottleneck-lp", "winner-takes-all", "max-min-lp", "selection"])
-def test_every_kind_of_instance_is_written_and_read_back(kind, tmp_path):
-    from waybound.instances.writing import write_instance
-    from waybound.reports.ratios import max_min_families as graphs
-    from waybound.reports.ratios import selection_families as random
-    from waybound.reports.ratios.violations import instance_of, instance_text
-
-    problem = {
-        "bottleneck-lp": graphs.random_families()[3], "winner-takes-all": random.random_assignments(),
-        "max-min-lp": graphs.random_programs(),
-        "selection": random.random_families("knapsack")[2],
-    }[kind].case(5, 1).problem  # fmt: skip
-    path = tmp_path / "instance.json"
-    write_instance(instance_of(problem, "something is wrong here"), path)
-    again = wb.read(path)
-    assert again.problem == kind
-    assert again.digest() == problem.digest()
-    assert any("something is wrong here" in note for note in again.notes)
-    assert "something is wrong here" in instance_text(problem, "something is wrong here")
-    assert problem_from_instance(instance_of(problem)).digest() == problem.digest()
-
-
-def test_a_users_function_has_no_file_and_says_so():
-    from waybound.reports.ratios.violations import instance_of, instance_text
-
-    problem = random_families("cardinality")[-1].case(1, 1).problem
-    assert instance_of(problem) is None
-    assert "cannot be written" in instance_text(problem)

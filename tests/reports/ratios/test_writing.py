@@ -8,8 +8,7 @@ import math
 import pytest
 
 from waybound.instances.errors import UsageError
-from waybound.reports.ratios.study import STUDIES, Fault, Report, StudySetting, thinned
-from waybound.reports.ratios.violations import summary_lines
+from waybound.reports.ratios.study import STUDIES, Fault, Report, StudySetting
 from waybound.reports.ratios.writing import check_folder, csv_text, markdown, write_report
 from waybound.reports.tables.table import Column, Table
 
@@ -63,16 +62,6 @@ def test_figures_are_the_same_for_the_same_report(report):
     assert first == png(figure)
 
 
-def test_figures_hold_every_configuration_and_family():
-    from matplotlib.figure import Figure
-
-    report = STUDIES["sequential-greedy"](StudySetting(24))
-    canvas = Figure()
-    report.figures[0].draw(canvas)
-    assert [panel.get_title() for panel in canvas.axes] == ["in order", "reversed", "random order"]
-    assert [label.get_text() for label in canvas.axes[0].get_yticklabels()] == list(dict.fromkeys(r["family"] for r in report.rows))
-
-
 def test_ratios_beyond_what_can_be_drawn_do_not_stop_the_figure(report):
     from waybound.reports.ratios.figures import ratio_figure
     from waybound.reports.ratios.writing import png
@@ -88,12 +77,3 @@ def test_a_folder_that_cannot_be_made_is_refused_before_anything_runs(tmp_path):
         check_folder(tmp_path / "file")
     check_folder(tmp_path / "new" / "folder")
     assert not (tmp_path / "new").exists()
-
-
-def test_common_faults_do_not_hide_rare_ones():
-    faults = [Fault("ratio", f"r{k}", None, "a") for k in range(50)] + [Fault("bound", "b", None, "a")]
-    kept = thinned(faults)
-    assert [fault.message for fault in kept] == ["r0", "r1", "r2", "b"]
-    lines = summary_lines(kept, [None, "file.json", None, None], 51)
-    assert lines[1] == "ratio: r1; instance in file.json"
-    assert lines[-1] == "and 47 more"

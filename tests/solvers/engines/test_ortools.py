@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import pytest
-from small_routing import optimum, small
+from exact_routing import best_values
+from small_routing import small
 
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
@@ -53,7 +54,7 @@ def test_it_asks_for_a_process_because_it_holds_the_global_lock() -> None:
 def test_options_of_the_library_are_taken_by_name(extra) -> None:
     problem = small("capacity", 0, "round")
     result = ORTools().run(problem, Options(time_limit=1, iterations=100, extra=extra), Control())
-    assert problem.evaluate(result.answer).values == pytest.approx(optimum(problem))
+    assert problem.evaluate(result.answer).values == pytest.approx(best_values(problem))
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from program_text import expected, written
 from sata_cases import CASES, dense_weights, random_graph, selections
 from scipy.optimize import linprog
 
@@ -221,3 +222,64 @@ def test_there_is_one_form_and_no_other_family_takes_it():
         problem.compile("strong-linearisation")
     with pytest.raises(UsageError, match="unknown form"):
         problem.compile("no-such-form")
+
+
+# -- from text to text ------------------------------------------------------------------------------------------------
+
+ROBOTS = """
+    # problem: {}
+    robot,action,target,weight
+    r,left,t,5
+    r,right,u,3
+    s,stay,t,2
+    s,stay,u,1
+"""
+
+
+@pytest.mark.parametrize(
+    ("problem", "domain"),
+    [("bottleneck", "x[left], x[right], x[stay] binary"), ("bottleneck-lp", "0 <= x[left], x[right], x[stay] <= 1")],
+)
+def test_max_min_from_text_to_text(problem, domain, tmp_path):
+    assert written(ROBOTS.format(problem), "max-min", tmp_path) == expected(
+        f"""
+        max-min, exact
+        max w
+        robot[r]: x[left] + x[right] <= 1
+        robot[s]: x[stay] <= 1
+        target[t]: 5 x[left] + 2 x[stay] - w >= 0
+        target[u]: 3 x[right] + x[stay] - w >= 0
+        {domain}
+        w >= 0
+        """
+    )
+
+
+MATRICES = """
+    {"waybound": 1, "kind": "max-min", "name": "tiny", "problem": "max-min-lp", "sense": "%s", "variables": ["a", "b"],
+     "packing": {"rows": 1, "row": [0, 0], "variable": [0, 1], "value": [1, 2]},
+     "covering": {"rows": 2, "row": [0, 1, 1], "variable": [0, 0, 1], "value": [3, 1, 4]}}
+"""
+
+
+def test_w_stands_below_the_covering_rows_of_a_maximum_and_above_the_packing_rows_of_a_minimum(tmp_path):
+    assert written(MATRICES % "max", "max-min", tmp_path, ".json") == expected(
+        """
+        max-min, exact
+        max w
+        packing[1]: x[a] + 2 x[b] <= 1
+        covering[1]: 3 x[a] - w >= 0
+        covering[2]: x[a] + 4 x[b] - w >= 0
+        x[a], x[b], w >= 0
+        """
+    )
+    assert written(MATRICES % "min", "max-min", tmp_path, ".json") == expected(
+        """
+        max-min, exact
+        min w
+        packing[1]: x[a] + 2 x[b] - w <= 0
+        covering[1]: 3 x[a] >= 1
+        covering[2]: x[a] + 4 x[b] >= 1
+        x[a], x[b], w >= 0
+        """
+    )

@@ -29,7 +29,7 @@ from waybound.formulations.routing.objective import LongestRoute, Reward, TotalC
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import InputError, UnsupportedError
-from waybound.instances.routing.instance import Energy, VehicleType
+from waybound.instances.routing.instance import Energy
 
 DRAWN = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 PLACES: dict[str, dict[str, Any]] = {
@@ -131,13 +131,6 @@ def test_windows_alone_need_two_vehicles(form: str) -> None:
     agrees(routing(xy=SQUARE_4, sites=dict(TW_4), count=2), form, 22.0)
 
 
-def test_a_late_departure_saves_elapsed_time_but_not_from_a_fixed_start() -> None:
-    """Route 2-3-1 lasts 17 from the latest departure and 18 from the opening of the depot."""
-    for store, charge, expected in ((17, "elapsed", 22.0), (16.9, "elapsed", 24.0), (17, "elapsed-fixed-start", 24.0)):
-        agrees(routing(xy=SQUARE_4, sites=dict(TW_4), count=4, energy=Energy(store, 1.0, charge)), "three-index", expected)
-    agrees(routing(xy=SQUARE_4, sites=dict(TW_4), count=4, max_duration=17.0), "three-index", 22.0)
-
-
 def test_charges_are_ordered_from_loosest_to_strictest() -> None:
     order = ("travel", "elapsed", "elapsed-fixed-start", "windows")
     for store in (12, 14, 16, 17, 18, 23):
@@ -224,16 +217,6 @@ def test_open_routes_between_two_depots(form: str) -> None:
     sites = {"depot": [True, False, False, True], "demand": [0, 1, 1, 0]}
     agrees(routing(xy=xy, sites=sites, start=0, end=3, count=2, capacity=2), form, 3.0)
     agrees(routing(xy=xy, sites=sites, start=0, end=3, count=2, capacity=1), form, 6.0)
-
-
-def test_three_index_gives_each_type_its_own_depot() -> None:
-    xy = np.array([(0, 0), (1, 0), (9, 0), (10, 0)], dtype=float)
-    sites = {"depot": [True, False, False, True]}
-    fleet = (VehicleType(count=1, start=0, end=0, name="west"), VehicleType(count=1, start=3, end=3, name="east"))
-    problem = routing(xy=xy, sites=sites, fleet=fleet)
-    agrees(problem, "three-index", 4.0)
-    made = problem.compile("three-index")
-    assert {r.vehicle: r.visits for r in made.decode(solved(made.program)[2])} == {0: (1,), 1: (2,)}
 
 
 # -- points that are no answers --------------------------------------------------------------------------------------

@@ -18,9 +18,9 @@ from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import InputError
 from waybound.instances.selection.constraints import Cardinality, PartitionMatroid
-from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
+from waybound.instances.selection.functions import Coverage, FacilityLocation
 from waybound.instances.sensing.graph import graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.bounds import BOUNDS
@@ -158,22 +158,6 @@ def test_names_are_those_of_robots_actions_and_targets():
     assert levels.row_name(2) == "level[t,1]"
 
 
-def test_levels_are_the_different_weights_of_an_item():
-    weights = np.array([[3.0, 0.0], [1.0, 2.0], [3.0, 2.0]])
-    program = SubmodularSelection(DenseFacilityLocation(weights), Cardinality(1)).compile("facility-location").program
-    assert program.cost[3:].tolist() == [1.0, 2.0, 2.0]
-    dense = program.matrix.toarray()[1:]
-    assert dense.tolist() == [[0, -1, 0, 1, -1, 0], [-1, 0, -1, 0, 1, 0], [0, -1, -1, 0, 0, 1]]
-
-
-def test_coverage_has_one_row_an_item():
-    problem = cover_30(6)
-    program = problem.compile("facility-location").program
-    covered = len(np.unique(problem.function.indices))
-    assert program.num_rows == 1 + covered
-    assert solved(program).objective == pytest.approx(142.0)
-
-
 def test_items_that_nobody_serves_and_elements_that_serve_nothing_are_allowed():
     function = FacilityLocation(np.array([0, 0, 1], np.int32), np.array([1], np.int32), np.array([2.0]), 3)
     problem = SubmodularSelection(function, Cardinality(1))
@@ -202,11 +186,6 @@ def test_the_default_form_is_linear_and_the_product_is_last():
     problem = cover_30(3)
     assert problem.forms() == ["facility-location", "strong-linearisation", "weak-linearisation", "product"]
     assert problem.compile().form == "facility-location"
-
-
-def test_the_product_form_has_no_linear_relaxation():
-    with pytest.raises(UsageError, match="not linear"):
-        cover_30(3).compile("product", relax=True)
 
 
 def test_fractional_points_choose_nothing():

@@ -1,0 +1,43 @@
+"""Evidence, reasons and guarantees travel as JSON, infinity included."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from waybound.formulations.evidence import Evidence, Guarantee, Reason
+
+
+@pytest.mark.parametrize("value", [12.5, -1e300, math.inf, -math.inf, 5e-324])
+def test_evidence_comes_back_the_same_from_json_that_knows_no_infinity(value: float) -> None:
+    given = Evidence("item-prices", "a linear program", value, {"prices": [0.5, 1.0]})
+    text = json.dumps(given.to_json(), allow_nan=False)
+    assert Evidence.from_json(json.loads(text)) == given
+
+
+@pytest.mark.parametrize("missing", ["kind", "source", "value", "data"])
+def test_evidence_without_one_of_its_keys_is_none(missing: str) -> None:
+    data = Evidence("k", "s", 1.0, {}).to_json()
+    del data[missing]
+    with pytest.raises(KeyError):
+        Evidence.from_json(data)
+
+
+def test_what_is_read_does_not_share_the_data_of_its_source() -> None:
+    data = {"kind": "k", "source": "s", "value": 1, "data": {"a": 1}}
+    made = Evidence.from_json(data)
+    made.data["a"] = 2
+    assert data["data"] == {"a": 1} and made.value == 1.0
+
+
+def test_a_reason_tells_its_evidence_or_none() -> None:
+    proof = Evidence("infeasible-site", "reach", math.inf, {"site": "a"})
+    assert Reason("site", "a", "nobody gets there", proof).to_json()["evidence"] == proof.to_json()
+    assert Reason("row", "fleet", "x <= 1").to_json() == {"kind": "row", "where": "fleet", "message": "x <= 1", "evidence": None}
+
+
+def test_a_guarantee_lists_its_assumptions() -> None:
+    made = Guarantee(2.0, "at least half", ("monotone", "submodular"), "a theorem").to_json()
+    assert made == {"ratio": 2.0, "statement": "at least half", "assumptions": ["monotone", "submodular"], "source": "a theorem"}

@@ -1,0 +1,86 @@
+"""Writing of TSPLIB-like text: what is written, and what the format has no word for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waybound.instances.errors import UsageError
+from waybound.instances.routing.formats._tsplib_writer import write
+from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+
+XY = np.array([(0, 0), (3, 0), (0, 4.5)], dtype=float)
+
+
+def instance(
+    vehicle: VehicleType | None = None, problem: str = "cvrp", travel: Travel | None = None, name: str = "tiny", **sites: Any
+) -> RoutingInstance:  # fmt: skip
+    travel = travel or Travel("EUC_2D", XY)
+    places = Sites.of(list(sites.pop("ids", "123")), coordinates=None if travel.metric == EXPLICIT else XY, **sites)
+    return RoutingInstance(name, "json", places, travel, (vehicle or VehicleType(),), problem)
+
+
+def test_every_section_of_a_vrptw_is_written() -> None:
+    made = instance(VehicleType(2, 7.5, max_duration=90), demand=[0, 2, 1.5], service=[0, 10, 10], ready=[0, 1, 2], due=[90, 50.25, 60])
+    assert write(made) == (
+        "NAME : tiny\nTYPE : VRPTW\nDIMENSION : 3\nEDGE_WEIGHT_TYPE : EUC_2D\nVEHICLES : 2\nCAPACITY : 7.5\nDISTANCE : 90\n"
+        "NODE_COORD_SECTION\n1 0 0\n2 3 0\n3 0 4.5\n"
+        "DEMAND_SECTION\n1 0\n2 2\n3 1.5\n"
+        "SERVICE_TIME_SECTION\n1 0\n2 10\n3 10\n"
+        "TIME_WINDOW_SECTION\n1 0 90\n2 1 50.25\n3 2 60\n"
+        "DEPOT_SECTION\n1\n-1\nEOF\n"
+    )
+
+
+def test_a_tour_over_a_matrix_is_an_atsp_where_directions_differ() -> None:
+    matrix = np.array([[0, 1, 2], [3, 0, 4], [5, 6, 0]], dtype=float)
+    made = instance(VehicleType(1), "tsp", Travel(EXPLICIT, matrix=matrix))
+    assert write(made) == (
+        "NAME : tiny\nTYPE : ATSP\nDIMENSION : 3\nEDGE_WEIGHT_TYPE : EXPLICIT\nEDGE_WEIGHT_FORMAT : FULL_MATRIX\n"
+        "EDGE_WEIGHT_SECTION\n0 1 2\n3 0 4\n5 6 0\nEOF\n"
+    )
+    assert "TYPE : TSP\n" in write(instance(VehicleType(1), "tsp", Travel(EXPLICIT, matrix=matrix + matrix.T)))
+
+
+def test_the_depot_is_told_by_its_node() -> None:
+    assert write(instance(VehicleType(None, 5, start=2, end=2), depot=[False, False, True])).endswith("DEPOT_SECTION\n3\n-1\nEOF\n")
+
+
+LOADED = VehicleType(None, 5)
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (lambda: instance(LOADED, travel=Travel("euclidean", XY)), "has no euclidean distances without rounding"),
+        (lambda: instance(LOADED, travel=Travel("EUC_2D", XY, convention="exact")), "its convention is exact"),
+        (lambda: instance(LOADED, ids="012"), "nodes must be numbered 1, 2, 3"),
+        (lambda: instance(LOADED, name="two\nlines"), "its name is no single line"),
+        (lambda: instance(LOADED, name=" "), "its name is no single line"),
+        (lambda: instance(LOADED, due=[9, 9, math.inf]), "every site needs a due date if one has it"),
+        (lambda: instance(VehicleType(1, 5), "tsp"), "a TSP has no windows, service, loads"),
+        (lambda: instance(VehicleType(1), "tsp", service=[0, 1, 0]), "a TSP has no windows, service, loads"),
+        (lambda: instance(VehicleType(1, start=1, end=1), "tsp", depot=[False, True, False]), "its first node is the depot"),
+        (lambda: instance(VehicleType(2), "tsp"), "a TSP has one vehicle without a limit"),
+        (lambda: instance(VehicleType(1, max_duration=9), "tsp"), "a TSP has one vehicle without a limit"),
+        (lambda: instance(), "the format needs a capacity"),
+        (lambda: instance(VehicleType(), demand=[0, 1, 1]), "the format needs a capacity"),
+        (lambda: instance(LOADED, name="mine-k7"), "the end of its name would be read as a limit"),
+        (lambda: instance(VehicleType(None, 5, max_distance=3)), "no place for max-distance"),
+    ],
+)
+def test_what_the_format_has_no_word_for_is_refused(made: Any, words: str) -> None:
+    with pytest.raises(UsageError, match=words) as caught:
+        write(made())
+    assert "cannot be written as vrplib" in str(caught.value) and "use json" in str(caught.value)
+
+
+def test_a_name_with_a_fleet_is_written_where_that_is_what_it_means() -> None:
+    """With a limit of its own, and in set X, where the number is none."""
+    assert "VEHICLES : 7" in write(instance(VehicleType(7, 5), name="mine-k7"))
+    assert "VEHICLES" not in write(replace(instance(LOADED), name="X-n3-k7"))

@@ -1,0 +1,65 @@
+"""What a mission is without a word of its own: one team, no rules, no pictures, values that add up."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from waybound.reports.missions.mission import MISSIONS, Decision, Mission, Scene
+
+
+class Idle(Mission):
+    """Decides nothing."""
+
+    name, summary, headline = "idle", "for tests", "seen"
+
+    def world(self, seed: int, **settings: Any) -> Any:
+        return None
+
+    def problem(self, observation: Any) -> None:
+        return None
+
+    def actions(self, observation: Any, problem: Any, answer: Any) -> dict[int, Any]:
+        return {}
+
+
+class Seen(Idle):
+    def scene(self, world: Any) -> Scene | None:
+        return None
+
+
+def test_all_decide_together_and_by_no_rule() -> None:
+    mission, view = Idle(), object()
+    assert list(mission.teams(view)) == [view]
+    assert mission.policies() == {} and mission.measures([], None) == {} and mission.scene(None) is None  # type: ignore[arg-type]
+
+
+def test_values_of_teams_are_added_up_without_a_rounding_lost() -> None:
+    assert Idle().total([0.1] * 10) == 1.0 == math.fsum([0.1] * 10)
+    assert Idle().total([]) == 0.0
+
+
+def test_a_mission_that_can_draw_says_so() -> None:
+    assert not Idle().drawable and Seen().drawable
+
+
+def test_a_step_in_which_nothing_was_decided_has_no_answer() -> None:
+    assert Decision("view", None, None).answer is None
+
+
+def test_a_mission_that_cannot_begin_decide_or_act_is_none() -> None:
+    for missing in ("world", "problem", "actions"):
+        with pytest.raises(TypeError, match=missing):
+            type("Half", (Idle,), {missing: getattr(Mission, missing)})()
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_every_mission_says_what_it_is_and_begins_with_its_defaults(name: str) -> None:
+    mission = MISSIONS[name]()
+    assert mission.name == name and mission.summary and "\n" not in mission.summary and mission.headline
+    world = mission.world(1)
+    assert mission.headline in world.metrics()
+    assert all(setting.help for setting in mission.settings.values())
+    assert mission.drawable == (mission.scene(world) is not None)

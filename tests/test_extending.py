@@ -1,0 +1,33 @@
+"""What a package outside waybound imports is one module, which names all that it gives."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import waybound.extending as extending
+from waybound.instances.registry import Registry
+
+
+def test_every_name_is_there_and_nothing_else_is_public() -> None:
+    public = {name for name in vars(extending) if not name.startswith("_") and name != "annotations"}
+    assert public == set(extending.__all__)
+
+
+def registries() -> dict[str, Registry[Any]]:
+    found = {name: getattr(extending, name) for name in extending.__all__}
+    return {name: entry for name, entry in found.items() if isinstance(entry, Registry)}
+
+
+def test_every_registry_is_on_the_page_with_its_group_of_entry_points() -> None:
+    page = (Path(__file__).resolve().parents[1] / "docs" / "extending.md").read_text(encoding="utf-8")
+    assert len(registries()) >= 9
+    for registry in registries().values():
+        assert f"`{registry.group}`" in page
+
+
+def test_an_entry_of_each_registry_can_be_added_for_a_while_and_is_gone_afterwards() -> None:
+    for registry in registries().values():
+        with registry.temporary("added-by-a-test", object()):
+            assert "added-by-a-test" in registry
+        assert "added-by-a-test" not in registry

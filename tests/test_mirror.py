@@ -1,0 +1,95 @@
+"""Tests mirror the code: the tests of ``formulations/selection/x.py`` are in ``tests/formulations/selection/test_x.py``."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).resolve().parent
+ROOT = TESTS.parent
+FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "waybound")
+
+KERNELS = {
+    "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
+    "heuristics/selection/greedy_steps/bottleneck": "heuristics/selection/greedy",
+    "heuristics/selection/greedy_steps/enumeration": "heuristics/selection/brute_force",
+    "heuristics/selection/greedy_steps/filling": "heuristics/selection/knapsack_greedy",
+    "heuristics/selection/greedy_steps/loops": "heuristics/selection/greedy_steps/picking",
+    "solvers/bounds/selection/gain_kernels": "solvers/bounds/selection/growing_sets",
+    "solvers/engines/local_max_min/cleaning_kernels": "solvers/engines/local_max_min/cleaning",
+    "solvers/engines/local_max_min/lane_kernels": "solvers/engines/local_max_min/level_kernels",
+    "solvers/engines/local_max_min/layer_kernels": "solvers/engines/local_max_min/arrays",
+    "solvers/engines/local_max_min/level_kernels": "solvers/engines/local_max_min/search",
+    "solvers/engines/saddle_steps/descent_kernels": "solvers/engines/saddle_steps/game",
+    "solvers/engines/saddle_steps/regret_kernels": "solvers/engines/saddle_steps/regret",
+}
+"""Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
+
+ELSEWHERE = {
+    "solvers/engines/local_max_min/robot": "solvers/engines/local_max_min/test_messages.py",  # a robot alone has nobody to talk to
+    "waybound/_version": "test_packaging.py",  # one line
+    "waybound/_guard": "conformance/test_imports.py",  # one line, which fails where it must: in other processes
+}
+"""Modules without a test of their own, and where they are tested."""
+
+STUDIES = "reports/ratios/studies/"
+"""A study is a table of what is to be run; ``tests/ratios`` runs every one that is registered, against its literature."""
+
+
+def modules() -> Iterator[Path]:
+    """Every module of every floor but packages, relative to the root."""
+    for floor in FLOORS:
+        for path in sorted((ROOT / floor).rglob("*.py")):
+            links = any(part.is_symlink() for part in (path, *path.parents))
+            if not links and not path.name.startswith("__"):
+                yield path.relative_to(ROOT)
+
+
+def mirrored(module: Path) -> Path:
+    """Where its test belongs, relative to ``tests``; the face stands at the root of the tests, and a leading _ is no part of a name."""
+    place = module.relative_to("waybound") if module.parts[0] == "waybound" else module
+    return place.parent / f"test_{place.stem.lstrip('_')}.py"
+
+
+def name_of(module: Path) -> str:
+    return module.with_suffix("").as_posix()
+
+
+def test_every_module_has_its_test_where_it_is_mirrored() -> None:
+    known = {*KERNELS, *ELSEWHERE}
+    own = [module for module in modules() if name_of(module) not in known and not name_of(module).startswith(STUDIES)]
+    assert [f"{module} has no tests/{mirrored(module)}" for module in own if not (TESTS / mirrored(module)).exists()] == []
+
+
+def test_no_two_modules_share_a_test() -> None:
+    places = [mirrored(module) for module in modules()]
+    assert len(set(places)) == len(places)
+
+
+@pytest.mark.parametrize("kernels", KERNELS)
+def test_an_exception_is_made_only_for_compiled_loops_whose_caller_has_tests(kernels: str) -> None:
+    caller = KERNELS[kernels]
+    while caller in KERNELS:  # loops that other loops are made of
+        assert kernels.rsplit("/", 1)[1] in (ROOT / f"{caller}.py").read_text()
+        kernels, caller = caller, KERNELS[caller]
+    assert (TESTS / mirrored(Path(f"{caller}.py"))).exists()
+    assert kernels.rsplit("/", 1)[1] in (ROOT / f"{caller}.py").read_text(), f"{caller} does not use {kernels}"
+    for node in ast.parse((ROOT / f"{kernels}.py").read_text()).body:
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            assert node.decorator_list, f"{kernels}.{node.name} is not compiled, and can be tested by itself"
+
+
+@pytest.mark.parametrize("module", ELSEWHERE)
+def test_an_exception_is_made_only_for_modules_that_have_none_and_names_tests_that_are_there(module: str) -> None:
+    assert not (TESTS / mirrored(Path(f"{module}.py"))).exists()
+    assert (TESTS / ELSEWHERE[module]).exists()
+
+
+def test_every_module_of_studies_registers_one_so_that_all_are_run() -> None:
+    for module in modules():
+        if name_of(module).startswith(STUDIES):
+            text = (ROOT / module).read_text()
+            assert any(word in text for word in ("guarantee_study(", "experiment(", "STUDIES.add(")), module
