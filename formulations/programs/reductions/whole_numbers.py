@@ -164,7 +164,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
     row_scale, unit, group = _unimodular(program, row, column, value, whole)
     bounds = np.stack([np.where(fixed, 0.0, program.lower), np.where(fixed, 0.0, program.upper)])
     met = np.where(np.isfinite([given.lower, given.upper]), bounds, 0.0)
-    factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, met / unit), whole, row_scale, group)
+    factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, met / unit), whole, row_scale, unit, group)
     row_factor, unit = row_scale * factor[group[:m]], np.where(whole, 1.0, unit / factor[group[m:]])
     indptr, indices, data, row_lower, row_upper = _rounded_rows(
         program, row, column, value, sides, bounds, whole, row_factor, exact[group[:m]]
@@ -266,7 +266,7 @@ def _forest_scales(
 
 def _group_factors(
     row: Integers, column: Integers, value: Floats, sides: Floats, bounds: Floats, steps: Floats, whole: NDArray[np.bool_],
-    row_scale: Floats, group: Integers,
+    row_scale: Floats, unit: Floats, group: Integers,
 ) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
     """For each group the factor that makes its coefficients, sides and steps whole, or as fine as the errors of its rows ask for.
 
@@ -293,6 +293,7 @@ def _group_factors(
     reach = np.bincount(row[mine], 0.5 * np.abs(bounds).max(axis=0)[column[mine]], minlength=m) + 1.0
     fine = np.zeros(len(factor))
     np.maximum.at(fine, group[:m], reach / (ROW_ERROR * row_scale))
+    np.maximum.at(fine, group[m:], unit / ROW_ERROR)  # and a bound by a step
     return np.where(exact, factor.astype(np.float64), np.exp2(np.ceil(np.log2(np.maximum(fine, 1.0))))), exact
 
 

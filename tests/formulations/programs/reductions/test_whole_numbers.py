@@ -214,3 +214,12 @@ def test_points_are_judged_by_the_bounds_that_were_given():
     most = counted.upper
     assert counted.vector(most)[1] > 1.35  # a step beyond what the row can ask for, which is a bound of ours alone
     assert counted.residual(most) == 0.0
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.001, 4.398])
+def test_a_bound_that_is_no_fraction_is_broken_by_next_to_nothing(coefficient):
+    p = program([1, -1], [[1, coefficient]], -99.1234567, 97.654321, 0, [2, math.e], integer=[0])
+    counted = integer_program(p)
+    assert 0 <= counted.vector(counted.upper)[1] - math.e <= 2 * ROW_ERROR
+    result = BACKENDS["cpsat"]().run(p, Options(), Control())
+    assert (result.status, result.objective) == ("optimal", pytest.approx(-math.e, abs=1e-6))
