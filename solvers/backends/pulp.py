@@ -76,10 +76,11 @@ class PuLP(ProgramBackend):
             with scratch() as folder:
                 result = run_cbc(find_cbc(), program, options, control, folder)
                 left = options.time_limit - (time.perf_counter() - began)
-                # Its preprocessing calls programs infeasible or unbounded that have an optimum.
+                # Its preprocessing calls programs infeasible or unbounded that have an optimum; without it some runs crash.
                 if result.status == "infeasible_or_unbounded" and program.is_integer and left > 0 and not control.stopped:
                     again = replace(options, time_limit=left, extra={**options.extra, "preprocess": "off"})
-                    result = run_cbc(find_cbc(), program, again, control, folder)
+                    second = run_cbc(find_cbc(), program, again, control, folder)
+                    result = result if second.status == "error" else second
             return result
         return _through_pulp(self._solver(options), self.title, program, options)
 
