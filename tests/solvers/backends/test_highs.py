@@ -52,6 +52,7 @@ def test_forms_whose_linear_programs_go_to_the_interior_point_exist() -> None:
     [
         ("presolve", "off", "off"),
         ("mip_max_leaves", "12", 12),
+        ("presolve_rule_off", "4096", 4096),
         ("primal_feasibility_tolerance", "1e-8", 1e-8),
         ("mip_detect_symmetry", "false", False),
     ],
