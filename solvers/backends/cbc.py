@@ -236,7 +236,8 @@ def _said(solution: Path, log: Log, program: Program, options: Options, code: in
         said = file.readline().strip()
     word = said.split()[0].lower() if said.split() else ""
     status = STATUS_MAP.get(word, "error")
-    if status == "infeasible" and log.doubtful:
+    endless = (program.cost != 0) & ~(np.isfinite(program.lower) & np.isfinite(program.upper))
+    if status == "infeasible" and (log.doubtful or endless.any()):  # it calls some unbounded programs infeasible without a doubt
         status = "infeasible_or_unbounded"
     statistics["said"] = said
     if status == "error":

@@ -22,8 +22,9 @@ PRECISION = 1e-9
 PROGRAMS = {
     "CLARABEL": (QUADRATIC | CONES,),
     "SCS": (QUADRATIC | CONES,),
-    "HIGHS": (INTEGERS, QUADRATIC),
+    "HIGHS": (INTEGERS,),
 }
+"""What each solver takes. HiGHS would take quadratic objectives, but what CVXPY 1.9 makes of them has another optimum."""
 
 
 @BACKENDS.register("cvxpy")
@@ -149,8 +150,8 @@ def _said(model: Any, program: Program, options: Options, solver: str, seconds: 
         return RawResult("infeasible" if said == "infeasible" else "infeasible_or_unbounded", statistics=statistics)
     limit, bound, duals = "none", None, None
     if said not in ("optimal", "solver_error"):  # SCS calls what it has at its limit inaccurate
-        late = seconds >= 0.98 * options.time_limit
-        limit = "time" if late or options.iterations is None else "iterations"
+        late, counted = seconds >= 0.98 * options.time_limit, options.iterations is not None or said == "user_limit"
+        limit = "time" if late else "iterations" if counted else "none"
     if program.is_integer and info is not None and abs(info.mip_dual_bound) < 1e30:
         sign = 1.0 if program.sense == "min" else -1.0
         bound = sign * float(info.mip_dual_bound) + program.offset

@@ -131,7 +131,12 @@ def named_options(label: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
     model = highspy.Highs()
     defaults = model.getOptions()
-    made = own_options(label, given, {n: getattr(defaults, n) for n in dir(defaults) if not n.startswith("_")}, COMMON_OPTIONS)
+    known = {name: getattr(defaults, name) for name in dir(defaults) if not name.startswith("_")}
+    for name in given:  # some have no attribute
+        status, value = model.getOptionValue(name)
+        if status == highspy.HighsStatus.kOk:
+            known[name] = value
+    made = own_options(label, given, known, COMMON_OPTIONS)
     model.setOptionValue("output_flag", False)
     for name, value in made.items():
         if model.setOptionValue(name, value) != highspy.HighsStatus.kOk:

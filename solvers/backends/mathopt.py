@@ -17,6 +17,7 @@ import numpy as np
 from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
 from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.reduction import Reduction
+from ...formulations.programs.reductions.separable_objective import SEPARABLE_OBJECTIVE
 from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
@@ -39,6 +40,7 @@ PROGRAMS = {
 REDUCTIONS: dict[str, tuple[Reduction, ...]] = {
     "highs": (LINEAR_PRODUCTS,),
     "cp-sat": (LINEAR_PRODUCTS, WHOLE_VARIABLES),  # it rounds continuous variables without a word
+    "pdlp": (SEPARABLE_OBJECTIVE,),
 }
 
 REASONS = {

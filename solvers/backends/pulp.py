@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -57,21 +58,36 @@ class PuLP(ProgramBackend):
         """Whether CBC is meant."""
         return self.variant.upper() in ("", "CBC", "PULP_CBC_CMD", "COIN_CMD")
 
+    def converted(self, options: Options) -> Options:
+        """See ``Backend.converted``; a solver that PuLP does not know or find is refused whatever the program."""
+        if not self.is_cbc:
+            import pulp
+
+            if self.variant not in pulp.listSolvers():
+                raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}")
+            if self.variant not in _found():
+                raise MissingPackageError(f"PuLP does not find {self.variant} on this machine; found: {', '.join(_found())}")
+        return super().converted(options)
+
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         if self.is_cbc:
+            began = time.perf_counter()
             with scratch() as folder:
-                return run_cbc(find_cbc(), program, options, control, folder)
+                result = run_cbc(find_cbc(), program, options, control, folder)
+                left = options.time_limit - (time.perf_counter() - began)
+                # Its preprocessing calls programs infeasible or unbounded that have an optimum; without it some runs crash.
+                if result.status == "infeasible_or_unbounded" and program.is_integer and left > 0 and not control.stopped:
+                    again = replace(options, time_limit=left, extra={**options.extra, "preprocess": "off"})
+                    second = run_cbc(find_cbc(), program, again, control, folder)
+                    result = result if second.status == "error" else second
+            return result
         return _through_pulp(self._solver(options), self.title, program, options)
 
     def _solver(self, options: Options) -> Any:
         """PuLP's solver object for ``variant``, with those of the common options that it knows."""
         import pulp
 
-        if self.variant not in pulp.listSolvers():
-            raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}")
-        if self.variant not in pulp.listSolvers(onlyAvailable=True):
-            raise MissingPackageError(f"PuLP does not find {self.variant} on this machine; found: {', '.join(_found())}")
         common = {"msg": False, "timeLimit": options.time_limit, "gapRel": options.gap, "threads": options.threads}
         known = inspect.signature(_class(self.variant)).parameters
         extra = dict(options.extra)

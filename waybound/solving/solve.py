@@ -188,7 +188,7 @@ def solve(
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
             elif goal is not None and budget > SECONDS and free_core(threads):
-                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control)
+                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, progress)
         spent = time.perf_counter() - began
         try:
             searched = search(run.go, control, time_limit)
@@ -414,7 +414,10 @@ def _gather(
 
     def find(control: Control) -> RawResult:
         if beside is not None:
-            return RawResult("unknown", answer=beside.found(control))
+            found = beside.found(control, best)
+            run.notes.extend(beside.unable)
+            if not beside.fault:
+                return RawResult("unknown", answer=found)
         found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
