@@ -43,6 +43,8 @@ class ProgramBackend(Backend):
     ----------------
     title : str
         What messages call it; its name by default.
+    engine : str
+        Whose algorithms do the work, so that a second opinion is one: several solvers hand programs to HiGHS. Its name by default.
     programs : tuple of sets of features
         What it takes together (see ``Program.features``): a program's features must be among those of one set.
     only_integers : bool
@@ -53,10 +55,15 @@ class ProgramBackend(Backend):
 
     takes = "program"
     title: str = ""
+    engine: str = ""
     programs: tuple[frozenset[str], ...] = (LINEAR,)
     only_integers: bool = False
     reductions: tuple[Reduction, ...] = ()
     feasible_tolerance: ClassVar[float] = FEASIBLE_TOLERANCE
+
+    def __init__(self, variant: str = "") -> None:
+        super().__init__(variant)
+        self.engine = self.engine or self.label
 
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:

@@ -51,6 +51,7 @@ class CVXPY(ProgramBackend):
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.solver = variant.upper()
+        self.engine = {"CLARABEL": "Clarabel", "SCS": "SCS"}.get(self.solver, "HiGHS")  # without a name, where there are integers
         if self.solver and self.solver not in PROGRAMS:
             raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}")
         if self.solver:

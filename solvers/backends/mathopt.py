@@ -37,6 +37,8 @@ PROGRAMS = {
 }
 """What each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
 
+ENGINES = {"highs": "HiGHS", "gscip": "SCIP", "glop": "GLOP", "cp-sat": "CP-SAT", "pdlp": "PDLP"}
+
 REDUCTIONS: dict[str, tuple[Reduction, ...]] = {
     "highs": (LINEAR_PRODUCTS,),
     "cp-sat": (LINEAR_PRODUCTS, WHOLE_VARIABLES),  # it rounds continuous variables without a word
@@ -84,6 +86,7 @@ class MathOpt(ProgramBackend):
         if chosen and chosen not in PROGRAMS:
             raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}")
         self.solver = chosen
+        self.engine = ENGINES.get(chosen, "SCIP")  # without a name it is SCIP that takes programs with integers
         if chosen:
             self.title, self.programs, self.only_integers = chosen, PROGRAMS[chosen], chosen == "cp-sat"
         self.reductions = REDUCTIONS.get(chosen, ())

@@ -50,6 +50,7 @@ class PuLP(ProgramBackend):
         self.needs_process = not self.is_cbc  # they hear no wish to stop
         if not self.is_cbc:
             self.honours = self.honours - {"iterations"}
+        self.engine = "CBC" if self.is_cbc else variant
         self.title = "CBC" if self.is_cbc else f"{variant} through PuLP"
         self.reductions = (*self.reductions, MINIMISATION if self.is_cbc else ONE_SIDED_ROWS)
 
