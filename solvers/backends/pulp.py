@@ -20,7 +20,7 @@ from ..children import scratch
 from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
 from .cbc import find_cbc, run_cbc
-from .highs import named_options
+from .highs import SOUND, named_options
 
 
 @BACKENDS.register("pulp")
@@ -49,8 +49,14 @@ class PuLP(ProgramBackend):
         self.needs_process = not self.is_cbc  # they hear no wish to stop
         if not self.is_cbc:
             self.honours = self.honours - {"iterations"}
+        self.library = "highspy" if variant == "HiGHS" else None
         self.title = "CBC" if self.is_cbc else f"{variant} through PuLP"
         self.reductions = (*self.reductions, MINIMISATION if self.is_cbc else ONE_SIDED_ROWS)
+
+    @classmethod
+    def available(cls) -> tuple[str, ...]:
+        found = _found()
+        return (cls.name, *(f"{cls.name}:{variant}" for variant in cls.variants if variant in found))
 
     @property
     def is_cbc(self) -> bool:
@@ -80,7 +86,7 @@ class PuLP(ProgramBackend):
 
             # Its scheduler keeps the number of threads of the first run in this thread, and refuses another one.
             highspy.Highs.resetGlobalScheduler(True)
-            extra = {"random_seed": options.seed % (2**31 - 1), **named_options(self.label, extra)}
+            extra = {"random_seed": options.seed % (2**31 - 1), **SOUND, **named_options(self.label, extra)}
         elif not any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values()):
             extra = own_options(self.label, extra, dict.fromkeys(known))
         chosen = {name: value for name, value in common.items() if name in known}
