@@ -230,6 +230,8 @@ def _least_beside(whole: dict[int, int], region: Region, cost: Vector, curved: l
     )  # fmt: skip
     value = sum((cost[j] * v for j, v in whole.items()), ZERO)
     linear = [cost[j] for j in free]
+    if not free and not all(low <= 0 <= high for low, high in zip(within.row_lower, within.row_upper, strict=True)):
+        return None
     if curved is not None:
         value += sum((curved[i][j] * a * b for i, a in whole.items() for j, b in whole.items()), ZERO) / 2
         linear = [c + sum((curved[i][j] * a for i, a in whole.items()), ZERO) for c, j in zip(linear, free, strict=True)]
@@ -237,6 +239,8 @@ def _least_beside(whole: dict[int, int], region: Region, cost: Vector, curved: l
         if any(any(row) for row in bent):
             found = least_convex(linear, bent, within)
             return None if found is None else value + found
+    if not free:
+        return value
     least = within.minimised(linear)
     return None if least.status == "infeasible" else value + least.value
 
