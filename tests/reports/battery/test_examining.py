@@ -105,7 +105,6 @@ def test_highs_is_examined_and_right():
 
 
 def test_a_case_that_ends_the_process_costs_itself_alone(monkeypatch):
-    # The child loads the module afresh, so the death is the solver's: a program name that the work does not know.
     real, deaths = examining.run_in_process, []
 
     def dying(work, options, control):
