@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import plotting
@@ -48,6 +48,28 @@ def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[f
     return found
 
 
+@dataclass(frozen=True)
+class Opinion:
+    """What another solver says of a claim that stands without evidence.
+
+    Parameters
+    ----------
+    solver : str
+    status : str
+        Its own word.
+    objective, bound : float, optional
+        Its own claims, in the units of the program.
+    verdict : str
+        ``agrees``, ``undecided``, ``refutes`` (by an answer that passed every check), or ``is refuted`` (by such an answer).
+    """
+
+    solver: str
+    status: str
+    objective: float | None
+    bound: float | None
+    verdict: str
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """An answer, what is known about it, and how it came about.
@@ -79,6 +101,8 @@ class Solution:
     chain : tuple of Link
         How the problem was written down and what was done to that on the way to the solver: form, reductions, each exact, a relaxation or
         a restriction.
+    opinions : tuple of Opinion
+        What other engines say where the solver's claim of an optimum or of infeasibility stands without evidence.
     faults : tuple of str
         Claims of the solver, and bounds, that contradict the answer. It passed every check all the same; nothing that the solver claims
         is believed then, and a bound that contradicts it is withheld. Empty as it should be.
@@ -103,6 +127,7 @@ class Solution:
     statistics: dict[str, Any] = field(default_factory=dict)
     message: str = ""
     chain: tuple[Link, ...] = ()
+    opinions: tuple[Opinion, ...] = ()
     faults: tuple[str, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:
@@ -166,6 +191,7 @@ class Solution:
             "versions": self.versions,
             "statistics": self.statistics,
             "message": self.message,
+            "opinions": [asdict(opinion) for opinion in self.opinions],
             "faults": list(self.faults),
             "answer": None if self.answer is None else self.problem.answer_to_json(self.answer),
             "certificate": self.certificate.to_json(),
@@ -204,14 +230,22 @@ def status_line(solution: Solution) -> Line:
         precision = EQUAL if s.evaluation is None else s.evaluation.precision
         if s.bound_kind == "verified" and s.gap is not None and s.gap <= precision:
             return Line("status", "optimal: the verified bound meets the objective", "good")
-        return Line("status", f"optimal according to {s.solver}{stopped}", "good")
+        return Line("status", f"optimal according to {s.solver}{_seconded(s)}{stopped}", "good")
     if s.status == "feasible":
         return Line("status", f"feasible{stopped}")
     if s.status == "infeasible" and s.certificate.infeasible:
         return Line("status", f"infeasible, verified: {s.certificate.bound_source}", "bad")
     if s.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
-        return Line("status", f"{s.status.replace('_', ' ')} according to {s.solver}", "bad")
+        return Line("status", f"{s.status.replace('_', ' ')} according to {s.solver}{_seconded(s)}", "bad")
     return Line("status", f"no answer{stopped}" if s.status == "unknown" else f"{s.status}{stopped}", "bad")
+
+
+def _seconded(solution: Solution) -> str:
+    """Who was asked for a second opinion, and says the same; or that nobody does."""
+    agree = [o.solver for o in solution.opinions if o.verdict == "agrees"]
+    if agree:
+        return f" and {', '.join(agree)}"
+    return f" alone: {', '.join(o.solver for o in solution.opinions)} undecided" if solution.opinions else ""
 
 
 def solution_lines(solution: Solution) -> list[Line]:

@@ -12,13 +12,15 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..formulations.evidence import Evidence
+from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
 from ..formulations.programs.reductions.reduction import Chain, Irreducible, Reduction
 from ..formulations.programs.reductions.unique_entries import UNIQUE_ENTRIES
 from ..formulations.programs.reductions.units import UNITS
+from ..formulations.programs.reductions.whole_bounds import WHOLE_BOUNDS
 from ..formulations.programs.soundness import refuse_numbers
 from ..instances.errors import UnsupportedError
-from .backend import BACKENDS, Backend, Control, Options, RawResult
+from .backend import BACKENDS, Backend, Control, Options, RawResult, solver_named
 
 FEASIBLE_TOLERANCE = 1e-5
 """Residual up to which a point that a solver calls feasible, mostly by 1e-6, is handed on; ``solve`` judges it in the problem's words."""
@@ -41,6 +43,8 @@ class ProgramBackend(Backend):
     ----------------
     title : str
         What messages call it; its name by default.
+    engine : str
+        Whose algorithms do the work, so that a second opinion is one: several solvers hand programs to HiGHS. Its name by default.
     programs : tuple of sets of features
         What it takes together (see ``Program.features``): a program's features must be among those of one set.
     only_integers : bool
@@ -53,11 +57,16 @@ class ProgramBackend(Backend):
 
     takes = "program"
     title: str = ""
+    engine: str = ""
     programs: tuple[frozenset[str], ...] = (LINEAR,)
     only_integers: bool = False
     reductions: tuple[Reduction, ...] = ()
     library: str | None = None
     feasible_tolerance: ClassVar[float] = FEASIBLE_TOLERANCE
+
+    def __init__(self, variant: str = "") -> None:
+        super().__init__(variant)
+        self.engine = self.engine or self.label
 
     @classmethod
     def available(cls) -> tuple[str, ...]:
@@ -92,11 +101,12 @@ class ProgramBackend(Backend):
 
     def chain(self, program: Program) -> Chain:
         """The steps from ``program`` to what is searched; raises Irreducible."""
-        return Chain(program).then((UNIQUE_ENTRIES, UNITS, *self.reductions))
+        return _tidied(program).then((UNITS, *self.reductions))
 
     def refusal(self, missing: Iterable[str], program: Program) -> UnsupportedError:
         """That ``program`` cannot be taken, and who can."""
-        return UnsupportedError(self.label, set(missing), takers(program.features(), self.label))
+        able = [name for name in takers(program.features(), self.label) if not solver_named(name).missing(program)]  # type: ignore[attr-defined]
+        return UnsupportedError(self.label, set(missing), able)
 
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
         """Search a program as it is given; all results are in its own units.
@@ -112,7 +122,7 @@ class ProgramBackend(Backend):
         lacking = self.lacking(program)
         if lacking:
             raise self.refusal(lacking, program)
-        result = settled(program)
+        result = settled(_tidied(program).program)
         if result is not None:
             return result
         try:
@@ -128,11 +138,15 @@ class ProgramBackend(Backend):
         result = self._concluded(chain.program, said, relay)
         answer = None if result.answer is None else np.asarray(chain.vector(result.answer), dtype=np.float64)
         objective = None if answer is None else program.value(answer)
+        bound = None if result.bound is None else chain.bound(result.bound)
+        if bound is not None and result.status == "optimal" and chain.exactness is Exactness.EXACT and not _meet(objective, bound):
+            # What is near without a constant need not be near with one.
+            result = replace(result, status="feasible", limit=said.limit if said.limit != "none" else "gap")
         return replace(
             result,
             answer=answer,
             objective=objective if said.objective is None else chain.value(said.objective),
-            bound=None if result.bound is None else chain.bound(result.bound),
+            bound=bound,
             row_duals=None if result.row_duals is None else chain.duals(result.row_duals),
             holds=chain.exactness,
             links=chain.links,
@@ -151,13 +165,13 @@ class ProgramBackend(Backend):
         if options.time_limit <= 0 or control.stopped:
             return "infeasible_or_unbounded"
         bare = replace(program, quadratic=None, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables))
-        again = self.search(bare, replace(options, start=None, iterations=None), _Relay(control, None))
+        again = self.search(bare, replace(options, start=None, iterations=None, extra={}), _Relay(control, None))
         return WITHOUT_OBJECTIVE.get(again.status, "infeasible_or_unbounded")
 
     def _concluded(self, program: Any, said: RawResult, control: Control) -> RawResult:
         """What is true of the solver's last word."""
         if said.status not in ("optimal", "feasible", "unknown"):
-            return replace(said, limit="none" if said.status != "error" else said.limit, answer=None, bound=None)
+            return replace(said, limit="none" if said.status != "error" else said.limit, answer=None, bound=None, row_duals=None)
         status, limit, bound, message = said.status, said.limit, said.bound, said.message
         if limit == "iterations" and program.is_integer:
             limit = "nodes"
@@ -176,11 +190,19 @@ class ProgramBackend(Backend):
         if status == "optimal" and bound is None and not program.is_integer:
             bound = value
         vouched = status == "optimal" and bound is None and said.objective is not None
-        if vouched or (bound is not None and abs(bound - value) <= EQUAL_TOLERANCE * max(1.0, abs(value))):
+        if vouched or _meet(value, bound):
             status, limit = "optimal", "none"
         else:
             status, limit = "feasible", "gap" if status == "optimal" else limit
         return replace(said, status=status, limit=limit, answer=x, bound=bound, message=message)
+
+
+def _tidied(program: Program) -> Chain:
+    return Chain(program).then((UNIQUE_ENTRIES, WHOLE_BOUNDS))
+
+
+def _meet(value: float | None, bound: float | None) -> bool:
+    return value is not None and bound is not None and abs(bound - value) <= EQUAL_TOLERANCE * max(1.0, abs(value))
 
 
 class _Relay(Control):

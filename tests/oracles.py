@@ -55,6 +55,7 @@ def solved(program: Program) -> tuple[str, float, Any]:
     model.setOptionValue("mip_rel_gap", 0.0)
     model.setOptionValue("mip_abs_gap", 0.0)
     model.setOptionValue("threads", 1)
+    model.setOptionValue("presolve_rule_off", 4096)  # HiGHS 1.12 to 1.15 cut optima of tiny routing programs off with it (HiGHS#3090)
     model.run()
     status = model.getModelStatus()
     if status == highspy.HighsModelStatus.kOptimal:

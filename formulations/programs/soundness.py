@@ -9,11 +9,15 @@ import numpy as np
 from ...instances.errors import InputError
 from .program import Floats, Program
 
+SYMMETRIC = 1e-9
+"""Relative difference up to which two quadratic coefficients are the same one."""
+
 
 def refuse_numbers(program: Program) -> None:
     """Raise InputError, naming the place, for numbers that mean nothing.
 
-    A NaN anywhere; an infinite cost, coefficient or constant; a limit that leaves no number; a column that does not exist.
+    A NaN anywhere; an infinite cost, coefficient or constant; a limit that leaves no number; a column that does not exist; two
+    coefficients of one product, for each solver reads but one of them.
     """
     if program.indices.size and (program.indices.min() < 0 or program.indices.max() >= program.num_variables):
         raise InputError("a row names a column that does not exist", expected=f"0 to {program.num_variables - 1}")
@@ -33,6 +37,10 @@ def refuse_numbers(program: Program) -> None:
         raise InputError("the constant of the objective is not a finite number", found=str(program.offset))
     if program.quadratic is not None:
         _refuse_infinite(np.asarray(program.quadratic.data, dtype=np.float64), "quadratic coefficient number", str)
+        skew = abs(program.quadratic - program.quadratic.T)
+        if skew.nnz and skew.max() > SYMMETRIC * abs(program.quadratic).max():
+            i, j = sorted(np.unravel_index(int(skew.argmax()), skew.shape))
+            raise InputError(f"the quadratic part is not symmetric: {program.variable_name(int(i))} times {program.variable_name(int(j))}")
     for block in program.cones:
         _refuse_infinite(np.concatenate([block.data, block.offset]), f"entry of cones {block.name}, number", str)
 

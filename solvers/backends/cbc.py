@@ -135,7 +135,7 @@ class Log:
                 setattr(self, name, int(line.split()[-1]))
 
 
-def run_cbc(cbc: str, program: Program, options: Options, control: Control, folder: Path) -> RawResult:
+def run_cbc(cbc: str, program: Program, options: Options, control: Control, folder: Path, *, preprocess: bool = True) -> RawResult:
     """Solve ``program`` with CBC; see ``ProgramBackend.run``.
 
     Parameters
@@ -144,6 +144,8 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
         Path of the program.
     folder : Path
         An empty one for its files.
+    preprocess : bool
+        Whether CBC may, where the user says nothing of it.
     """
     _check_extra(cbc, options.extra)
     model, solution = folder / "model.mps", folder / "model.sol"
@@ -156,7 +158,7 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
         _write_start(start, options.start)
     log = Log()
     ours, theirs = _terminal()
-    command = _command(cbc, program, options, model, solution, start)
+    command = _command(cbc, program, options, model, solution, start, preprocess)
     with (
         os.fdopen(ours, "rb", 0),
         os.fdopen(theirs, "wb", 0) as end,
@@ -167,7 +169,7 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
     return _said(solution, log, program, options, process.returncode, asked)
 
 
-def _command(cbc: str, program: Program, options: Options, model: Path, solution: Path, start: Path | None) -> list[str]:
+def _command(cbc: str, program: Program, options: Options, model: Path, solution: Path, start: Path | None, preprocess: bool) -> list[str]:
     words: dict[str, Any] = {
         "sec": max(0.01, min(options.time_limit, 1e9)),
         "timeMode": "elapsed",
@@ -175,12 +177,12 @@ def _command(cbc: str, program: Program, options: Options, model: Path, solution
         "randomSeed": options.seed % (2**31 - 1),
         "randomCbcSeed": options.seed % (2**31 - 1),
     }
-    if program.is_integer:
-        words["preprocess"] = "off"  # 2.10.3 loses optima with it: 2 of 1,000 small programs of the battery
     if options.threads > 1:
         words["threads"] = min(options.threads, MOST_THREADS)
     if options.iterations is not None:
         words["maxNodes" if program.is_integer else "maxIterations"] = options.iterations
+    if not preprocess:
+        words["preprocess"] = "off"
     words.update(options.extra)
     line = [cbc, str(model)]
     for name, value in words.items():

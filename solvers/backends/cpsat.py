@@ -50,6 +50,7 @@ class CpSat(ProgramBackend):
     """
 
     name, title = "cpsat", "CP-SAT"
+    engine = "CP-SAT"
     package = "ortools"
     modules = ("ortools",)
     summary = "OR-Tools CP-SAT: integer programs, products of variables included, counted in 64 bits"

@@ -24,8 +24,7 @@ PROGRAMS = {
     "SCS": (QUADRATIC | CONES,),
     "HIGHS": (INTEGERS,),
 }
-"""What each solver takes. CVXPY 1.9.1 hands HiGHS the wrong triangle of a quadratic objective, so that products count in part or not at
-all: the battery's kind ``squares`` has false optima then."""
+"""What each solver takes. HiGHS would take quadratic objectives, but what CVXPY 1.9 makes of them has another optimum."""
 
 
 LIBRARIES = {"CLARABEL": "clarabel", "SCS": "scs", "HIGHS": "highspy"}
@@ -56,6 +55,7 @@ class CVXPY(ProgramBackend):
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.solver = variant.upper()
+        self.engine = {"CLARABEL": "Clarabel", "SCS": "SCS"}.get(self.solver, "HiGHS")  # without a name, where there are integers
         if self.solver and self.solver not in PROGRAMS:
             raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}")
         if self.solver:
@@ -155,8 +155,8 @@ def _said(model: Any, program: Program, options: Options, solver: str, seconds: 
         return RawResult("infeasible" if said == "infeasible" else "infeasible_or_unbounded", statistics=statistics)
     limit, bound, duals = "none", None, None
     if said not in ("optimal", "solver_error"):  # SCS calls what it has at its limit inaccurate
-        late = seconds >= 0.98 * options.time_limit
-        limit = "time" if late or options.iterations is None else "iterations"
+        late, counted = seconds >= 0.98 * options.time_limit, options.iterations is not None or said == "user_limit"
+        limit = "time" if late else "iterations" if counted else "none"
     if program.is_integer and info is not None and abs(info.mip_dual_bound) < 1e30:
         sign = 1.0 if program.sense == "min" else -1.0
         bound = sign * float(info.mip_dual_bound) + program.offset

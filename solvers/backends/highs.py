@@ -78,6 +78,7 @@ class Highs(ProgramBackend):
     """
 
     name, title = "highs", "HiGHS"
+    engine = "HiGHS"
     package = "highspy"
     modules = ("highspy",)
     summary = "HiGHS: LP, MILP and convex QP, arrays straight into the solver"
@@ -137,8 +138,12 @@ def named_options(label: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
     model = highspy.Highs()
     defaults = model.getOptions()
-    known = {n: getattr(defaults, n) for n in dir(defaults) if not n.startswith("_")}
-    made = own_options(label, given, {**known, **SOUND}, COMMON_OPTIONS)  # it does not list all that it has
+    known = {name: getattr(defaults, name) for name in dir(defaults) if not name.startswith("_")}
+    for name in given:  # some have no attribute
+        status, value = model.getOptionValue(name)
+        if status == highspy.HighsStatus.kOk:
+            known[name] = value
+    made = own_options(label, given, known, COMMON_OPTIONS)
     model.setOptionValue("output_flag", False)
     for name, value in made.items():
         if model.setOptionValue(name, value) != highspy.HighsStatus.kOk:

@@ -17,6 +17,7 @@ import numpy as np
 from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
 from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.reduction import Reduction
+from ...formulations.programs.reductions.separable_objective import SEPARABLE_OBJECTIVE
 from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
@@ -36,9 +37,12 @@ PROGRAMS = {
 }
 """What each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
 
+ENGINES = {"highs": "HiGHS", "gscip": "SCIP", "glop": "GLOP", "cp-sat": "CP-SAT", "pdlp": "PDLP"}
+
 REDUCTIONS: dict[str, tuple[Reduction, ...]] = {
     "highs": (LINEAR_PRODUCTS,),
     "cp-sat": (LINEAR_PRODUCTS, WHOLE_VARIABLES),  # it rounds continuous variables without a word
+    "pdlp": (SEPARABLE_OBJECTIVE,),
 }
 
 REASONS = {
@@ -82,6 +86,7 @@ class MathOpt(ProgramBackend):
         if chosen and chosen not in PROGRAMS:
             raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}")
         self.solver = chosen
+        self.engine = ENGINES.get(chosen, "SCIP")  # without a name it is SCIP that takes programs with integers
         if chosen:
             self.title, self.programs, self.only_integers = chosen, PROGRAMS[chosen], chosen == "cp-sat"
         self.reductions = REDUCTIONS.get(chosen, ())

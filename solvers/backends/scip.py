@@ -42,6 +42,7 @@ class Scip(ProgramBackend):
     """
 
     name, title = "scip", "SCIP"
+    engine = "SCIP"
     package = "pyscipopt"
     modules = ("pyscipopt",)
     summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"

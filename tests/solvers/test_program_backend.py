@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Program, Rows, Variables
 from waybound.formulations.programs.reductions.minimisation import MINIMISATION
 from waybound.instances.errors import UnsupportedError
-from waybound.solvers.backend import Control, Options, RawResult
+from waybound.solvers.backend import Control, Options, RawResult, solver_named
 from waybound.solvers.program_backend import ProgramBackend, kinds_of, settled, takers
 
 
@@ -124,6 +125,51 @@ def test_results_come_back_through_the_chain_and_say_how() -> None:
     assert events[0]["objective"] == 15.0
     assert [str(link) for link in result.links] == ["minimisation (exact): sign turned, constant 10 left out"]
     assert result.holds is Exactness.EXACT
+
+
+def test_coefficients_that_cancel_leave_an_empty_row() -> None:
+    twice = Rows(
+        "need", indptr=np.array([0, 2]), indices=np.array([0, 0]), data=np.array([1.0, -1.0]), lower=np.array([1e-7]), upper=np.ones(1)
+    )
+    assert Says().run(replace(dense([1], [[1]], 0, 1), rows=(twice,)), Options(), Control()).status == "infeasible"
+
+
+def test_integers_have_whole_bounds_in_a_search_and_none_is_needed_where_these_cross() -> None:
+    backend = Says(RawResult("optimal", answer=np.array([1.0]), bound=1.0))
+    assert backend.run(dense([1], [[1]], 0, 1, 0.3, 1.5, integer=[0]), Options(), Control()).status == "optimal"
+    assert (backend.seen[0].lower, backend.seen[0].upper) == (1, 1)
+    assert Says().run(dense([1], [[1]], 0, 1, 0.3, 0.7, integer=[0]), Options(), Control()).status == "infeasible"
+
+
+def test_a_constant_left_out_makes_no_optimum_of_a_gap() -> None:
+    said = RawResult("unknown", "time", GOOD, bound=-1e6 - 0.5)
+    result = Says(said, reductions=(MINIMISATION,)).run(
+        knapsack(variables=dense([1e6, 3], [[2, 2]], 0, 3, 0, 1, integer=[0, 1]).variables, offset=-1e6), Options(), Control()
+    )
+    assert (result.status, result.limit, result.objective, result.bound) == ("feasible", "time", 0.0, 0.5)
+
+
+def test_the_second_search_has_no_options_of_its_own_and_a_program_without_answer_no_duals() -> None:
+    duals = np.ones(1)
+    given = Options(extra={"tolerance": 1.0}, iterations=3, start=GOOD)
+
+    class Has(Says):
+        options = MappingProxyType({"tolerance": 0.0})
+
+        def search(self, program: Program, options: Options, control: Control) -> RawResult:
+            told.append((options.extra, options.iterations, options.start is None))
+            return super().search(program, options, control)
+
+    told: list[tuple] = []
+    result = Has(RawResult("infeasible_or_unbounded", row_duals=duals), RawResult("infeasible")).run(knapsack(), given, Control())
+    assert told == [({"tolerance": 1.0}, 3, False), ({}, None, True)]
+    assert result.row_duals is None
+
+
+def test_a_refusal_names_those_who_take_the_numbers_too() -> None:
+    squares = dense([1], [[1]], 0, 3, 0, 3, integer=[0], quadratic=[[-2]])
+    with pytest.raises(UnsupportedError, match=r"squares of variables that are not binary; can take it: cpsat, mathopt:gscip, scip$"):
+        solver_named("highs").run(squares, Options(), Control())
 
 
 def test_a_program_of_ordinary_size_is_searched_as_it_is() -> None:

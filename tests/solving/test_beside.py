@@ -13,6 +13,7 @@ from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResu
 from waybound.solvers.linear_programs import LinearPrograms
 from waybound.solving import solve
 from waybound.solving.beside import Beside, BoundWork, free_core
+from waybound.solving.bounding import find_bounds
 from waybound.solving.goal import Goal
 
 
@@ -64,6 +65,34 @@ def test_what_fails_beside_a_search_costs_no_answer(waits, monkeypatch):
     monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda *_: 1 / 0)
     solution = wb.solve(problem, "waits", time_limit=0.5, bound_time=1.5)
     assert solution.objective == pytest.approx(384.7341401)
+    assert solution.bound_kind == "verified"  # found after the search, as where no core is free
+
+
+def test_no_bound_is_waited_for_once_the_answer_is_proved(waits, monkeypatch):
+    problem = wb.generate("random", seed=1, customers=4)
+    evidence = find_bounds(problem, 10.0)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap: (evidence, Goal(problem, evidence, gap)))
+    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda work, options, control: time.sleep(30))
+    solution = wb.solve(problem, "waits", time_limit=300)
+    assert (solution.status, solution.limit) == ("optimal", "none")
+    assert solution.seconds["bound"] < 10
+
+
+def test_what_bounding_beside_a_search_finds_and_lacks_is_told(waits, monkeypatch):
+    problem = wb.read("demo-tiny")
+    found = find_bounds(problem, 1.0)
+
+    def bounds(work, options, control):
+        control.publish(found)
+        return RawResult("unknown", answer=found, statistics={"unable": ["no bound by magic: there is none"]})
+
+    monkeypatch.setattr("waybound.solving.beside.run_in_process", bounds)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    events: list[dict[str, Any]] = []
+    solution = wb.solve(problem, "waits", time_limit=1.0, bound_time=1.5, progress=events.append)
+    assert "no bound by magic: there is none" in solution.message
+    assert [e["bound"] for e in events if e["phase"] == "bound"] == [found[-1].value]
 
 
 def test_the_end_of_a_wait_ends_the_bounding(waits):

@@ -42,3 +42,14 @@ def test_a_bound_that_fails_costs_no_answer(monkeypatch, fault) -> None:
 
     monkeypatch.setattr(goal, "find_bounds", fails)
     assert goal.first_evidence(wb.read("demo-tiny"), 1.0) == ([], None)
+
+
+def test_what_one_thread_saw_reached_stays_so_whatever_another_sees() -> None:
+    problem = wb.generate("random", seed=1, customers=4)
+    best = wb.solve(problem, "highs")
+    made = goal.Goal(problem, [])
+    made.bound = best.objective
+    worse = wb.Routes(tuple(best.answer)[:-1])
+    assert made(best.answer, best.objective)
+    assert made(worse, best.objective)
+    assert (made.reached, made.limit) == (True, "none")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
+from ..instances.errors import in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.isolation import run_in_process
 from ..solvers.linear_programs import LinearPrograms
@@ -38,8 +40,10 @@ class BoundWork:
     modules: ClassVar[tuple[str, ...]] = ("numba", "highspy")
 
     def __call__(self, control: Control) -> RawResult:
-        found = find_bounds(self.problem, self.bound_time, known=self.known, control=control, linear=self.linear)
-        return RawResult("unknown", answer=found)
+        control.publish([])
+        unable: list[str] = []
+        found = find_bounds(self.problem, self.bound_time, known=self.known, control=control, unable=unable, linear=self.linear)
+        return RawResult("unknown", answer=found, statistics={"unable": unable})
 
 
 class Beside(Control):
@@ -50,19 +54,30 @@ class Beside(Control):
     work : BoundWork
     goal : Goal
     searched : Control
+    progress : callable, optional
+        Receives an event for each bound found.
+
+    Attributes
+    ----------
+    fault : str
+        What kept it from beginning, such as a problem that cannot be sent to another process; empty if nothing did.
+    unable : list of str
+        A line for each method that failed.
     """
 
-    def __init__(self, work: BoundWork, goal: Goal, searched: Control) -> None:
+    def __init__(self, work: BoundWork, goal: Goal, searched: Control, progress: Callable[[dict[str, Any]], None] | None = None) -> None:
         super().__init__()
-        self._goal, self._searched, self._done = goal, searched, threading.Event()
+        self._goal, self._searched, self._tell, self._done = goal, searched, progress, threading.Event()
+        self.fault, self.unable = "", list[str]()
         threading.Thread(target=self._run, args=(work,), name="waybound-bounds", daemon=True).start()
 
     def _run(self, work: BoundWork) -> None:
         try:
-            with suppress(Exception):  # what fails beside a search costs no answer; what was published stands
-                result = run_in_process(work, Options(time_limit=work.bound_time), self)
-                if result.answer is not None:
-                    self.answer = result.answer
+            result = run_in_process(work, Options(time_limit=work.bound_time), self)
+            self.fault, self.unable = "" if self.answer is not None else result.message, result.statistics.get("unable", [])
+            self.answer = self.answer if result.answer is None else result.answer
+        except Exception as fault:  # costs no answer; what was published stands
+            self.fault = "" if self.answer is not None else in_words(fault)
         finally:
             self._done.set()
 
@@ -70,15 +85,20 @@ class Beside(Control):
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
     ) -> None:
         super().publish(answer, objective, bound, evidence)
+        if not answer:
+            return
+        if self._tell is not None:
+            seconds = time.perf_counter() - self.started
+            self._tell({"phase": "bound", "seconds": seconds, "objective": self._searched.objective, "bound": answer[-1].value})
         with suppress(Exception):  # a checker that fails is told when the certificate is made
             self._goal.learn(answer)
             held = self._searched.answer
             if self._goal.infeasible or (held is not None and self._goal(held, self._searched.objective)):
                 self._searched.stop()
 
-    def found(self, control: Control) -> list[Evidence]:
-        """All evidence, once the budget is spent or ``control`` asks for the end."""
-        while not self._done.wait(_TICK):
-            if control.stopped:
-                self.stop()
+    def found(self, control: Control, best: float | None = None) -> list[Evidence]:
+        """All evidence, once the budget is spent, ``control`` asks for the end, or nothing is left to gain for an answer worth ``best``."""
+        while not (self._done.wait(_TICK) or control.stopped or self._goal.met(best)):
+            pass
+        self.stop()
         return list(self.answer or ())

@@ -65,10 +65,13 @@ class Goal:
         """Whether ``answer``, of this ``objective`` by its engine's count, leaves nothing to gain."""
         if self.bound is not None and objective is not None and self._close(objective):
             judged = self.problem.evaluate(answer)
-            self.reached = judged.feasible and self._close(judged.values[0])
-            if self.reached and self.bound is not None and not same(judged.values[0], self.bound):
-                self.limit = "gap"
+            if judged.feasible and self._close(judged.values[0]) and not self.reached:  # of several threads the first one decides
+                self.limit, self.reached = "none" if self.met(judged.values[0]) else "gap", True
         return self.reached
+
+    def met(self, value: float | None) -> bool:
+        """Whether ``value`` is that of the bound, or nobody can have any."""
+        return self.infeasible or (value is not None and self.bound is not None and same(value, self.bound))
 
     def _close(self, value: float) -> bool:
         assert self.bound is not None

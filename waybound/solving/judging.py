@@ -61,6 +61,10 @@ class Judge:
         """Judge what the solver published last, which may be all that is left of it."""
         self._consider(raw, self.decode, f"the last incumbent of {self.solver}", False)
 
+    def opinion(self, solver: str, raw: Any) -> None:
+        """Judge what another solver found of the same program."""
+        self._consider(raw, self.decode, f"the answer of {solver}", False)
+
     def start(self, answer: Any) -> None:
         """Judge the user's start, which competes with what was found."""
         judged = self._consider(answer, lambda a: a, "the start", False)

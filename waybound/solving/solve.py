@@ -17,7 +17,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
-from ..formulations.solution import Solution, Value, relative_gap
+from ..formulations.solution import Opinion, Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
@@ -34,6 +34,7 @@ from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
+from .opinions import opinion, second_opinions, unproved
 from .search import BOUND_OVERTIME, Searched, in_time, search
 
 Progress = Callable[[dict[str, Any]], None]
@@ -188,7 +189,7 @@ def solve(
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
             elif goal is not None and budget > SECONDS and free_core(threads):
-                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control)
+                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, progress)
         spent = time.perf_counter() - began
         try:
             searched = search(run.go, control, time_limit)
@@ -347,6 +348,22 @@ def _certified(
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
+    opinions: tuple[Opinion, ...] = ()
+    if budget is not None and not searched.interrupted and not judge.faults:
+        asked = time.perf_counter()
+        heard = _second_opinions(judge, run, result, certificate, evaluation, budget - bound_seconds, options)
+        spent_asking = time.perf_counter() - asked
+        bound_seconds, began = bound_seconds + spent_asking, began + spent_asking
+        answer, better = judge.best()
+        if better is not evaluation:
+            evaluation = better
+            judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
+            certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
+        opinions = tuple(opinion(name, said, result, evaluation) for name, said in heard)
+        for one in opinions:
+            if one.verdict == "is refuted":
+                value = "" if one.objective is None else f" {one.objective!r}"
+                run.notes.append(f"{one.solver} says {one.status}{value}, which the answer refutes")
     size = 0.0 if evaluation is None else evaluation.size
     judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
     check_seconds = spent + time.perf_counter() - began
@@ -382,9 +399,25 @@ def _certified(
         evaluation=evaluation,
         statistics=dict(result.statistics),
         message="; ".join(messages),
+        opinions=opinions,
         chain=(() if run.made is None else run.made.links) + result.links,
         faults=faults,
     )
+
+
+def _second_opinions(
+    judge: Judge, run: _Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None, seconds: float, options: Options
+) -> list[tuple[str, RawResult]]:
+    """What other engines say of a claim without evidence; their answers are judged."""
+    made = run.made
+    exactness = run.exactness(result)
+    claims_it = exactness.infeasibility_is_valid if evaluation is None else _claims_optimum(exactness, result, evaluation)
+    if made is None or not claims_it or not unproved(result, certificate, evaluation, made.program):
+        return []
+    heard = list(second_opinions(made, run.name, seconds, options))
+    for name, said in heard:
+        judge.opinion(name, said.answer)
+    return heard
 
 
 def _gather(
@@ -414,7 +447,10 @@ def _gather(
 
     def find(control: Control) -> RawResult:
         if beside is not None:
-            return RawResult("unknown", answer=beside.found(control))
+            found = beside.found(control, best)
+            run.notes.extend(beside.unable)
+            if not beside.fault:
+                return RawResult("unknown", answer=found)
         found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 

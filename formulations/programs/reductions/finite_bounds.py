@@ -27,8 +27,8 @@ class FiniteBounds(Reduction):
     """Derives bounds where the given ones are infinite.
 
     A missing bound is taken from a row, whose other variables are bounded; or from the objective: a variable that costs nothing or more
-    need not exceed what the rows can ever ask of it. Bounds are moved outwards by more than their rounding, those of integer variables
-    to whole numbers. An infeasible program stays infeasible.
+    need not exceed what the rows can ever ask of it. Bounds are moved outwards by more than their rounding, new ones of integer
+    variables to whole numbers. An infeasible program stays infeasible.
     """
 
     def apply(self, program: Program) -> tuple[Step, ...]:
@@ -39,15 +39,14 @@ class FiniteBounds(Reduction):
                 break
             if not (search.from_rows() or search.from_objective()):
                 break
-        if np.array_equal(search.lower, program.lower) and np.array_equal(search.upper, program.upper):
+        count = int(((search.lower != program.lower) | (search.upper != program.upper)).sum())
+        if not count:
             return ()
-        derived = np.isinf(program.lower) & np.isfinite(search.lower), np.isinf(program.upper) & np.isfinite(search.upper)
         variables, first = [], 0
         for block in program.variables:
             mine = slice(first, first := first + block.size)
             variables.append(replace(block, lower=search.lower[mine], upper=search.upper[mine]))
-        count = int((derived[0] | derived[1]).sum())
-        told = f"bounds of {count} variables from rows and objective" if count else "bounds of integer variables made whole"
+        told = f"bounds of {count} variables from rows and objective"
         return (Bounded(program=replace(program, variables=tuple(variables)), told=told),)
 
 
@@ -62,8 +61,7 @@ class _Search:
         if program.quadratic is not None:
             self.multiplied[np.asarray(abs(program.quadratic).sum(axis=0)).ravel() > 0] = True
         self.integer = program.integer
-        self.lower = np.where(self.integer, np.ceil(program.lower - _SLACK), program.lower)
-        self.upper = np.where(self.integer, np.floor(program.upper + _SLACK), program.upper)
+        self.lower, self.upper = program.lower, program.upper
         entry = program.data != 0
         self.row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))[entry]
         self.column, self.value = program.indices[entry], program.data[entry]

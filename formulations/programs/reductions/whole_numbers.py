@@ -73,7 +73,7 @@ class IntegerProgram:
     exact : bool
         Whether nothing was rounded.
     source : Program
-        What it counts, of finite bounds.
+        What it counts.
     """
 
     is_integer: ClassVar[bool] = True
@@ -164,7 +164,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
     row_scale, unit, group = _unimodular(program, row, column, value, whole)
     bounds = np.stack([np.where(fixed, 0.0, program.lower), np.where(fixed, 0.0, program.upper)])
     met = np.where(np.isfinite([given.lower, given.upper]), bounds, 0.0)
-    factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, met / unit), whole, row_scale, group)
+    factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, met / unit), whole, row_scale, unit, group)
     row_factor, unit = row_scale * factor[group[:m]], np.where(whole, 1.0, unit / factor[group[m:]])
     indptr, indices, data, row_lower, row_upper = _rounded_rows(
         program, row, column, value, sides, bounds, whole, row_factor, exact[group[:m]]
@@ -181,7 +181,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
         lower=low.astype(np.int64), upper=high.astype(np.int64), cost=weights[:n].astype(np.int64), pairs=pairs,
         factors=weights[n:].astype(np.int64), indptr=indptr, indices=indices, data=data, row_lower=row_lower, row_upper=row_upper,
         unit=unit, shift=shift, sense=sense, scale=scale, error=error, constant=constant, exact=bool(exact.all()) and error == 0.0,
-        source=program,
+        source=given,
     )  # fmt: skip
 
 
@@ -266,7 +266,7 @@ def _forest_scales(
 
 def _group_factors(
     row: Integers, column: Integers, value: Floats, sides: Floats, bounds: Floats, steps: Floats, whole: NDArray[np.bool_],
-    row_scale: Floats, group: Integers,
+    row_scale: Floats, unit: Floats, group: Integers,
 ) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
     """For each group the factor that makes its coefficients, sides and steps whole, or as fine as the errors of its rows ask for.
 
@@ -293,6 +293,7 @@ def _group_factors(
     reach = np.bincount(row[mine], 0.5 * np.abs(bounds).max(axis=0)[column[mine]], minlength=m) + 1.0
     fine = np.zeros(len(factor))
     np.maximum.at(fine, group[:m], reach / (ROW_ERROR * row_scale))
+    np.maximum.at(fine, group[m:], unit / ROW_ERROR)  # and a bound by a step
     return np.where(exact, factor.astype(np.float64), np.exp2(np.ceil(np.log2(np.maximum(fine, 1.0))))), exact
 
 
@@ -423,6 +424,8 @@ class WholeVariables(Reduction):
         counted = integer_program(program, bounded[-1].program if bounded else None)
         if not ((counted.unit == 1.0).all() and (counted.shift == np.round(counted.shift)).all()):
             raise Irreducible("continuous variables")
+        if program.integer.all():
+            return bounded
         low, high = counted.vector(counted.lower), counted.vector(counted.upper)
         made = replace(program, variables=(Variables("x", lower=low, upper=high, cost=program.cost, integer=True),))
         return (*bounded, Whole(program=made, told=f"{int((~program.integer).sum())} continuous variables made integer"))

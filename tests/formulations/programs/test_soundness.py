@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.programs.soundness import refuse_numbers
@@ -35,3 +37,10 @@ def test_numbers_that_mean_nothing_are_refused_by_name(parts, word: str) -> None
 
 def test_a_sound_program_is_let_pass() -> None:
     refuse_numbers(program())
+
+
+def test_a_quadratic_part_of_which_solvers_would_read_different_halves_is_refused() -> None:
+    halves = replace(program(), quadratic=sp.csr_matrix(np.array([[0.0, 3.0], [0.0, 0.0]])))
+    with pytest.raises(InputError, match=r"not symmetric: x\[0\] times x\[1\]"):
+        refuse_numbers(halves)
+    refuse_numbers(replace(program(), quadratic=sp.csr_matrix(np.array([[0.0, 3.0], [3.0 + 1e-12, 0.0]]))))

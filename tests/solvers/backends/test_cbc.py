@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 import pytest
+from programs import INF, program
 
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import UsageError
@@ -128,3 +129,16 @@ def test_the_terminals_interrupt_does_not_reach_cbc(tmp_path) -> None:
     time.sleep(1.0)
     os.killpg(process.pid, signal.SIGINT)
     assert process.communicate(timeout=30)[0].split() == ["unknown", "time"]
+
+
+def test_an_unbounded_program_that_cbc_calls_infeasible_is_unbounded() -> None:
+    rows = [[0.5, 3, 0, 3], [-3, 0, 0, 1]]
+    endless = program([-5, -4, -2, -3], rows, [1, -1], [INF, -1], [0, -2, -1, -2], [2, INF, INF, INF], integer=range(4))
+    assert PuLP().run(endless, Options(), Control()).status == "unbounded"
+
+
+def test_an_optimum_that_is_lost_in_cbcs_preprocessing_is_found_without_it() -> None:
+    rows = [[1, -2, 1, 1], [0, 0, 1, 0]]
+    lost = program([0, 3, 3, 2], rows, [-3, -2], [-3, 1], [-2, -1, -2.5, -2.5], [0, 1, INF, INF], integer=[0, 1], sense="max", offset=-1e6)
+    result = PuLP().run(lost, Options(), Control())
+    assert (result.status, result.objective) == ("optimal", pytest.approx(-999994))

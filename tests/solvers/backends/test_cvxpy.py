@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from programs import program
 
-from waybound.formulations.programs.program import LINEAR
+from waybound.formulations.programs.program import LINEAR, QUADRATIC
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends import cvxpy as module
 from waybound.solvers.backends.cvxpy import CVXPY, PROGRAMS
+from waybound.solvers.backends.highs import Highs
 
 INF = math.inf
 CONTINUOUS = [s for s in PROGRAMS if CVXPY(s).able(LINEAR)]
@@ -108,3 +110,17 @@ def test_a_failure_of_cvxpy_is_an_error_with_its_words(monkeypatch):
     assert result.status == "error"
     assert "no luck" in result.message
     assert run(program([1], [[1]], 1, INF), iterations=1).limit == "iterations"
+
+
+@pytest.mark.parametrize("solver", [s for s in PROGRAMS if CVXPY(s).able(QUADRATIC)])
+def test_who_takes_quadratic_objectives_finds_their_optimum(solver):
+    p = program([-5, 1], [[1, 1]], -INF, 4, -1, 3, quadratic=[[2, -1], [-1, 2]])
+    result = run(p, solver)
+    assert (result.status, result.objective) == ("optimal", pytest.approx(Highs().run(p, Options(), Control()).objective, abs=1e-6))
+
+
+def test_an_inaccurate_end_within_all_limits_is_no_limit(monkeypatch):
+    monkeypatch.setattr(module, "_solved", lambda *_: SimpleNamespace(status="optimal_inaccurate", solver_stats=None, var_dict=held))
+    held = {"x0": SimpleNamespace(value=np.array([3.0]))}
+    result = run(program([1], [[1]], 2, INF))
+    assert (result.status, result.limit) == ("feasible", "none")

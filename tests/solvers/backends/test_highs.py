@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from programs import program
 
 from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.program import Program, Rows, Variables
@@ -51,6 +52,7 @@ def test_forms_whose_linear_programs_go_to_the_interior_point_exist() -> None:
     [
         ("presolve", "off", "off"),
         ("mip_max_leaves", "12", 12),
+        ("presolve_rule_off", "4096", 4096),
         ("primal_feasibility_tolerance", "1e-8", 1e-8),
         ("mip_detect_symmetry", "false", False),
     ],
@@ -83,3 +85,9 @@ def test_the_duals_of_an_lp_prove_its_value() -> None:
     assert result.row_duals is not None
     assert (program.cost - program.matrix.T @ result.row_duals >= -1e-7).all()
     assert result.row_duals @ program.row_lower == pytest.approx(result.objective)
+
+
+def test_an_integer_between_fractional_bounds_is_whole() -> None:
+    between = program([-3, -3], [[1, 0]], -1, 1, [0.3, 0], [1.5, 2.5], integer=[0], sense="max")
+    result = Highs().run(between, Options(), Control())
+    assert (result.status, result.objective) == ("optimal", -3.0)

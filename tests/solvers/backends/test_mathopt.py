@@ -132,3 +132,9 @@ def test_scip_prints_nothing_of_its_own(capfd):
 def test_an_unbounded_program_is_no_fault_of_scip():
     result = run(program([-1, -1], [[1, -1]], -1, 1, integer=[0, 1]), "gscip")
     assert result.status in ("unbounded", "infeasible_or_unbounded")
+
+
+def test_pdlp_refuses_products_and_names_who_takes_them():
+    products = program([1, 1], [[1, 1]], 1, 2, quadratic=[[2, -1], [-1, 2]])
+    with pytest.raises(UnsupportedError, match=r"mathopt:pdlp .*products of two variables; can take it: .*highs"):
+        MathOpt("pdlp").run(products, Options(), Control())

@@ -3,11 +3,13 @@ from __future__ import annotations
 import pytest
 
 from tests.programs import program
+from waybound.formulations.programs.program import Program
 from waybound.instances.errors import MissingPackageError, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.pulp import PuLP
 
 SMALL = program([1], [[1]], 1, 2)
+TRIVIAL = program([1], [[1]], 1, 2, 3, 2)
 
 
 @pytest.mark.parametrize("variant", ["", "CBC", "cbc", "PULP_CBC_CMD"])
@@ -15,17 +17,19 @@ def test_cbc_goes_by_several_names(variant: str) -> None:
     assert PuLP(variant).is_cbc
 
 
-def test_a_solver_that_pulp_does_not_know_is_refused_with_those_it_knows() -> None:
+@pytest.mark.parametrize("given", [SMALL, TRIVIAL])
+def test_a_solver_that_pulp_does_not_know_is_refused_with_those_it_knows(given: Program) -> None:
     with pytest.raises(UsageError, match="HiGHS"):
-        PuLP("NoSuchSolver").run(SMALL, Options(), Control())
+        PuLP("NoSuchSolver").run(given, Options(), Control())
 
 
-def test_a_solver_that_is_not_there_is_reported_as_missing() -> None:
+@pytest.mark.parametrize("given", [SMALL, TRIVIAL])
+def test_a_solver_that_is_not_there_is_reported_as_missing(given: Program) -> None:
     import pulp
 
     absent = next(n for n in ("MOSEK", "XPRESS", "COPT") if n not in pulp.listSolvers(onlyAvailable=True))
     with pytest.raises(MissingPackageError, match=absent):
-        PuLP(absent).run(SMALL, Options(), Control())
+        PuLP(absent).run(given, Options(), Control())
 
 
 def test_discovery_imports_nothing() -> None:

@@ -30,10 +30,6 @@ def test_given_bounds_stay():
     assert box([1, 1], [[1, 1]], 0, 3, [0, -2], [4, 5]) == ([0, -2], [4, 5])
 
 
-def test_bounds_of_integers_are_made_whole():
-    assert box([1], [[1]], 0, 9, 0.5, 3.5, integer=[0]) == ([1], [3])
-
-
 def test_a_row_of_bounded_variables_bounds_the_last_one():
     lower, upper = box([-1, -1], [[2, 1]], -INF, 7, 0, [INF, 4], integer=[0, 1])
     assert (lower, upper) == ([0, 0], [3, 4])

@@ -207,3 +207,19 @@ def test_cp_sat_and_highs_agree_on_random_programs_that_can_be_counted(seed):
     assert results[1].objective == pytest.approx(results[0].objective, abs=1e-5)
     sign = 1.0 if p.sense == "min" else -1.0
     assert sign * results[1].bound <= sign * results[0].objective + 1e-6
+
+
+def test_points_are_judged_by_the_bounds_that_were_given():
+    counted = integer_program(program([-1, 0], [[-1.3, 1]], 0, INF, 0, [1, INF], integer=[0]))
+    most = counted.upper
+    assert counted.vector(most)[1] > 1.35  # a step beyond what the row can ask for, which is a bound of ours alone
+    assert counted.residual(most) == 0.0
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.001, 4.398])
+def test_a_bound_that_is_no_fraction_is_broken_by_next_to_nothing(coefficient):
+    p = program([1, -1], [[1, coefficient]], -99.1234567, 97.654321, 0, [2, math.e], integer=[0])
+    counted = integer_program(p)
+    assert 0 <= counted.vector(counted.upper)[1] - math.e <= 2 * ROW_ERROR
+    result = BACKENDS["cpsat"]().run(p, Options(), Control())
+    assert (result.status, result.objective) == ("optimal", pytest.approx(-math.e, abs=1e-6))

@@ -56,7 +56,7 @@ def test_few_prefixes_are_looked_at_where_each_is_expensive(monkeypatch: pytest.
 
 
 def test_it_is_found_by_the_general_search_for_bounds() -> None:
-    certificate = wb.bound(cover_tight(), seconds=5)
+    certificate = wb.bound(cover_tight(), bound_time=5)
     assert certificate.bound == pytest.approx(80)
     free = marginal_gains_bound(cover_tight(), Stop(5.0))
     assert free is not None and free.value == pytest.approx(81)

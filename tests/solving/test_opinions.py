@@ -1,0 +1,96 @@
+"""A claim without evidence is put to other engines: who agrees is told, and an answer of theirs that passes every check refutes it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from programs import program
+
+import waybound as wb
+from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.programs.program import INTEGERS
+from waybound.solvers.backend import BACKENDS, RawResult
+from waybound.solvers.program_backend import ProgramBackend
+from waybound.solving import opinions
+from waybound.solving.opinions import independent
+
+KNAPSACK = ArrayProblem(program([3.0, 2.0], [[2.0, 3.0]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max", offset=1.0))
+"""13 at (4, 0); its relaxation is worth 14 2/3, of which the checker makes 14."""
+EMPTY = ArrayProblem(program([1.0, 1.0], [[2.0, 2.0]], 3.0, 3.0, 0, 5, integer=[0, 1]))
+"""2 x + 2 y = 3 in whole numbers: no bound on the relaxation says so."""
+LESS = np.array([3.0, 1.0])
+
+
+@pytest.fixture
+def says(registered: Any) -> Any:
+    def make(said: RawResult, name: str = "liar", order: int = 100) -> str:
+        body = {
+            "name": name, "package": "numpy", "modules": ("numpy",), "summary": "", "programs": (INTEGERS,), "order": order,
+            "search": lambda self, *given: said,
+        }  # fmt: skip
+        registered(BACKENDS, name, type("Says", (ProgramBackend,), body))
+        return name
+
+    return make
+
+
+def test_an_optimum_without_evidence_is_confirmed_by_two_other_engines():
+    solution = wb.solve(KNAPSACK, "highs")
+    assert (solution.status, solution.objective, solution.bound_kind) == ("optimal", 13.0, "claimed")
+    assert [o.verdict for o in solution.opinions] == ["agrees", "agrees"]
+    assert f"optimal according to highs and {solution.opinions[0].solver}, {solution.opinions[1].solver}" in str(solution)
+    assert solution.to_json()["opinions"][0]["verdict"] == "agrees"
+
+
+def test_infeasibility_without_evidence_is_confirmed_likewise():
+    solution = wb.solve(EMPTY, "highs")
+    assert solution.status == "infeasible"
+    assert [(o.status, o.verdict) for o in solution.opinions] == [("infeasible", "agrees")] * 2
+    assert "infeasible according to highs and " in str(solution)
+
+
+def test_an_answer_of_another_engine_refutes_infeasibility_and_is_handed_over(says):
+    solution = wb.solve(KNAPSACK, says(RawResult("infeasible")))
+    assert (solution.objective, solution.status) == (13.0, "feasible")
+    assert any("claims that there is no answer, but one of value 13.0 passed every check" in fault for fault in solution.faults)
+    assert solution.opinions[0].verdict == "refutes"
+
+
+def test_a_better_answer_of_another_engine_refutes_an_optimum(says):
+    solution = wb.solve(KNAPSACK, says(RawResult("optimal", answer=LESS, objective=12.0)))
+    assert (solution.objective, solution.status) == (13.0, "feasible")
+    assert any("claims the optimum 12.0, but an answer of value 13.0" in fault for fault in solution.faults)
+
+
+def test_an_opinion_that_the_answer_refutes_is_told_and_costs_nothing(says):
+    says(RawResult("infeasible"), "doubter", order=-1)
+    solution = wb.solve(KNAPSACK, "highs")
+    assert (solution.status, solution.faults) == ("optimal", ())
+    assert solution.opinions[0].verdict == "is refuted"
+    assert "doubter says infeasible, which the answer refutes" in solution.message
+
+
+@pytest.mark.parametrize("given", [{"bound_time": 0}, {"relax": True}])
+def test_nobody_is_asked_without_time_or_about_linear_programs(given):
+    assert wb.solve(KNAPSACK, "highs", **given).opinions == ()
+
+
+def test_nobody_is_asked_where_evidence_settles_it():
+    solution = wb.solve(wb.generate("random", seed=1, customers=4), "highs")
+    assert (solution.bound_kind, solution.opinions) == ("verified", ())
+
+
+def test_an_engine_is_asked_once_by_whatever_road_and_never_about_its_own_word():
+    made = KNAPSACK.compile()
+    engines = {name: (BACKENDS[name.partition(":")[0]](name.partition(":")[2])).engine for name in independent(made, "pulp:HiGHS")}
+    assert "HiGHS" not in engines.values()
+    assert len(set(engines.values())) == len(engines) >= 3
+    assert "SCIP" not in [BACKENDS[n.partition(":")[0]](n.partition(":")[2]).engine for n in independent(made, "mathopt")]
+
+
+def test_an_opinion_that_cannot_be_had_is_none(monkeypatch):
+    monkeypatch.setattr(opinions, "independent", lambda made, solver: ["scip:nothing", "highs:nothing"])
+    solution = wb.solve(KNAPSACK, "highs")
+    assert (solution.status, solution.opinions) == ("optimal", ())
