@@ -103,4 +103,4 @@ def test_options_of_an_examination_are_refused_without_one_and_others_with_it(re
     assert "--examine NAME" in refused("solvers", "--examine", "--option", "presolve=off")
     assert "kind or form" in refused("solvers", "--examine", "highs", "--by", "size")
     assert "pyvrp" in refused("solvers", "--examine", "pyvrp", "--count", 1)
-    assert "presolve_rule" in refused("solvers", "--examine", "highs", "--count", 1, "--option", "presolve_rul_off=0", "-q")
+    assert "presolve_rul_off" in refused("solvers", "--examine", "highs", "--count", 1, "--option", "presolve_rul_off=0", "-q")
