@@ -127,6 +127,7 @@ class Control:
         self._stop = threading.Event()
         self._lock = threading.Lock()
         self._enders: list[Callable[[], None]] = []
+        self._closed = False
         self.started = time.perf_counter()
         self.answer: Any = None
         self.objective: float | None = None
@@ -155,11 +156,18 @@ class Control:
         for end in enders:
             end()
 
+    def close(self) -> None:
+        """Hear nothing any more: who waited has given up, and takes what was published until now."""
+        with self._lock:
+            self._closed = True
+
     def publish(
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
     ) -> None:
         """Report a better answer (same type as ``RawResult.answer``), its objective by the engine's count, or a bound and its evidence."""
         with self._lock:
+            if self._closed:
+                return
             if answer is not None:
                 self.answer, self.objective = answer, objective
             if bound is not None:

@@ -99,3 +99,21 @@ def test_what_is_done_in_time_is_taken_and_its_faults_are_raised() -> None:
     assert in_time(lambda: 1, lambda: 2) == 1
     with pytest.raises(ZeroDivisionError):
         in_time(lambda: 1 // 0, lambda: 2)
+
+
+def test_who_is_given_up_is_heard_no_more():
+    events: list[dict] = []
+    control = Control(events.append)
+    late = threading.Event()
+
+    def deaf(control: Control) -> RawResult:
+        late.wait(20.0)
+        control.publish("late", 1.0)
+        done.set()
+        return RawResult("feasible", answer="late")
+
+    done = threading.Event()
+    found = search(deaf, control, 0.05, overtime=0.0)
+    late.set()
+    assert done.wait(20.0)
+    assert (found.result.answer, control.answer, events) == (None, None, [])

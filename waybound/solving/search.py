@@ -84,6 +84,8 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
                 give_up = interrupted
                 interrupted, asked = True, time.perf_counter()
                 control.stop()
+    if not done.is_set():
+        control.close()
     seconds = time.perf_counter() - began
     if "fault" in outcome and control.answer is None:
         raise outcome["fault"]

@@ -13,6 +13,7 @@ helps nothing is proved.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -29,6 +30,7 @@ from ...routing.checking.multipliers import numbers
 Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
+_SMALLEST, _NORMAL = math.ulp(0.0), sys.float_info.min
 _PASSES = 3
 _WIDEST = 1e12
 """Implied bounds beyond this are not worth having: the rounding of a reduced cost times it would swallow the bound."""
@@ -113,12 +115,21 @@ def _bound(p: _Arrays, y: Floats) -> float:
         for j in np.nonzero(_endless(low, high, lower, upper))[0]:
             exact = _exact_reduced_cost(p, y, int(j))
             low[j], high[j] = (0.0 if exact >= 0 else low[j]), (0.0 if exact <= 0 else high[j])
-    least = np.minimum.reduce([_times(low, lower), _times(low, upper), _times(high, lower), _times(high, upper)])
-    rows = y * np.where(y > 0, p.row_lower, np.where(y < 0, p.row_upper, 0.0))
+    corners = [(low, lower), (low, upper), (high, lower), (high, upper)]
+    least = np.minimum.reduce([_times(a, x) for a, x in corners])
+    sides = np.where(y > 0, p.row_lower, np.where(y < 0, p.row_upper, 0.0))
+    rows = y * sides
     error = 4 * _EPS * (float(np.abs(rows).sum()) + float(np.abs(least).sum()))
+    error += _SMALLEST * float(_vanishing(y, sides).sum() + np.logical_or.reduce([_vanishing(a, x) for a, x in corners]).sum())
     if not math.isfinite(error):
         return -math.inf
     return math.fsum(rows) + math.fsum(least) - error
+
+
+def _vanishing(a: Floats, x: Floats) -> NDArray[np.bool_]:
+    """Which products of two numbers that are not 0 may have lost digits below the normal doubles: each less than ``_SMALLEST``."""
+    found: NDArray[np.bool_] = (a != 0) & (x != 0) & (np.abs(_times(a, x)) < _NORMAL)
+    return found
 
 
 def _one_sided(p: _Arrays, y: Floats) -> Floats:
@@ -132,6 +143,7 @@ def _reduced_costs(p: _Arrays, y: Floats) -> tuple[Floats, Floats]:
     d = p.cost - np.bincount(p.column, product, minlength=len(p.cost))
     weight = np.abs(p.cost) + np.bincount(p.column, np.abs(product), minlength=len(p.cost))
     doubt = _EPS * (np.bincount(p.column, minlength=len(p.cost)) + 4) * weight
+    doubt += _SMALLEST * np.bincount(p.column, _vanishing(p.value, y[p.row]), minlength=len(p.cost))
     return d - doubt, d + doubt
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
@@ -143,3 +144,17 @@ def test_malformed_evidence_is_refused(duals):
 def test_huge_duals_prove_nothing():
     problem = arrays([1.0, 1.0], [[1e200, -1e200]], [1.0], [2.0], [0.0, 0.0], [9.0, 9.0])
     assert check_lp_dual(problem, {"duals": [1e300]}) == -math.inf
+
+
+@pytest.mark.parametrize("unit", [1e-308, 1e-312, 1e-318])
+def test_products_below_the_normal_doubles_lose_no_more_than_is_conceded(unit: float) -> None:
+    # max x + y over x + y <= 1/3 of a unit: thirds of subnormal numbers are rounded by as much as whole parts of them.
+    problem = arrays([1.0, 1.0], [[3.0, 3.0]], [-np.inf], [unit], [0, 0], [np.inf, np.inf], sense="max")
+    bound = check_lp_dual(problem, {"duals": [1.0 / 3.0]})
+    assert Fraction(bound) >= Fraction(unit) / 3
+    assert Fraction(bound) <= Fraction(unit) / 3 + 20 * Fraction(5e-324) + Fraction(unit) / 10**12
+
+
+def test_a_bound_of_nothing_stays_one() -> None:
+    problem = arrays([1.0], [[1.0]], [0.0], [np.inf], [0.0], [5.0])
+    assert check_lp_dual(problem, {"duals": [0.5]}) == 0.0
