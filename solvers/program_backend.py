@@ -51,6 +51,8 @@ class ProgramBackend(Backend):
         Whether it takes no program without integers.
     reductions : tuple of Reduction
         Applied in this order to a program in ordinary units.
+    library : str, optional
+        Distribution that brings the solver itself, where it is another one than ``package``.
     """
 
     takes = "program"
@@ -59,11 +61,17 @@ class ProgramBackend(Backend):
     programs: tuple[frozenset[str], ...] = (LINEAR,)
     only_integers: bool = False
     reductions: tuple[Reduction, ...] = ()
+    library: str | None = None
     feasible_tolerance: ClassVar[float] = FEASIBLE_TOLERANCE
 
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.engine = self.engine or self.label
+
+    @classmethod
+    def available(cls) -> tuple[str, ...]:
+        """Names of this solver and of those within it that can be used on this machine."""
+        return (cls.name, *(f"{cls.name}:{variant}" for variant in cls.variants))
 
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:

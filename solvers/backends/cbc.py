@@ -65,6 +65,9 @@ LIMITS = (
 )
 """What CBC's log says when it ends early ("Exiting on maximum nodes") to our limit."""
 
+PRICED = 1e-6
+"""Share of the largest cost up to which a reduced cost counts as 0."""
+
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _BOUND = re.compile(rf"best possible {_NUMBER}")
 _LOWER = re.compile(rf"Lower bound:\s+{_NUMBER}")
@@ -132,7 +135,7 @@ class Log:
                 setattr(self, name, int(line.split()[-1]))
 
 
-def run_cbc(cbc: str, program: Program, options: Options, control: Control, folder: Path) -> RawResult:
+def run_cbc(cbc: str, program: Program, options: Options, control: Control, folder: Path, *, preprocess: bool = True) -> RawResult:
     """Solve ``program`` with CBC; see ``ProgramBackend.run``.
 
     Parameters
@@ -141,6 +144,8 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
         Path of the program.
     folder : Path
         An empty one for its files.
+    preprocess : bool
+        Whether CBC may, where the user says nothing of it.
     """
     _check_extra(cbc, options.extra)
     model, solution = folder / "model.mps", folder / "model.sol"
@@ -153,7 +158,7 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
         _write_start(start, options.start)
     log = Log()
     ours, theirs = _terminal()
-    command = _command(cbc, program, options, model, solution, start)
+    command = _command(cbc, program, options, model, solution, start, preprocess)
     with (
         os.fdopen(ours, "rb", 0),
         os.fdopen(theirs, "wb", 0) as end,
@@ -164,7 +169,7 @@ def run_cbc(cbc: str, program: Program, options: Options, control: Control, fold
     return _said(solution, log, program, options, process.returncode, asked)
 
 
-def _command(cbc: str, program: Program, options: Options, model: Path, solution: Path, start: Path | None) -> list[str]:
+def _command(cbc: str, program: Program, options: Options, model: Path, solution: Path, start: Path | None, preprocess: bool) -> list[str]:
     words: dict[str, Any] = {
         "sec": max(0.01, min(options.time_limit, 1e9)),
         "timeMode": "elapsed",
@@ -176,6 +181,8 @@ def _command(cbc: str, program: Program, options: Options, model: Path, solution
         words["threads"] = min(options.threads, MOST_THREADS)
     if options.iterations is not None:
         words["maxNodes" if program.is_integer else "maxIterations"] = options.iterations
+    if not preprocess:
+        words["preprocess"] = "off"
     words.update(options.extra)
     line = [cbc, str(model)]
     for name, value in words.items():
@@ -236,8 +243,7 @@ def _said(solution: Path, log: Log, program: Program, options: Options, code: in
         said = file.readline().strip()
     word = said.split()[0].lower() if said.split() else ""
     status = STATUS_MAP.get(word, "error")
-    endless = (program.cost != 0) & ~(np.isfinite(program.lower) & np.isfinite(program.upper))
-    if status == "infeasible" and (log.doubtful or endless.any()):  # it calls some unbounded programs infeasible without a doubt
+    if status == "infeasible" and (log.doubtful or _may_be_endless(program)):
         status = "infeasible_or_unbounded"
     statistics["said"] = said
     if status == "error":
@@ -250,7 +256,22 @@ def _said(solution: Path, log: Log, program: Program, options: Options, code: in
     if status == "optimal" and log.gap_closed and point is not None:
         bound = program.value(point)
     solved = not program.is_integer and status == "optimal"
+    if solved and duals is not None and _unpriced(program, duals):
+        return RawResult("infeasible_or_unbounded", limit, statistics=statistics)
     return RawResult(status, limit, point, None, bound, duals if solved else None, statistics)
+
+
+def _may_be_endless(program: Program) -> bool:
+    """Whether a program may be unbounded: CBC calls such programs infeasible where variables are whole."""
+    falls = ((program.cost < 0) & np.isinf(program.upper)) | ((program.cost > 0) & np.isinf(program.lower))
+    return bool(falls.any())
+
+
+def _unpriced(program: Program, duals: Floats) -> bool:
+    """Whether a variable without a bound still lowers the objective: CBC calls unbounded linear programs optimal that have free columns."""
+    reduced = program.cost - program.matrix.T @ duals
+    least = PRICED * float(np.abs(program.cost).max(initial=0.0))
+    return bool((((reduced < -least) & np.isinf(program.upper)) | ((reduced > least) & np.isinf(program.lower))).any())
 
 
 def _write_start(path: Path, start: Floats) -> None:

@@ -14,7 +14,7 @@ from ...instances.errors import MissingPackageError, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..program_backend import ProgramBackend
-from .highs import named_options
+from .highs import SOUND, named_options
 
 PRECISION = 1e-9
 """Asked of first-order and interior-point solvers, whose own of 1e-5 to 1e-8 leaves rows broken by more than the checks let pass."""
@@ -25,6 +25,10 @@ PROGRAMS = {
     "HIGHS": (INTEGERS,),
 }
 """What each solver takes. HiGHS would take quadratic objectives, but what CVXPY 1.9 makes of them has another optimum."""
+
+
+LIBRARIES = {"CLARABEL": "clarabel", "SCS": "scs", "HIGHS": "highspy"}
+"""Distributions that bring them."""
 
 
 @BACKENDS.register("cvxpy")
@@ -55,7 +59,7 @@ class CVXPY(ProgramBackend):
         if self.solver and self.solver not in PROGRAMS:
             raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}")
         if self.solver:
-            self.programs = PROGRAMS[self.solver]
+            self.programs, self.library = PROGRAMS[self.solver], LIBRARIES[self.solver]
 
     @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
@@ -126,7 +130,7 @@ def _highs(program: Program, options: Options) -> dict[str, Any]:
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
         made.update(dict.fromkeys(limits, int(options.iterations)))
-    return {**made, **named_options("cvxpy:HIGHS", options.extra)}
+    return {**made, **SOUND, **named_options("cvxpy:HIGHS", options.extra)}
 
 
 _CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "HIGHS": _highs}

@@ -43,6 +43,11 @@ STATUS_MAP: dict[str, tuple[str, str]] = {
 }
 """HiGHS model status to ours."""
 
+SOUND: dict[str, Any] = {"presolve_rule_off": 4096}
+"""Set on every road to HiGHS, and overruled by the user's own options. 4096 is presolve's aggregator: with it, 1.12.0 to 1.15.1 call
+feasible programs infeasible and worse answers optimal, tiny ones of ordinary whole numbers too (HiGHS#3090 and its like; docs/claims.md has
+the counts, and docs/measurements.md what it costs). ``waybound solvers --examine highs --option presolve_rule_off=0`` shows it."""
+
 COMMON_OPTIONS = {
     "time_limit": "the time limit",
     "mip_rel_gap": "the gap",
@@ -106,6 +111,7 @@ def _configure(model: Any, program: Program, options: Options) -> None:
         "random_seed": int(options.seed) % (2**31 - 1),
         "mip_rel_gap": float(options.gap),
         "mip_abs_gap": 0.0,  # its own of 1e-6 is in units of the data
+        **SOUND,
     }
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")

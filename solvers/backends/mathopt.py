@@ -23,7 +23,7 @@ from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
-from .highs import named_options
+from .highs import SOUND, named_options
 
 FIRST_ORDER_TOLERANCE = 1e-9
 """PDLP's own is 1e-6, relative, which leaves rows broken by more than the checks let pass."""
@@ -109,7 +109,7 @@ class MathOpt(ProgramBackend):
             return RawResult("infeasible_or_unbounded")
         except _Refused as fault:
             text = str(fault)
-            if "support" in text or "UNIMPLEMENTED" in text or "finite range" in text:
+            if any(word in text for word in ("support", "UNIMPLEMENTED", "finite range", "non-diagonal")):
                 raise self.refusal({text}, program) from None
             return RawResult("error", message=f"MathOpt ended with an error: {text}")
 
@@ -148,7 +148,7 @@ def _parameters(solver: str, program: Program, options: Options) -> Any:
 
 def _highs_options(parameters: Any, given: dict[str, Any]) -> None:
     kinds = {bool: "bool_options", int: "int_options", float: "double_options", str: "string_options"}
-    for name, value in named_options("mathopt:highs", given).items():
+    for name, value in {**SOUND, **named_options("mathopt:highs", given)}.items():
         getattr(parameters.highs, kinds[type(value)])[name] = value
 
 

@@ -21,7 +21,7 @@ from ..children import scratch
 from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
 from .cbc import find_cbc, run_cbc
-from .highs import named_options
+from .highs import SOUND, named_options
 
 
 @BACKENDS.register("pulp")
@@ -50,9 +50,15 @@ class PuLP(ProgramBackend):
         self.needs_process = not self.is_cbc  # they hear no wish to stop
         if not self.is_cbc:
             self.honours = self.honours - {"iterations"}
+        self.library = "highspy" if variant == "HiGHS" else None
         self.engine = "CBC" if self.is_cbc else variant
         self.title = "CBC" if self.is_cbc else f"{variant} through PuLP"
         self.reductions = (*self.reductions, MINIMISATION if self.is_cbc else ONE_SIDED_ROWS)
+
+    @classmethod
+    def available(cls) -> tuple[str, ...]:
+        found = _found()
+        return (cls.name, *(f"{cls.name}:{variant}" for variant in cls.variants if variant in found))
 
     @property
     def is_cbc(self) -> bool:
@@ -73,15 +79,13 @@ class PuLP(ProgramBackend):
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         if self.is_cbc:
-            began = time.perf_counter()
+            began, found = time.perf_counter(), find_cbc()
             with scratch() as folder:
-                result = run_cbc(find_cbc(), program, options, control, folder)
+                # Its preprocessing loses optima, 2 of 1,000 of the battery's programs; without it some runs crash.
+                result = run_cbc(found, program, options, control, folder, preprocess=not program.is_integer)
                 left = options.time_limit - (time.perf_counter() - began)
-                # Its preprocessing calls programs infeasible or unbounded that have an optimum; without it some runs crash.
-                if result.status == "infeasible_or_unbounded" and program.is_integer and left > 0 and not control.stopped:
-                    again = replace(options, time_limit=left, extra={**options.extra, "preprocess": "off"})
-                    second = run_cbc(find_cbc(), program, again, control, folder)
-                    result = result if second.status == "error" else second
+                if result.status == "error" and program.is_integer and left > 0 and not control.stopped:
+                    result = run_cbc(found, program, replace(options, time_limit=left), control, folder)
             return result
         return _through_pulp(self._solver(options), self.title, program, options)
 
@@ -97,7 +101,7 @@ class PuLP(ProgramBackend):
 
             # Its scheduler keeps the number of threads of the first run in this thread, and refuses another one.
             highspy.Highs.resetGlobalScheduler(True)
-            extra = {"random_seed": options.seed % (2**31 - 1), **named_options(self.label, extra)}
+            extra = {"random_seed": options.seed % (2**31 - 1), **SOUND, **named_options(self.label, extra)}
         elif not any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values()):
             extra = own_options(self.label, extra, dict.fromkeys(known))
         chosen = {name: value for name, value in common.items() if name in known}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from .options import Convention, File, Format, Json, ProblemName, Set, Verbose, read_both, read_problem
+from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, read_both, read_problem
 
 MaybeFile = Annotated[
     str | None,
@@ -43,14 +44,42 @@ def info(
 
 
 def solvers(
-    file: MaybeFile = None,
+    file: Annotated[
+        str | None,
+        typer.Argument(metavar="[FILE]", help="Ask about this instance; with --examine the name of a solver.", show_default=False),
+    ] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     settings: Set = None,
+    examine: Annotated[
+        bool,
+        typer.Option("--examine", help="Give solvers small programs whose optima are known: all that are installed, or the one named."),
+    ] = False,
+    count: Annotated[int | None, typer.Option("--count", metavar="N", help="Programs for each solver that is examined.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", metavar="N", help="The same seed gives the same programs.")] = None,
+    kind: Annotated[str | None, typer.Option("--kind", metavar="NAME", help="Programs of this kind alone, such as time-windows.")] = None,
+    form: Annotated[str | None, typer.Option("--form", metavar="NAME", help="Programs of this form alone.")] = None,
+    option: Annotated[
+        list[str] | None,
+        typer.Option("--option", metavar="KEY=VALUE", help="Option of the solver's own, which overrules waybound's. Repeatable."),
+    ] = None,
+    by: Annotated[str | None, typer.Option("--by", metavar="WORD", help="A row for each kind or form.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Write the programs that a solver gets wrong here, as MPS.")
+    ] = None,
     json: Json = False,
+    quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """All solvers, installed or not, and with FILE which of them take it."""
+    """All solvers, installed or not, and with FILE which of them take it; with --examine, which can be believed (5: one cannot)."""
+    from .examining import examine_solvers, refuse_settings
+
+    own = {"count": count, "seed": seed, "kind": kind, "form": form, "option": option, "by": by, "out": out}
+    if examine:
+        refuse_settings("without", format=format, problem=problem, set=settings)
+        examine_solvers(file, **own, json=json, quiet=quiet)  # type: ignore[arg-type]
+        return
+    refuse_settings("with", **own)
     from ..reports.tables.listing import solvers_table
     from ..solving.listing import solver_table
     from .output import print_json, print_table

@@ -77,3 +77,28 @@ class Progress:
         from rich.text import Text
 
         return Text(self.line(), style="dim")
+
+
+class PartsCounter:
+    """Counts parts of the work on standard error: a live line in a terminal, sparse lines elsewhere, nothing when asked to be quiet."""
+
+    def __init__(self, name: str, quiet: bool, unit: str = "parts") -> None:
+        self.name, self.quiet, self.unit = name, quiet, unit
+        self._began = time.perf_counter()
+        self._said = self._began
+        self._live = not quiet and sys.stderr.isatty()
+
+    def __enter__(self) -> PartsCounter:
+        return self
+
+    def __exit__(self, *fault: Any) -> None:
+        if self._live:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+    def __call__(self, done: int, total: int, what: str = "") -> None:
+        now = time.perf_counter()
+        if self.quiet or now - self._said < (0.25 if self._live else SPARSE_SECONDS):
+            return
+        self._said = now
+        line = f"{self.name} {now - self._began:.1f} s: {done} of {total} {self.unit}" + (f", {what}" if what else "")
+        print(f"\r\033[K{line}" if self._live else line, end="" if self._live else "\n", file=sys.stderr, flush=True)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..solvers import interrupts
 from .options import Json, Quiet, Verbose, bounded, complain, remark
+from .progress import PartsCounter
 
 if TYPE_CHECKING:
     from ..reports.ratios.study import Report, Study
@@ -50,7 +49,7 @@ def ratio(
     reports: list[Report] = []
     files: list[tuple[str | None, ...]] = []
     for one in chosen:
-        with _Counter(one.name, quiet) as told:
+        with PartsCounter(one.name, quiet) as told:
             report = one(StudySetting(instances or one.instances, seed, jobs, told))
         if report.rows or not report.interrupted:
             reports.append(report)
@@ -108,30 +107,3 @@ def _keep(report: Report, out: Path | None, json: bool) -> tuple[str | None, ...
     for line in summary_lines(report.faults, files, report.num_faults):
         complain(f"{report.study}: {line}")
     return files
-
-
-class _Counter:
-    """Counts parts of the work on standard error: a live line in a terminal, sparse lines elsewhere, nothing when asked to be quiet."""
-
-    def __init__(self, name: str, quiet: bool) -> None:
-        self.name, self.quiet = name, quiet
-        self._began = time.perf_counter()
-        self._said = self._began
-        self._live = not quiet and sys.stderr.isatty()
-
-    def __enter__(self) -> _Counter:
-        return self
-
-    def __exit__(self, *fault: Any) -> None:
-        if self._live:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
-
-    def __call__(self, done: int, total: int, what: str) -> None:
-        from .progress import SPARSE_SECONDS
-
-        now = time.perf_counter()
-        if self.quiet or now - self._said < (0.25 if self._live else SPARSE_SECONDS):
-            return
-        self._said = now
-        line = f"{self.name} {now - self._began:.1f} s: {done} of {total} parts" + (f", {what}" if what else "")
-        print(f"\r\033[K{line}" if self._live else line, end="" if self._live else "\n", file=sys.stderr, flush=True)

@@ -12,12 +12,15 @@ Source: McCormick (1976), Mathematical Programming 10, 147-175; Glover (1975), M
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..program import INTEGERS, QUADRATIC, Floats, Program, Rows, Variables
 from .reduction import Irreducible, Reduction, Step
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -51,6 +54,8 @@ class LinearProducts(Reduction):
         """See ``Reduction.apply``."""
         if program.quadratic is None or not program.is_integer:
             return ()
+        import scipy.sparse as sp
+
         upper = sp.coo_matrix(sp.triu(program.quadratic))
         i, j, q = upper.row.astype(np.int64), upper.col.astype(np.int64), upper.data
         binary = program.integer & (program.lower >= 0) & (program.upper <= 1)

@@ -1,0 +1,105 @@
+"""What it costs that waybound switches off parts of solvers that the battery found wrong.
+
+Run as ``python -m waybound.reports.benchmarks.protections [--limit 300] [--seeds 3]``.
+
+Mixed-integer programs of all families, each with waybound's options, with the library's own, and for HiGHS without any presolve. Seconds
+are CPU time of reductions and search, children included, one thread; all proven optima must be equal.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import resource
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from waybound.formulations.problem import Problem, problem_from_instance
+from waybound.formulations.programs.program import Program
+from waybound.instances.bundled import bundled_path
+from waybound.instances.generating import generate
+from waybound.instances.reading import read_instance
+from waybound.solvers.backend import Control, Options, RawResult, solver_named
+from waybound.solvers.program_backend import ProgramBackend
+
+RUNS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("highs", "waybound's", {}),
+    ("highs", "HiGHS' own", {"presolve_rule_off": 0}),
+    ("highs", "no presolve", {"presolve": "off"}),
+    ("pulp", "waybound's", {}),
+    ("pulp", "CBC's own", {"preprocess": "sos"}),
+)
+
+
+def routing(name: str, customers: int) -> Problem:
+    """The first customers of a bundled file."""
+    return problem_from_instance(read_instance(bundled_path(name)), convention="trunc1", customers=customers)
+
+
+BUNDLED = ("demo-rc50", "demo-r25")
+SIZE = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}
+COVERAGE = {"elements": 40, "items": 80, "per-element": 8, "k": 5}
+
+GROUPS: dict[str, tuple[str, Callable[[int], Problem]]] = {
+    "routing, windows": ("two-index-load-flow", lambda k: routing(BUNDLED[k % 2], 13 + k)),
+    "routing, node levels": ("two-index-mtz", lambda k: routing(BUNDLED[k % 2], 11 + k)),
+    "routing, three indices": ("three-index", lambda k: routing(BUNDLED[k % 2], 9 + k)),
+    "winner takes all": (
+        "strong-linearisation",
+        lambda k: problem_from_instance(generate("sata", k, **SIZE), "winner-takes-all"),
+    ),
+    "coverage": ("facility-location", lambda k: problem_from_instance(generate("coverage", k, **COVERAGE))),
+    "bottleneck": ("max-min", lambda k: problem_from_instance(generate("sata", k, robots=12, actions=3, targets=25, phi=15), "bottleneck")),
+}
+"""By name, a form and a problem from a number."""
+
+
+def cpu() -> float:
+    """CPU seconds of this process and its children that have ended."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
+def run(program: Program, solver: str, own: dict[str, Any], limit: float) -> tuple[float, RawResult]:
+    """CPU seconds, and the solver's account."""
+    backend = solver_named(solver)
+    assert isinstance(backend, ProgramBackend)
+    began = cpu()
+    result = backend.run(program, Options(time_limit=limit, extra=dict(own)), Control())
+    return cpu() - began, result
+
+
+def rows(seeds: int, limit: float, groups: dict[str, tuple[str, Callable[[int], Problem]]] | None = None) -> Iterator[str]:
+    """One line a group and run: how many were proved optimal, and the seconds of all together."""
+    for group, (form, make) in (groups or GROUPS).items():
+        programs = [make(k).compile(form).program for k in range(seeds)]
+        known: dict[int, float] = {}
+        for solver, word, own in RUNS:
+            seconds, proven = 0.0, 0
+            for k, program in enumerate(programs):
+                took, result = run(program, solver, own, limit)
+                seconds += took
+                if result.status == "optimal":
+                    assert result.objective is not None
+                    proven += 1
+                    first = known.setdefault(k, result.objective)
+                    assert math.isclose(first, result.objective, rel_tol=1e-6), (
+                        f"{group} {k}, {solver}, {word}: {result.objective}, not {first}"
+                    )
+            yield f"{group:24} {form:22} {solver:6} {word:12} {proven:>3}/{seeds:<2} {seconds:>9.2f} s"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--limit", type=float, default=300.0)
+    given = parser.parse_args()
+    for solver in ("highs", "pulp"):  # loads the modules
+        run(GROUPS["bottleneck"][1](0).compile().program, solver, {}, 5.0)
+    for line in rows(given.seeds, given.limit):
+        print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()
