@@ -56,6 +56,7 @@ class _Run:
     compile_seconds: float = 0.0
     bounds: bool = True
     heuristic: bool = False
+    isolated: bool = False
 
     @property
     def form(self) -> str | None:
@@ -110,7 +111,8 @@ def solve(
     time_limit : float, seconds
         Wall time for the engine alone.
     bound_time : float, seconds, optional
-        Budget for bounding after it: a tenth of the limit, at least 1 s, by default; 0 turns it off.
+        Budget for bounding after it, or beside it on a free core, and then for second opinions on what was claimed: a tenth of the limit,
+        at least 1 s, by default; 0 turns it off.
     iterations, gap, seed, threads, memory_limit, no_improvement
         See ``Options``. What the solver or heuristic does not keep to is refused by name.
     start : answer, Solution, mapping or path, optional
@@ -152,8 +154,7 @@ def solve(
         check_number("bound_time", bound_time)
     if memory_limit is not None:
         check_number("memory_limit", memory_limit, above=0)
-    if memory_limit is not None and not isolate:
-        isolate = True
+    isolate = isolate or memory_limit is not None
     budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
     given: Compiled | None = None
     if isinstance(problem, Program):
@@ -250,7 +251,7 @@ def _solver_run(
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     hinted = replace(options, start=start)
-    return _Run(solver, _going(solver, made.program, hinted, isolate), versions, notes, made, compiled)
+    return _Run(solver, _going(solver, made.program, hinted, isolate), versions, notes, made, compiled, isolated=isolate)
 
 
 def _linear(options: Options) -> LinearPrograms:
@@ -414,7 +415,7 @@ def _second_opinions(
     claims_it = exactness.infeasibility_is_valid if evaluation is None else _claims_optimum(exactness, result, evaluation)
     if made is None or not claims_it or not unproved(result, certificate, evaluation, made.program):
         return []
-    heard = list(second_opinions(made, run.name, seconds, options))
+    heard = list(second_opinions(made, run.name, seconds, options, run.isolated))
     for name, said in heard:
         judge.opinion(name, said.answer)
     return heard
