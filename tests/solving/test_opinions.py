@@ -14,23 +14,17 @@ from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.programs.program import INTEGERS
 from waybound.formulations.solution import Opinion, status_line
 from waybound.solvers.backend import BACKENDS, RawResult
-from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.program_backend import ProgramBackend
 from waybound.solving import opinions
 from waybound.solving.opinions import independent
+
+pytestmark = pytest.mark.usefixtures("without_trees")
 
 KNAPSACK = ArrayProblem(program([3.0, 2.0], [[2.0, 3.0]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max", offset=1.0))
 """13 at (4, 0); its relaxation is worth 14 2/3, of which the checker makes 14."""
 EMPTY = ArrayProblem(program([1.0, 1.0], [[2.0, 2.0]], 3.0, 3.0, 0, 5, integer=[0, 1]))
 """2 x + 2 y = 3 in whole numbers: no bound on the relaxation says so."""
 LESS = np.array([3.0, 1.0])
-
-
-@pytest.fixture(autouse=True)
-def _without_proofs_by_search(registered: Any) -> None:
-    """So that programs as small as these leave claims without evidence."""
-    tree = BOUNDS["branching-tree"]
-    registered(BOUNDS, "branching-tree", replace(tree, missing=lambda problem: frozenset({"a test"})))
 
 
 @pytest.fixture
