@@ -33,7 +33,7 @@ def benchmarks() -> Path:
 
 @pytest.fixture
 def without_trees() -> Iterator[None]:
-    """Bounds are found without the method that searches, which takes all the time that it is given and proves what a test may want claimed."""
+    """Bounds are found without the method that searches: it takes all its time, and proves what a test may want claimed."""
     from waybound.solvers.bounds import BOUNDS
 
     with BOUNDS.temporary("branching-tree", replace(BOUNDS["branching-tree"], missing=lambda problem: frozenset({"a test"}))):
