@@ -11,7 +11,7 @@ from ..instances.errors import CheckFailedError, InputError, in_words
 from ..instances.printable import printable
 from . import tolerance
 from .evaluation import Check, Evaluation, Violation
-from .evidence import CHECKERS, Evidence, Guarantee
+from .evidence import CHECKERS, ENDLESS, Evidence, Guarantee
 from .problem import Problem
 from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .stated import compare_answer, real, stated_evidence, stated_guarantee
@@ -40,13 +40,15 @@ class Certificate:
     bound : float or None
         Best verified bound on the first level; None where it is proved that there is no answer to bound.
     bound_source : str or None
-        Source of ``bound``, or of the proof that there is no answer.
+        Source of ``bound``, or of the proof that there is no answer, or no best one.
     infeasible : bool
         Whether ``evidence`` proves that the problem has no answer.
+    unbounded : bool
+        Whether ``evidence`` proves that it has answers as good as one wants.
     gap : float or None
         At the first level of the objective; None where that one is closed and others, without a bound, follow.
     evidence : tuple of Evidence
-        What proves ``bound`` or ``infeasible``; best first.
+        What proves ``bound``, ``infeasible`` or ``unbounded``; best first.
     guarantee : Guarantee or None
         The ratio stated for the heuristic that made the answer.
     stated_guarantee : Guarantee or None
@@ -68,6 +70,7 @@ class Certificate:
     bound: float | None = None
     bound_source: str | None = None
     infeasible: bool = False
+    unbounded: bool = False
     gap: float | None = None
     evidence: tuple[Evidence, ...] = field(default=())
     guarantee: Guarantee | None = None
@@ -85,6 +88,7 @@ class Certificate:
             "bound": self.bound,
             "bound_source": self.bound_source,
             "infeasible": self.infeasible,
+            "unbounded": self.unbounded,
             "gap": self.gap,
             "guarantee": None if self.guarantee is None else self.guarantee.to_json(),
             "observed_ratio": self.observed_ratio,
@@ -129,10 +133,27 @@ def verified_bound(problem: Problem, evidence: Evidence) -> float:
 
     It is infinite where ``evidence`` proves nothing, or (with the other sign) that there is no answer: see ``EvidenceChecker``.
     """
+    if evidence.kind in ENDLESS:
+        return -math.inf if problem.sense == "min" else math.inf
     try:
         return float(CHECKERS[evidence.kind](problem, evidence.data))
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError) as fault:
-        raise InputError(f"evidence of kind {evidence.kind} is malformed", found=f"{type(fault).__name__}: {fault}") from fault
+    except _MALFORMED as fault:
+        raise _malformed(evidence, fault) from fault
+
+
+def proves_unbounded(problem: Problem, evidence: Evidence) -> bool:
+    """Whether ``evidence`` proves that answers are as good as one wants; raises InputError where its shape is wrong."""
+    try:
+        return evidence.kind in ENDLESS and bool(ENDLESS[evidence.kind](problem, evidence.data))
+    except _MALFORMED as fault:
+        raise _malformed(evidence, fault) from fault
+
+
+_MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
+
+
+def _malformed(evidence: Evidence, fault: Exception) -> InputError:
+    return InputError(f"evidence of kind {evidence.kind} is malformed", found=f"{type(fault).__name__}: {fault}")
 
 
 def certify(
@@ -160,10 +181,12 @@ def certify(
     CheckFailedError
         If a verified bound, or a proof that there is no answer, contradicts a feasible answer: both cannot be right.
     """
-    verified = []
+    verified, endless = [], []
     for e in evidence:
         try:
             verified.append((verified_bound(problem, e), e))
+            if proves_unbounded(problem, e):
+                endless.append(e)
         except (Exception, KeyboardInterrupt) as fault:
             if unproved is None:
                 raise
@@ -174,8 +197,14 @@ def certify(
         refuting = [e for e in refuting if problem.concession(e, evaluation) != math.inf]
     proved = [(b, e) for b, e in verified if math.isfinite(b)]
     proved.sort(key=lambda pair: pair[0], reverse=problem.sense == "min")
+    if endless and (refuting or proved):
+        other = refuting[0] if refuting else proved[0][1]
+        raise CheckFailedError(
+            f"{endless[0].source} contradicts {other.source}, which proves {'that there is no answer' if refuting else 'a bound'}: "
+            "one of the two checks is wrong; please report this"
+        )
     bound = proved[0][0] if proved and not refuting else None
-    best = refuting[:1] or [replace(e, value=b) for b, e in proved[:1]]  # whatever its finder claims of it
+    best = refuting[:1] or endless[:1] or [replace(e, value=b) for b, e in proved[:1]]  # whatever its finder claims of it
     gap = ratio = None
     if evaluation is not None and evaluation.feasible:
         value = evaluation.values[0]
@@ -207,6 +236,7 @@ def certify(
         bound=bound,
         bound_source=best[0].source if best else None,
         infeasible=bool(refuting),
+        unbounded=bool(endless),
         gap=gap,
         evidence=tuple(best),
         guarantee=guarantee,
@@ -256,6 +286,8 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     made = certify(problem, evaluation, evidence)
     if data.get("infeasible") and not made.infeasible:
         raise CheckFailedError("the certificate states that there is no answer, its evidence does not prove it")
+    if data.get("unbounded") and not made.unbounded:
+        raise CheckFailedError("the certificate states that there is no best answer, its evidence does not prove it")
     compare_answer(data, evaluation, infeasible=made.infeasible)
     if data.get("bound") is not None and not made.infeasible:
         _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
@@ -338,10 +370,17 @@ def answer_lines(c: Certificate) -> list[Line]:
     return lines
 
 
+def bound_line(c: Certificate) -> Line:
+    """What is proved of all answers."""
+    if c.infeasible or c.unbounded:
+        return Line("bound", f"none: there is no {'solution' if c.infeasible else 'best solution'}, verified: {_source(c)}", "bad")
+    if c.bound is None:
+        return Line("bound", "none verified", "quiet")
+    return Line("bound", f"{number(c.bound)}, verified: {_source(c)}", "good")
+
+
 def _bound_lines(c: Certificate) -> list[Line]:
-    lines = [
-        Line("bound", "none verified", "quiet") if c.bound is None else Line("bound", f"{number(c.bound)}, verified: {_source(c)}", "good")
-    ]
+    lines = [bound_line(c)]
     if c.gap is not None:
         lines.append(Line("gap", percent(c.gap)))
     return [*lines, *ratio_lines(c)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -22,7 +22,7 @@ class Evidence:
         Where it comes from, for people: "LP relaxation of two-index-time-flow".
     value : float
         The bound it is meant to prove, on the first level of the objective; infinite where it proves that there is no answer
-        (``inf`` for ``min``, ``-inf`` for ``max``). The checker derives its own.
+        (``inf`` for ``min``, ``-inf`` for ``max``), or answers as good as one wants (the other way round). The checker derives its own.
     data : dict
         Plain JSON values.
     """
@@ -55,6 +55,11 @@ class EvidenceChecker(Protocol):
 CHECKERS: Registry[EvidenceChecker] = Registry(
     "kind of evidence", "waybound.formulations.checking", "waybound.formulations.*.checking", group="waybound.checkers"
 )
+
+ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry(
+    "kind of evidence", "waybound.formulations.checking", "waybound.formulations.*.checking", group="waybound.checkers"
+)
+"""Checkers of evidence that answers are as good as one wants: from problem and data to whether that is proved. Such evidence bounds nothing."""
 
 
 @dataclass(frozen=True)

@@ -235,6 +235,8 @@ def status_line(solution: Solution) -> Line:
         return Line("status", f"feasible{stopped}")
     if s.status == "infeasible" and s.certificate.infeasible:
         return Line("status", f"infeasible, verified: {s.certificate.bound_source}", "bad")
+    if s.status == "unbounded" and s.certificate.unbounded:
+        return Line("status", f"unbounded, verified: {s.certificate.bound_source}", "bad")
     if s.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
         return Line("status", f"{s.status.replace('_', ' ')} according to {s.solver}{_seconded(s)}", "bad")
     return Line("status", f"no answer{stopped}" if s.status == "unknown" else f"{s.status}{stopped}", "bad")

@@ -74,7 +74,7 @@ def compare_answer(data: Mapping[str, Any], evaluation: Evaluation | None, *, in
     CheckFailedError
         For a field that is not so.
     """
-    for key in ("feasible", "infeasible"):
+    for key in ("feasible", "infeasible", "unbounded"):
         if data.get(key) is not None and not isinstance(data[key], bool):
             raise InputError(f"the certificate's {key} is neither true nor false", found=printable(data[key], 80))
     feasible = data.get("feasible")

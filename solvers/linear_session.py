@@ -22,7 +22,7 @@ class LinearResult:
     Attributes
     ----------
     status : str
-        ``optimal``, ``infeasible``, ``iterations`` (their limit was met) or ``unknown``.
+        ``optimal``, ``infeasible``, ``unbounded``, ``iterations`` (their limit was met) or ``unknown``.
     value : float
         The objective; with the status ``iterations`` that of the point at which it stopped.
     x, duals : arrays of shape (variables,) and (rows,)
@@ -68,6 +68,11 @@ class LinearSession:
             self._model.changeColsBounds(len(changed), changed, lower[changed], upper[changed])
             self.lower[changed], self.upper[changed] = lower[changed], upper[changed]
 
+    def without_costs(self) -> None:
+        """Ask for any point from now on."""
+        columns = np.arange(self._program.num_variables, dtype=np.int32)
+        self._model.changeColsCost(len(columns), columns, np.zeros(len(columns)))
+
     def basis(self) -> Any:
         """Where the session stands, for ``start``."""
         return self._model.getBasis()
@@ -101,6 +106,8 @@ class LinearSession:
             if status == s.kInfeasible:
                 _, known, ray = model.getDualRay()
                 return LinearResult("infeasible", math.nan, np.zeros(0), np.zeros(0), np.array(ray) if known else self._broken_row())
+            if status == s.kUnbounded:
+                return LinearResult("unbounded", math.nan, np.zeros(0), np.zeros(0))
             if status == s.kIterationLimit:
                 return LinearResult("iterations", float(info.objective_function_value), np.zeros(0), np.zeros(0))
             break

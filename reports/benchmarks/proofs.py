@@ -1,7 +1,7 @@
-"""What is proved, and how fast: small instances of every family, winner takes all, and Solomon's files cut to 25 customers.
+"""What is proved, and how fast: the battery's programs, winner takes all, and Solomon's files cut to 25 customers.
 
-Run as ``python -m waybound.reports.benchmarks.proofs [--instances 400] [--seconds 1] [--solomon FOLDER] [--files C101 R101 ...]``. Exits
-with 1 if a bound passes an optimum, or evidence that there is no answer stands beside one.
+Run as ``python -m waybound.reports.benchmarks.proofs [--battery 3000] [--seconds 1] [--solomon FOLDER] [--files C101 R101 ...]``. Exits
+with 1 if anything that is verified of the battery is not true.
 """
 
 from __future__ import annotations
@@ -11,27 +11,22 @@ import math
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
-from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.certificate import beats_bound, verified_bound
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
-from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.solution import Solution
 from waybound.formulations.tolerance import same
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats import solomon
-from waybound.instances.selection.constraints import Knapsack
-from waybound.instances.selection.functions import DenseFacilityLocation
 from waybound.instances.sensing.graph import SensingGraph
-from waybound.reports.benchmarks.small_cases import random_problem
+from waybound.reports.battery.cases import Draw, cases
+from waybound.reports.battery.truth import Truth
+from waybound.solvers.backend import solver_named
+from waybound.solvers.program_backend import takers
 from waybound.solving.bounding import find_bounds
 from waybound.solving.solve import solve
 
@@ -45,35 +40,6 @@ def sensing(seed: int, **settings: object) -> SensingGraph:
     return graph
 
 
-def small_instances(count: int, seed: int) -> Iterator[Problem]:
-    """``count`` instances, the families in turn."""
-    rng = np.random.default_rng(seed)
-    for number in range(count):
-        kind = number % 5
-        if kind == 0:
-            yield random_problem(rng, number // 5)
-        elif kind == 1:
-            yield _program(rng)
-        elif kind == 2:
-            n, items = int(rng.integers(4, 13)), int(rng.integers(4, 20))
-            function = DenseFacilityLocation(rng.random((n, items)).round(2))
-            yield SubmodularSelection(function, Knapsack(rng.integers(1, 20, n).astype(float), float(rng.integers(15, 50))))
-        else:
-            graph = sensing(number, robots=int(rng.integers(4, 9)), actions=2, targets=int(rng.integers(4, 12)), phi=40, weights="uniform")
-            yield BottleneckSATA(graph) if kind == 3 else WinnerTakesAllSATA(graph)
-
-
-def _program(rng: np.random.Generator) -> ArrayProblem:
-    m, n = int(rng.integers(1, 8)), int(rng.integers(2, 12))
-    matrix = rng.integers(-9, 20, (m, n)).astype(float)
-    lower = matrix.sum(axis=1) * rng.uniform(0.2, 0.6) + rng.integers(0, 9, m) / 4.0
-    indptr, indices = (np.arange(0, m * n + 1, n).astype(np.int32), np.tile(np.arange(n), m).astype(np.int32))
-    rows = Rows("row", indptr=indptr, indices=indices, data=matrix.ravel(), lower=lower, upper=lower + rng.integers(1, 60))
-    upper, cost = rng.integers(1, 4, n).astype(float), rng.integers(-20, 40, n).astype(float)
-    columns = Variables("x", lower=np.zeros(n), upper=upper, cost=cost, integer=True)
-    return ArrayProblem(Program("random", str(rng.choice(["min", "max"])), (columns,), (rows,)))
-
-
 def proof(problem: Problem, value: float | None, seconds: float) -> tuple[float | None, float, Evidence | None]:
     """The best verified bound found in ``seconds``, the time that it took, and its evidence; the bound is None where there is none."""
     began = time.perf_counter()
@@ -85,28 +51,49 @@ def proof(problem: Problem, value: float | None, seconds: float) -> tuple[float 
     return (None, took, None) if best[0] == -math.inf else (sign * best[0], took, found[best[1]])
 
 
-def small(count: int, seconds: float, seed: int) -> int:
-    """How many optima, and how many times that there is no answer, are proved; the number of contradictions."""
-    wrong, told, longest = 0, Counter[tuple[str, str]](), 0.0
-    for problem in small_instances(count, seed):
-        answer = solve(problem, "highs", time_limit=60.0, bound_time=0)
-        value = answer.objective if isinstance(answer.objective, float) else None
-        bound, took, _ = proof(problem, value, seconds)
-        longest = max(longest, took)
-        sign = 1.0 if problem.sense == "min" else -1.0
-        if value is None:
-            verdict = "no answer: proved" if bound is not None and math.isinf(bound) else "no answer: not proved"
-        elif bound is not None and same(bound, value):
-            verdict = "optimum: proved"
-        else:
-            verdict = "optimum: not proved"
-            wrong += bound is not None and sign * bound > sign * value
-        told[problem.problem, verdict] += 1
-    for (kind, verdict), number in sorted(told.items()):
-        print(f"{kind:18s} {verdict:24s} {number}")
-    proved = sum(number for (_, verdict), number in told.items() if not verdict.endswith("not proved"))
-    print(f"{proved} of {count} proved, the longest in {longest:.2f} s; {wrong} contradictions\n")
-    return wrong
+def battery(count: int, seconds: float, seed: int) -> int:
+    """What is verified of the battery's programs, whose optima are known; how many verdicts are false."""
+    told, left, spent = Counter[tuple[str, str, str]](), list[str](), list[tuple[float, float, int]]()
+    for case in cases(Draw(count, seed)):
+        made = case.problem.compile(case.form)
+        began = time.process_time()
+        found = solve(made, next(n for n in ("highs", *takers(made.program.features())) if not solver_named(n).missing(made.program)),
+                      time_limit=60.0, bound_time=seconds)  # fmt: skip
+        spent.append((time.process_time() - began, found.seconds["bound"], case.number))
+        verdict = _verdict(found, case.truth)
+        told[case.kind, case.truth.status, verdict] += 1
+        if verdict != VERIFIED:
+            left.append(f"case {case.number}, {case.kind}, {case.form}, {case.truth}: {verdict}; {found!r}")
+    kinds = list(dict.fromkeys(kind for kind, *_ in told))
+    print(f"{'kind':20s}" + "".join(f"{word:>22s}" for word in STATUSES))
+    for kind in kinds:
+        row = [(told[kind, word, VERIFIED], sum(n for (k, w, _), n in told.items() if (k, w) == (kind, word))) for word in STATUSES]
+        print(f"{kind:20s}" + "".join(f"{f'{good} of {of}' if of else '-':>22s}" for good, of in row))
+    print("\n".join(left))
+    false = sum(n for (*_, verdict), n in told.items() if verdict == FALSE)
+    verified = sum(n for (*_, verdict), n in told.items() if verdict == VERIFIED)
+    (cpu, _, slow), wall = max(spent), max(bounding for _, bounding, _ in spent)
+    within = sum(used <= 1.0 for used, *_ in spent)
+    print(f"{verified} of {count} verified, {false} false; CPU seconds with the search: {within} within 1, at most {cpu:.2f} (case {slow});")
+    print(f"wall seconds of bounding: at most {wall:.2f}\n")
+    return false
+
+
+VERIFIED, FALSE = "verified", "FALSE"
+STATUSES = ("optimal", "infeasible", "unbounded")
+
+
+def _verdict(found: Solution, truth: Truth) -> str:
+    """Whether what is shown as verified is all that is true."""
+    c, e = found.certificate, found.evaluation
+    if truth.value is None:
+        verified = c.infeasible if truth.status == "infeasible" else c.unbounded
+        return VERIFIED if verified else FALSE if c.infeasible or c.unbounded or c.bound is not None else "not verified"
+    best, size = float(truth.value), 0.0 if e is None else e.size
+    if c.infeasible or c.unbounded or (c.bound is not None and beats_bound(found.problem.sense, best, c.bound, size)):
+        return FALSE
+    closed = found.status == "optimal" and found.bound_kind == "verified" and e is not None
+    return VERIFIED if closed and same(e.values[0], best, size, e.precision) else "not verified"  # type: ignore[union-attr]
 
 
 def winner_takes_all(seeds: int) -> None:
@@ -146,7 +133,7 @@ def _leaves(evidence: Evidence | None) -> int:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--instances", type=int, default=400)
+    parser.add_argument("--battery", type=int, default=3000)
     parser.add_argument("--seconds", type=float, default=1.0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--winner-takes-all", type=int, default=10)
@@ -154,7 +141,7 @@ def main() -> int:
     parser.add_argument("--files", nargs="*", default=list(FIRST_CLASS))
     parser.add_argument("--file-seconds", type=float, default=60.0)
     chosen = parser.parse_args()
-    wrong = small(chosen.instances, chosen.seconds, chosen.seed) if chosen.instances else 0
+    wrong = battery(chosen.battery, chosen.seconds, chosen.seed) if chosen.battery else 0
     if chosen.winner_takes_all:
         winner_takes_all(chosen.winner_takes_all)
     if chosen.solomon is not None:

@@ -193,6 +193,9 @@ class _Tree:
         lower, upper = self._bounds(node)
         self.session.bound(lower, upper)
         result = self.session.solve(self.stop)
+        if result.status == "unbounded":  # all that can be proved is that there is no answer
+            self.session.without_costs()
+            result = self.session.solve(self.stop)
         if result.status == "unknown" and self.stop.reached():
             return False
         self.nodes.append(node)
@@ -265,7 +268,7 @@ class _Tree:
                     node.own, node.evidence = bound, given
                 if self._reached(bound) or given is evidence:
                     break
-            if node.own == math.inf:
+            if self._reached(node.own):
                 break
         if node.evidence is not None:
             self.numbers += _size(node.evidence.data)
@@ -468,14 +471,14 @@ def _takes(made: Compiled) -> bool:
     program = made.program
     return (
         made.exactness.bound_is_valid and made.dual_evidence is not None and made.at_most is not None
-        and program.features() == INTEGERS
+        and program.features() <= INTEGERS
     )  # fmt: skip
 
 
 def _missing(problem: Problem) -> frozenset[str]:
     if type(problem).check_statement is Problem.check_statement:
         return frozenset({f"{problem.family} problems"})
-    return frozenset() if any(FORMS[form].makes(problem) == INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
+    return frozenset() if any(FORMS[form].makes(problem) <= INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
 
 
 BOUNDS.add("branching-tree", BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))

@@ -130,7 +130,7 @@ def bound(
 ) -> None:
     """The best provable bound on the objective, with its source; verified from its evidence.
 
-    Exit code 0 with a bound, 3 if it is proved that there is no solution to bound, 4 if nothing was proved.
+    Exit code 0 with a bound, 3 if it is proved that there is no solution, or no best one, 4 if nothing was proved.
     """
     bounded(bound_time=bound_time, seed=seed, threads=threads)
     if bound_time <= 0:
@@ -165,18 +165,16 @@ def bound(
         "bound_kind": None if made.bound is None else "verified",
         "bound_source": made.bound_source,
         "infeasible": made.infeasible,
+        "unbounded": made.unbounded,
         "found": [{"source": e.source, "value": e.value} for e in evidence],
         "seconds": seconds,
     }
 
     def shown() -> str:
-        from ..formulations.certificate import certificate_lines
+        from ..formulations.certificate import bound_line
         from ..formulations.rendering import Line
 
-        if made.infeasible:
-            lines = [Line("bound", f"none: there is no solution, verified: {made.bound_source}", "bad")]
-        else:
-            lines = [line for line in certificate_lines(made) if line.label == "bound"]
+        lines = [bound_line(made)]
         others = [e for e in evidence if e not in made.evidence]
         lines += [Line("also", f"{e.value:.10g}: {e.source}" if math.isfinite(e.value) else e.source, "quiet") for e in others]
         lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
@@ -185,7 +183,7 @@ def bound(
     delivery = Delivery(verbose)
     delivery.file("--certificate", certificate, lambda path: atomic_write(path, json_text(made.to_json(with_evidence=True))))
     delivery.show(lambda: json_text(figures) if json else shown(), lambda: json_text(figures))
-    raise typer.Exit(delivery.code or (3 if made.infeasible else 0 if made.bound is not None else _nothing()))
+    raise typer.Exit(delivery.code or (3 if made.infeasible or made.unbounded else 0 if made.bound is not None else _nothing()))
 
 
 def _bounded(problem: Problem, seconds: float, linear: LinearPrograms, progress: Any, unable: list[str]) -> tuple[list[Any], float]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..formulations.certificate import verified_bound
-from ..formulations.evidence import Evidence
+from ..formulations.evidence import ENDLESS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.stop import Stop
 from ..formulations.tolerance import same
@@ -88,7 +88,7 @@ def find_bounds(
         control.publish(list(found))
         if progress is not None:
             progress({"phase": "bound", "seconds": bound_time - stop.seconds_left, "objective": target, "bound": evidence.value})
-        if _reaches(evidence.value, target) and _reaches(proved(problem, evidence), target):
+        if evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target)):
             break
     return found
 

@@ -367,6 +367,7 @@ def _certified(
                 run.notes.append(f"{one.solver} says {one.status}{value}, which the answer refutes")
     size = 0.0 if evaluation is None else evaluation.size
     judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
+    judge.hear(claims.check_unbounded, run.name, result, certificate.unbounded, run.exactness(result))
     check_seconds = spent + time.perf_counter() - began
 
     faults = tuple(dict.fromkeys(judge.faults))
@@ -374,7 +375,7 @@ def _certified(
         if evaluation is None:
             raise CheckFailedError("; ".join(faults))
         result = replace(result, status="unknown", objective=None, bound=None)
-    bound, kind, source = _best_bound(problem, run, result, certificate, EQUAL if evaluation is None else evaluation.precision)
+    bound, kind, source = _best_bound(problem, run, result, certificate, *((0.0, EQUAL) if evaluation is None else (evaluation.size, evaluation.precision)))
     objective = None if evaluation is None else evaluation.objective
     if isinstance(objective, list) and bound is not None:
         bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
@@ -462,14 +463,14 @@ def _gather(
 
 
 def _best_bound(
-    problem: Problem, run: _Run, result: RawResult, certificate: Certificate, precision: float
+    problem: Problem, run: _Run, result: RawResult, certificate: Certificate, size: float, precision: float
 ) -> tuple[Value | None, str | None, str | None]:
     """The best known bound of either kind; a verified one wins a tie."""
     verified = certificate.bound
     claimed = result.bound if run.exactness(result).bound_is_valid and len(problem.senses) == 1 else None
     if claimed is not None and math.isfinite(claimed):
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
-        if ahead and (verified is None or not same(claimed, verified, precision=precision)):
+        if ahead and (verified is None or not same(claimed, verified, size, precision)):
             return claimed, "claimed", f"{run.name} ({run.form})" if run.form else run.name
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
 
@@ -483,8 +484,8 @@ def _status(
             if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
         return "optimal" if result.status == "optimal" and _claims_optimum(run.exactness(result), result, evaluation) else "feasible"
-    if certificate.infeasible:
-        return "infeasible"
+    if certificate.infeasible or certificate.unbounded:
+        return "infeasible" if certificate.infeasible else "unbounded"
     if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness(result).infeasibility_is_valid:
         return result.status
     if result.status == "unbounded" and run.exactness(result).answer_is_valid:

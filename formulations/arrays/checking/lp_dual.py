@@ -50,8 +50,8 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     problem : ArrayProblem
         Its ``program`` holds the arrays.
     data : dict
-        ``duals``: one number a row, d objective / d right side. Or ``ray``: one number a row, positive where the lower side of the row
-        counts, in either sense of the program.
+        ``duals``: one number a row, d objective / d right side, of a linear objective without cones. Or ``ray``, whatever the objective: one
+        number a row, positive where the lower side of the row counts, in either sense of the program.
 
     Returns
     -------
@@ -75,18 +75,14 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     ray = "ray" in data
     duals = numbers(data, "ray" if ray else "duals", program.num_rows)
     sign = 1.0 if program.sense == "min" else -1.0
-    if program.quadratic is not None or program.cones:
-        return -sign * math.inf
     if (program.lower > program.upper).any():
         return sign * math.inf
-    arrays = _Arrays(
-        np.zeros(program.num_variables) if ray else sign * program.cost, program.lower, program.upper, program.row_lower, program.row_upper,
-        np.repeat(np.arange(program.num_rows), np.diff(program.indptr)), program.indices, program.data,
-    )  # fmt: skip
-    with np.errstate(over="ignore", invalid="ignore"):
-        if ray:
+    if not ray and (program.quadratic is not None or program.cones):
+        return -sign * math.inf
+    if ray:
+        with np.errstate(over="ignore", invalid="ignore"):
             duals /= max(float(np.abs(duals).max(initial=0.0)), _VANISHING)
-        bound = _bound(arrays, duals if ray else sign * duals)
+    bound = least_value(program, np.zeros(program.num_variables) if ray else sign * program.cost, duals if ray else sign * duals)
     if ray:
         ends = [v[np.isfinite(v)] for v in (program.lower, program.upper, program.row_lower, program.row_upper)]
         lost = _VANISHING * (1.0 + max(float(np.abs(v).max(initial=0.0)) for v in ends))
@@ -100,6 +96,16 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     offset = float(program.offset)
     bound = sign * bound + offset
     return bound - sign * 4 * _EPS * abs(bound) if offset else bound
+
+
+def least_value(program: Any, cost: Floats, duals: Floats) -> float:
+    """At most the least ``cost x`` within rows and bounds, by the duals of its minimisation; no number or minus infinity is no bound."""
+    arrays = _Arrays(
+        cost, program.lower, program.upper, program.row_lower, program.row_upper,
+        np.repeat(np.arange(program.num_rows), np.diff(program.indptr)), program.indices, program.data,
+    )  # fmt: skip
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _bound(arrays, duals)
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,8 +49,8 @@ def build(problem: ArrayProblem) -> Compiled:
         return {"variable": column, "most": most}, True
 
     linear = given.quadratic is None and not given.cones
-    made = Compiled(replace(given, name="arrays"), problem, lambda x: x, encode)
-    return replace(made, dual_evidence=dual_evidence, ray_evidence=ray_evidence, at_most=at_most) if linear else made
+    made = Compiled(replace(given, name="arrays"), problem, lambda x: x, encode, ray_evidence=ray_evidence, at_most=at_most)
+    return replace(made, dual_evidence=dual_evidence) if linear else made
 
 
 FORMS.add(

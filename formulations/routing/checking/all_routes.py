@@ -1,0 +1,124 @@
+"""Evidence ``all-routes``: every route of a few customers, by every type of vehicle, and every way to put them together.
+
+There is nothing to state: the checker walks all of it. It knows what other evidence merges or leaves out, such as several types of vehicle
+and customers that may be left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....instances.errors import InputError
+from ...evidence import CHECKERS
+from .infeasible_site import verdict
+from .route_limits import Limits, allowed, limits_of, summable
+
+if TYPE_CHECKING:
+    from ....instances.routing.instance import VehicleType
+    from ..problem import RoutingProblem
+
+MOST_ORDERS = 20_000
+"""Orders of some of the customers, times types of vehicle: 7 customers of one type, 6 of 10, 5 of 61."""
+
+PEAKS = frozenset({"longest-route", "makespan"})
+"""Terms that are the largest of all routes; the others are sums."""
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def orders(problem: RoutingProblem) -> float:
+    """How many ways to visit some of the customers there are for all types together, or infinity where they are many."""
+    n = len(problem.sites.customers)
+    return math.inf if n > 10 else len(problem.fleet) * sum(math.perm(n, k) for k in range(1, n + 1))
+
+
+@CHECKERS.register("all-routes")
+def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """The optimum of the first level, as far as rounding lets it be told, or that there is no answer; nothing of ``data`` is read.
+
+    Nothing is proved where there are too many routes (``MOST_ORDERS``), or the objective mixes the largest of all routes with other terms.
+    """
+    if problem.family != "routing":
+        raise InputError("all routes are evidence for routing problems", found=problem.family)
+    level = problem.objective.levels()[0].terms
+    peak = any(term.name in PEAKS for _, term in level)
+    if orders(problem) > MOST_ORDERS or not summable(problem) or (peak and (len(level) > 1 or level[0][0] < 0)):
+        return verdict(problem, proved=False)
+    least = problem.sense == "min"
+    doubt, n = 0.0, len(problem.sites.customers)
+    ways: dict[tuple[int, int], float] = {(0, 0): 0.0}  # customers visited and number of routes
+    for vehicle in problem.fleet:
+        limits = limits_of(problem, vehicle)
+        routes, off = _routes(problem, limits, vehicle)
+        doubt = max(doubt, off)
+        layer = dict(ways)
+        for _ in range(n if vehicle.count is None else min(n, vehicle.count)):
+            more: dict[tuple[int, int], float] = {}
+            for (done, count), value in layer.items():
+                for visits, worth in routes.items():
+                    if not done & visits:
+                        joined = max(value, worth) if peak else value + worth
+                        _keep(more, (done | visits, count + 1), joined, least)
+            for way, value in more.items():
+                _keep(ways, way, value, least)
+            layer = more
+    must = sum(1 << k for k, required in enumerate(problem.sites.required[problem.sites.customers].tolist()) if required)
+    found = [value for (done, count), value in ways.items() if done & must == must and count >= problem.min_vehicles]
+    if not found:
+        return verdict(problem, proved=True)
+    return min(found) - n * doubt if least else max(found) + n * doubt
+
+
+def _keep(ways: dict[Any, float], way: Any, value: float, least: bool) -> None:
+    known = ways.get(way)
+    if known is None or (value < known if least else value > known):
+        ways[way] = value
+
+
+def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tuple[dict[int, float], float]:
+    """By set of customers, a mask, what the best route through it adds to the objective, and by how much that may be off."""
+    sites, terms = problem.sites, {term.name: weight for weight, term in problem.objective.levels()[0].terms}
+    at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
+    far, busy = problem.travel.distances[np.ix_(at, at)].tolist(), limits.busy.tolist()
+    ready, demand, reward = limits.ready.tolist(), limits.demand.tolist(), sites.reward[at].tolist()
+    due, budgets = [limits.latest(d) for d in limits.due.tolist()], [(way.tolist(), limit) for way, limit in limits.budgets]
+    opening, capacity, end, least = ready[0], allowed(limits.capacity), len(at) - 1, problem.sense == "min"
+    found: dict[int, float] = {}
+    size = 0.0
+
+    def ended(mask: int, clock: float, spent: float, latest: float, length: float, won: float) -> None:
+        nonlocal size
+        parts = {
+            "total-cost": vehicle.fixed_cost + vehicle.unit_cost * length, "reward": won, "vehicles": 1.0,
+            "longest-route": length, "makespan": max(spent, clock - latest),
+        }  # fmt: skip
+        weighted = [weight * parts[name] for name, weight in terms.items()]
+        size = max(size, math.fsum(map(abs, weighted)))
+        _keep(found, mask >> 1, math.fsum(weighted), least)
+
+    def extend(
+        last: int, mask: int, clock: float, spent: float, latest: float, load: float, length: float, won: float, sums: list[float]
+    ) -> None:
+        for node in range(1, end + 1):
+            if (mask >> node) & 1 or (node == end and not mask):
+                continue
+            arrival, total = clock + busy[last][node], spent + busy[last][node]
+            if arrival == math.inf or arrival > due[node] or (load + demand[node]) * (1.0 - 1e-13) > capacity:
+                continue
+            begin, leave = max(arrival, ready[node]), min(latest, due[node] - total)
+            used = [s + way[last][node] for s, (way, _) in zip(sums, budgets, strict=True)]
+            if any(u > limit for u, (_, limit) in zip(used, budgets, strict=True)):
+                continue
+            if any(rate * (begin - (opening if fixed else leave)) > limit for rate, limit, fixed in limits.spans):
+                continue
+            if node == end:
+                ended(mask, begin, total, leave, length + far[last][node], won)
+            else:
+                extend(node, mask | 1 << node, begin, total, leave, load + demand[node], length + far[last][node], won + reward[node], used)
+
+    extend(0, 0, opening, 0.0, due[0], 0.0, 0.0, 0.0, [0.0] * len(budgets))
+    return found, 16.0 * (len(at) + 2) * _EPS * size + abs(terms.get("makespan", 0.0)) * limits.rounding
