@@ -59,7 +59,7 @@ CHECKERS: Registry[EvidenceChecker] = Registry(
 ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry(
     "kind of evidence", "waybound.formulations.checking", "waybound.formulations.*.checking", group="waybound.checkers"
 )
-"""Checkers of evidence that answers are as good as one wants: from problem and data to whether that is proved. Such evidence bounds nothing."""
+"""Checkers of evidence that answers are as good as one wants: from problem and data to whether that is proved. It bounds nothing."""
 
 
 @dataclass(frozen=True)

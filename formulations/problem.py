@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..instances.errors import InputError, UsageError
@@ -126,6 +126,14 @@ class Problem(ABC):
         for statement, _ in decisions:
             self.check_statement(statement)
         return self
+
+    def in_words(self, statement: Any, holds: bool) -> str:
+        """A statement, or its opposite, for people."""
+        return f"{statement} {'holds' if holds else 'does not hold'}"
+
+    def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
+        """What evidence that there is no answer says, for people."""
+        return f"there is no answer, by evidence of kind {kind}"
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 

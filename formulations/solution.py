@@ -60,7 +60,8 @@ class Opinion:
     objective, bound : float, optional
         Its own claims, in the units of the program.
     verdict : str
-        ``agrees``, ``undecided``, ``refutes`` (by an answer that passed every check), or ``is refuted`` (by such an answer).
+        ``agrees``, ``undecided``, ``refutes`` (by an answer that passed every check), ``is refuted`` (by such an answer, or a verified
+        bound), or ``contradicts``: nothing that was checked refutes either of the two.
     """
 
     solver: str
@@ -248,10 +249,12 @@ def _seconded(solution: Solution) -> str:
     def told(verdict: str) -> str:
         return ", ".join(o.solver for o in solution.opinions if o.verdict == verdict)
 
-    if told("agrees"):
-        return f" and {told('agrees')}"
+    agree = sum(o.verdict == "agrees" for o in solution.opinions)
+    count = f" ({agree} of {len(solution.opinions)} asked agreed)" if solution.opinions else ""
+    if agree:
+        return f" and {told('agrees')}{count}"
     others = "; ".join(f"{names} {verdict}" for verdict in ("undecided", "is refuted") if (names := told(verdict)))
-    return f" alone: {others}" if others else ""
+    return f" alone: {others}{count}" if others else ""
 
 
 def solution_lines(solution: Solution) -> list[Line]:

@@ -36,6 +36,8 @@ def _figure(value: Any, what: str) -> float:
 def stated_evidence(data: Mapping[str, Any]) -> list[Evidence]:
     """The evidence in a certificate file; raises InputError where it is malformed."""
     entries = data.get("evidence", [])
+    if isinstance(entries, Mapping):
+        raise InputError("the certificate's evidence stands in a file beside it, so it must be read by its path")
     if not isinstance(entries, list):
         raise InputError("the certificate's evidence is not a list")
     if len(entries) > MOST_EVIDENCE:

@@ -32,6 +32,17 @@ def read_text(path: str | PathLike[str]) -> str:
     InputError
         If it is missing, a directory or a device, empty, beyond ``LARGEST_FILE``, binary, or not UTF-8.
     """
+    return decode(read_bytes(path), path)
+
+
+def read_bytes(path: str | PathLike[str]) -> bytes:
+    """What the file at ``path`` holds.
+
+    Raises
+    ------
+    InputError
+        If it is missing, a directory or a device, or beyond ``LARGEST_FILE``.
+    """
     file = Path(path)
     try:
         if file.is_dir():
@@ -50,7 +61,7 @@ def read_text(path: str | PathLike[str]) -> str:
         raise InputError(f"cannot be read: {error}", file=repr(str(path))) from error
     if len(data) > LARGEST_FILE:
         raise InputError("is too large", file=path, expected=f"at most {LARGEST_FILE} bytes")
-    return decode(bytes(data), path)
+    return bytes(data)
 
 
 def decode(data: bytes, path: str | PathLike[str] | None = None) -> str:

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .instances.errors import InputError, UsageError
+from .instances.errors import UsageError
 from .instances.limits import check_number, check_whole
 
 if TYPE_CHECKING:
@@ -129,6 +129,7 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
         If the certificate states more than its evidence proves, or another objective than the answer's.
     """
     from .formulations.certificate import Certificate, certify, check_certificate
+    from .formulations.certificate_files import read_certificate
     from .solving.answers import answer_given
 
     _refuse_path("check", problem)
@@ -143,21 +144,6 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     elif isinstance(certificate, str | PathLike):
         certificate = read_certificate(certificate)
     return check_certificate(problem, certificate, evaluation)
-
-
-def read_certificate(path: Source) -> Mapping[str, Any]:
-    """The object in a certificate file."""
-    from .instances.document import parse_json
-    from .instances.text import read_text
-
-    text = read_text(path)
-    try:
-        data = parse_json(text)
-    except InputError as error:
-        raise error.at(file=path) from None
-    if not isinstance(data, Mapping):
-        raise InputError("is no certificate", file=path, expected="a JSON object")
-    return data
 
 
 def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads: int = 1, lp_solver: str | None = None) -> Certificate:
@@ -229,4 +215,4 @@ def _dashed(settings: Mapping[str, Any]) -> dict[str, Any]:
     return {name.replace("_", "-"): value for name, value in settings.items()}
 
 
-__all__ = ["bound", "check", "explain", "generate", "read", "read_certificate", "read_source"]
+__all__ = ["bound", "check", "explain", "generate", "read", "read_source"]

@@ -25,6 +25,9 @@ from ..tolerance import EQUAL, VECTOR
 if TYPE_CHECKING:
     import pandas as pd
 
+SHOWN_ROWS = 6
+"""Rows that are named where they contradict each other."""
+
 _WHOLE = 2**53
 """Below it doubles hold every whole number."""
 
@@ -175,6 +178,19 @@ class ArrayProblem(Problem):
         made.program = self.program.with_bounds(lower, upper)
         made.__dict__.pop("_sizes", None)
         return made
+
+    def in_words(self, statement: Any, holds: bool) -> str:
+        name, most = self.program.variable_name(statement["variable"]), statement["most"]
+        return f"{name} <= {most}" if holds else f"{name} >= {most + 1}"
+
+    def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
+        if kind != "lp-dual":
+            return super().why_none(kind, data)
+        given = data["ray"]
+        used = given["at"] if isinstance(given, Mapping) else [i for i, factor in enumerate(given) if factor]
+        names = [self.program.row_name(i) for i in used[:SHOWN_ROWS]] + ([f"{len(used) - SHOWN_ROWS} more"] * (len(used) > SHOWN_ROWS))
+        rows = f"{'row' if len(used) == 1 else 'rows'} {', '.join(names)} and " if used else ""
+        return f"{rows}the bounds cannot be kept together"
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         return {"kind": "vector", "values": self._vector(answer).tolist()}

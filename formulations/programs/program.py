@@ -188,6 +188,12 @@ class Program:
         made.__dict__.update(shared, lower=lower, upper=upper)
         return made
 
+    def with_costs(self, cost: Floats) -> Program:
+        """The same with another linear objective, shape (variables,)."""
+        ends = np.cumsum([b.size for b in self.variables])[:-1]
+        blocks = zip(self.variables, np.split(cost, ends), strict=True)
+        return replace(self, variables=tuple(replace(block, cost=part) for block, part in blocks))
+
     # -- names -------------------------------------------------------------------------------------------------------
 
     def variable_name(self, column: int) -> str:

@@ -294,6 +294,15 @@ class RoutingProblem(Problem):
         made.__dict__["forbidden"] = moves
         return made
 
+    def in_words(self, statement: Any, holds: bool) -> str:
+        tail, head = statement["arc"]
+        return f"{'some' if holds else 'no'} route goes from {tail} straight to {head}"
+
+    def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
+        if kind == "arc-multipliers":
+            return "no choice of the moves that are left visits all sites within the limits"
+        return "none of all routes can be put together" if kind == "all-routes" else super().why_none(kind, data)
+
     # -- judging answers ---------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Routes) -> Evaluation:

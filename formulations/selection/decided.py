@@ -58,6 +58,9 @@ class DecidedElements(Problem):
             expected = f'{{"chosen": an element from 0 to {self.num_elements - 1}}}'
             raise InputError("not a statement on an element", expected=expected, found=printable(str(statement), 80))
 
+    def in_words(self, statement: Any, holds: bool) -> str:
+        return f"{self.element_name(statement['chosen'])} is {'taken' if holds else 'dropped'}"
+
     def restricted(self, decisions: Sequence[Decision]) -> Self:
         """The same problem with elements taken where the statement holds, and dropped where it does not."""
         for statement, _ in decisions:

@@ -1,4 +1,4 @@
-"""What is proved, and how fast: the battery's programs, winner takes all, and Solomon's files cut to 25 customers.
+"""What is proved, and how fast: the battery's programs, winner takes all, covers, and Solomon's files cut to 25 customers.
 
 Run as ``python -m waybound.reports.benchmarks.proofs [--battery 3000] [--seconds 1] [--solomon FOLDER] [--files C101 R101 ...]``. Exits
 with 1 if anything that is verified of the battery is not true.
@@ -7,15 +7,22 @@ with 1 if anything that is verified of the battery is not true.
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+
+from waybound.api import read
+from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import beats_bound, verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
+from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.solution import Solution
@@ -57,8 +64,8 @@ def battery(count: int, seconds: float, seed: int) -> int:
     for case in cases(Draw(count, seed)):
         made = case.problem.compile(case.form)
         began = time.process_time()
-        found = solve(made, next(n for n in ("highs", *takers(made.program.features())) if not solver_named(n).missing(made.program)),
-                      time_limit=60.0, bound_time=seconds)  # fmt: skip
+        able = (name for name in ("highs", *takers(made.program.features())) if not solver_named(name).missing(made.program))  # type: ignore[attr-defined]
+        found = solve(made, next(able), time_limit=60.0, bound_time=seconds)
         spent.append((time.process_time() - began, found.seconds["bound"], case.number))
         verdict = _verdict(found, case.truth)
         told[case.kind, case.truth.status, verdict] += 1
@@ -67,19 +74,19 @@ def battery(count: int, seconds: float, seed: int) -> int:
     kinds = list(dict.fromkeys(kind for kind, *_ in told))
     print(f"{'kind':20s}" + "".join(f"{word:>22s}" for word in STATUSES))
     for kind in kinds:
-        row = [(told[kind, word, VERIFIED], sum(n for (k, w, _), n in told.items() if (k, w) == (kind, word))) for word in STATUSES]
+        row = [(told[kind, word, VERIFIED], sum(told[kind, word, v] for v in (VERIFIED, FALSE, OPEN))) for word in STATUSES]
         print(f"{kind:20s}" + "".join(f"{f'{good} of {of}' if of else '-':>22s}" for good, of in row))
     print("\n".join(left))
     false = sum(n for (*_, verdict), n in told.items() if verdict == FALSE)
     verified = sum(n for (*_, verdict), n in told.items() if verdict == VERIFIED)
     (cpu, _, slow), wall = max(spent), max(bounding for _, bounding, _ in spent)
     within = sum(used <= 1.0 for used, *_ in spent)
-    print(f"{verified} of {count} verified, {false} false; CPU seconds with the search: {within} within 1, at most {cpu:.2f} (case {slow});")
+    print(f"{verified} of {count} verified, {false} false; CPU seconds with the search: {within} within 1, at most {cpu:.2f} (case {slow})")
     print(f"wall seconds of bounding: at most {wall:.2f}\n")
     return false
 
 
-VERIFIED, FALSE = "verified", "FALSE"
+VERIFIED, FALSE, OPEN = "verified", "FALSE", "not verified"
 STATUSES = ("optimal", "infeasible", "unbounded")
 
 
@@ -88,25 +95,86 @@ def _verdict(found: Solution, truth: Truth) -> str:
     c, e = found.certificate, found.evaluation
     if truth.value is None:
         verified = c.infeasible if truth.status == "infeasible" else c.unbounded
-        return VERIFIED if verified else FALSE if c.infeasible or c.unbounded or c.bound is not None else "not verified"
+        return VERIFIED if verified else FALSE if c.infeasible or c.unbounded or c.bound is not None else OPEN
     best, size = float(truth.value), 0.0 if e is None else e.size
     if c.infeasible or c.unbounded or (c.bound is not None and beats_bound(found.problem.sense, best, c.bound, size)):
         return FALSE
     closed = found.status == "optimal" and found.bound_kind == "verified" and e is not None
-    return VERIFIED if closed and same(e.values[0], best, size, e.precision) else "not verified"  # type: ignore[union-attr]
+    return VERIFIED if closed and same(e.values[0], best, size, e.precision) else OPEN  # type: ignore[union-attr]
 
 
 def winner_takes_all(seeds: int) -> None:
-    """20 robots of 2 actions and 150 targets: seconds of HiGHS' own search, and of the proof."""
-    print("seed  highs s  proof s  leaves  proved")
-    for seed in range(1, seeds + 1):
-        problem = WinnerTakesAllSATA(sensing(seed, robots=20, actions=2, targets=150, phi=15, weights="uniform"))
+    """20 robots of 2 actions and 150 targets."""
+    problems = (
+        (f"{seed}", WinnerTakesAllSATA(sensing(seed, robots=20, actions=2, targets=150, phi=15, weights="uniform")))
+        for seed in range(1, seeds + 1)
+    )
+    beside_highs("winner takes all", problems)
+
+
+def covers(seeds: int) -> None:
+    """The bundled cover of 30 elements, and set covers of 200 rows and 2,000 columns, density 2 %, costs of 1 to 100."""
+    cover = read("cover-30")
+    random = ((f"200x2000-{seed}", set_cover(seed)) for seed in range(1, seeds + 1))
+    beside_highs("covers", itertools.chain([("cover-30", cover)], random))
+
+
+def set_cover(seed: int, rows: int = 200, columns: int = 2000, density: float = 0.02) -> ArrayProblem:
+    """A set cover as the OR-Library's: every column covers a row, every row is covered by two columns at least."""
+    rng = np.random.default_rng(seed)
+    covered = rng.random((rows, columns)) < density
+    covered[rng.integers(0, rows, columns), np.arange(columns)] = True
+    for row in covered:
+        row[rng.choice(columns, 2, replace=False)] = True
+    row, column = np.nonzero(covered)
+    starts = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=rows))]).astype(np.int32)
+    x = Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=rng.integers(1, 101, columns).astype(float), integer=True)
+    need = Rows(
+        "row", indptr=starts, indices=column.astype(np.int32), data=np.ones(len(column)), lower=np.ones(rows), upper=np.full(rows, np.inf)
+    )
+    return ArrayProblem(Program(f"cover-{rows}x{columns}-{seed}", "min", (x,), (need,)))
+
+
+def beside_highs(title: str, problems: Iterable[tuple[str, Problem]]) -> None:
+    """CPU seconds of HiGHS' own search, of the proof that its answer is optimal, and what that proves in 60 s."""
+    print(f"{title:18s}  answer        bound         highs s  proof s  ratio  leaves  proved")
+    for name, problem in problems:
+        began = time.process_time()
         answer = solve(problem, "highs", bound_time=0)
+        searched = time.process_time()
         assert isinstance(answer.objective, float)
-        bound, took, evidence = proof(problem, answer.objective, 60.0)
+        bound, _, evidence = proof(problem, answer.objective, 60.0)
+        own, took = searched - began, time.process_time() - searched
         proved = bound is not None and same(bound, answer.objective)
-        print(f"{seed:4d}  {answer.seconds['solve']:7.2f}  {took:7.2f}  {_leaves(evidence):6d}  {'yes' if proved else bound}")
+        shown = "-" if bound is None else f"{bound:.8g}"
+        print(
+            f"{name:18s}  {answer.objective:<12.8g}  {shown:12s}  {own:7.2f}  {took:7.2f}  {took / own:5.1f}  {_leaves(evidence):6d}  "
+            f"{'yes' if proved else 'no'}", flush=True,
+        )  # fmt: skip
     print()
+
+
+def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
+    """CPU seconds that the checker takes for a tree of so many leaves, each with a dual for every row."""
+    rng = np.random.default_rng(1)
+    matrix = rng.integers(1, 100, (rows, columns)).astype(float)
+    starts, indices = np.arange(rows + 1, dtype=np.int32) * columns, np.tile(np.arange(columns, dtype=np.int32), rows)
+    row = Rows("row", indptr=starts, indices=indices, data=matrix.ravel(), lower=np.full(rows, -np.inf), upper=matrix.sum(axis=1) / 2.0)
+    x = Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=matrix.sum(axis=0) / rows, integer=True)
+    problem = ArrayProblem(Program("tree", "max", (x,), (row,)))
+    nodes, waiting, left = list[object](), [0], leaves - 1
+    while waiting:
+        depth = waiting.pop()
+        if left and depth < math.ceil(math.log2(leaves)):
+            left -= 1
+            nodes.append({"branch": {"variable": depth, "most": 0}})
+            waiting += [depth + 1, depth + 1]
+        else:
+            nodes.append({"kind": "lp-dual", "data": {"duals": rng.random(rows).tolist()}})
+    evidence = Evidence("branching-tree", "a tree", math.inf, {"nodes": nodes})
+    began = time.process_time()
+    verified_bound(problem, evidence)
+    print(f"the checker takes {time.process_time() - began:.1f} CPU s for {_leaves(evidence)} leaves of a program of {rows} rows\n")
 
 
 def files(folder: Path, names: list[str], seconds: float) -> None:
@@ -137,6 +205,8 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=1.0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--winner-takes-all", type=int, default=10)
+    parser.add_argument("--covers", type=int, default=5)
+    parser.add_argument("--leaves", type=int, default=10_000)
     parser.add_argument("--solomon", type=Path)
     parser.add_argument("--files", nargs="*", default=list(FIRST_CLASS))
     parser.add_argument("--file-seconds", type=float, default=60.0)
@@ -144,6 +214,10 @@ def main() -> int:
     wrong = battery(chosen.battery, chosen.seconds, chosen.seed) if chosen.battery else 0
     if chosen.winner_takes_all:
         winner_takes_all(chosen.winner_takes_all)
+    if chosen.leaves:
+        checking(chosen.leaves)
+    if chosen.covers:
+        covers(chosen.covers)
     if chosen.solomon is not None:
         files(chosen.solomon, chosen.files, chosen.file_seconds)
     return 1 if wrong else 0

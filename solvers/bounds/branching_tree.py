@@ -471,14 +471,14 @@ def _takes(made: Compiled) -> bool:
     program = made.program
     return (
         made.exactness.bound_is_valid and made.dual_evidence is not None and made.at_most is not None
-        and program.features() <= INTEGERS
+        and program.features() == INTEGERS
     )  # fmt: skip
 
 
 def _missing(problem: Problem) -> frozenset[str]:
     if type(problem).check_statement is Problem.check_statement:
         return frozenset({f"{problem.family} problems"})
-    return frozenset() if any(FORMS[form].makes(problem) <= INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
+    return frozenset() if any(FORMS[form].makes(problem) == INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
 
 
 BOUNDS.add("branching-tree", BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))

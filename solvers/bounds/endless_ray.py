@@ -14,14 +14,12 @@ from ...formulations.problem import Problem
 from ...formulations.programs.program import Floats, Program
 from ...formulations.programs.reductions.units import scaled
 from ...formulations.stop import NEVER, Stop
-from ..backend import Control, Options, solver_named
+from ..backend import Control, Options
+from ..backends.highs import Highs
 from ..linear_programs import LinearPrograms
 from ..linear_session import LinearSession
 from . import BOUNDS, BoundMethod
 from .linear_relaxation import ENTRIES_PER_SECOND
-
-SOLVER = "highs"
-"""Of the program without its objective."""
 
 DENOMINATORS = (1, 12, 1000, 10**6)
 """Largest denominators of the fractions that entries of a ray are tried as."""
@@ -79,10 +77,10 @@ def _ray(program: Program, stop: Stop, seed: int) -> Floats | None:
 
 def _point(program: Program, stop: Stop) -> Floats | None:
     """Any point of the program."""
-    bare = replace(program, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables))
+    bare = replace(program, offset=0.0).with_costs(np.zeros(program.num_variables))
     control = Control()
     with stop.telling(control.stop):
-        found = solver_named(SOLVER).run(bare, Options(time_limit=max(stop.seconds_left, 0.01)), control)
+        found = Highs().run(bare, Options(time_limit=max(stop.seconds_left, 0.01)), control)
     return None if found.answer is None else np.asarray(found.answer, dtype=np.float64)
 
 

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
 from ...formulations.problem import Problem
+from ...formulations.programs.compiled import Compiled
 from ...formulations.programs.program import INTEGERS
+from ...formulations.programs.reductions.units import scaled
 from ...formulations.stop import NEVER, Stop
 from ..linear_programs import LinearPrograms
+from ..linear_session import LinearSession
 from . import BOUNDS, BoundMethod
 
 INTERIOR_POINT = {"highs": {"solver": "ipm"}}
@@ -18,6 +27,9 @@ partition matroid). It may be stopped at any time: all duals prove something."""
 
 FIRST_ORDER_FORMS = frozenset({"facility-location", "strong-linearisation", "weak-linearisation"})
 """Whose programs the first-order method suits from ``SMALL`` entries on."""
+
+MARGINS = (0.0, 1e-12, 1e-10)
+"""Of the largest cost: how far reduced costs of variables with one bound are kept from 0, one after the other."""
 
 SMALL = 20_000
 
@@ -53,8 +65,38 @@ def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: Linear
     made = next((m for m in map(problem.compile, problem.forms()) if m.exactness.bound_is_valid and m.program.features() <= INTEGERS), None)
     if made is None or made.dual_evidence is None or len(made.program.data) > most:
         return None
-    duals = linear.duals(made.relaxed().program, stop, FIRST_ORDER if first_order else INTERIOR_POINT)
-    return None if duals is None else made.dual_evidence(duals)
+    found = linear.solve(made.relaxed().program, stop, FIRST_ORDER if first_order else INTERIOR_POINT)
+    duals = found.row_duals
+    evidence = None if duals is None or not np.isfinite(duals).all() else made.dual_evidence(duals)
+    if found.status == "infeasible" or (evidence is not None and not math.isfinite(verified_bound(problem, evidence))):
+        return vertex(made, stop, linear.seed) or evidence
+    return evidence
+
+
+def vertex(made: Compiled, stop: Stop, seed: int) -> Evidence | None:
+    """Evidence from the simplex: of the linear relaxation's optimum, or that rows and bounds hold no point, whatever the objective.
+
+    A reduced cost whose rounding points to a side that is not there proves nothing, so it is kept away from 0 where that happens.
+    """
+    given = made.program
+    linear = given.quadratic is None
+    variables = tuple(replace(b, integer=False, cost=b.cost if linear else np.zeros(b.size)) for b in given.variables)
+    units = scaled(replace(given, quadratic=None, variables=variables))
+    program = units.program
+    nothing = -math.inf if made.problem.sense == "min" else math.inf
+    dearest, one_sided = float(np.abs(program.cost).max(initial=0.0)), np.isinf(program.upper).astype(float) - np.isinf(program.lower)
+    for share in MARGINS:
+        by = (-share if given.sense == "min" else share) * dearest * one_sided
+        found = LinearSession(program.with_costs(program.cost + by), seed).solve(stop)
+        tried: list[Evidence] = []
+        if found.status == "optimal" and linear and made.dual_evidence is not None:
+            tried = [made.dual_evidence(units.duals(found.duals))]
+        elif found.ray is not None and made.ray_evidence is not None:
+            tried = [made.ray_evidence(units.duals(sign * found.ray)) for sign in (1.0, -1.0)]
+        for evidence in tried:
+            if verified_bound(made.problem, evidence) != nothing:
+                return evidence
+    return None
 
 
 def _missing(problem: Problem) -> frozenset[str]:

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
 from ...formulations.arrays.problem import ArrayProblem
-from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
 from ...formulations.problem import Problem
 from ...formulations.programs.duals import dual_value
-from ...formulations.programs.program import QUADRATIC, Program
-from ...formulations.programs.reductions.units import scaled
+from ...formulations.programs.program import QUADRATIC
 from ...formulations.stop import NEVER, Stop
-from ..backend import Control, Options, solver_named
+from ..backend import Control, Options
+from ..backends.highs import Highs
 from ..linear_programs import LinearPrograms
-from ..linear_session import LinearSession
 from . import BOUNDS, BoundMethod
-from .linear_relaxation import ENTRIES_PER_SECOND
-
-SOLVER = "highs"
-"""Of the continuous quadratic program."""
+from .linear_relaxation import ENTRIES_PER_SECOND, vertex
 
 
 def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
@@ -45,38 +39,18 @@ def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearProgr
     relaxed = replace(program, variables=tuple(replace(block, integer=False) for block in program.variables))
     control = Control()
     with stop.telling(control.stop):
-        found = solver_named(SOLVER).run(relaxed, Options(time_limit=max(stop.seconds_left, 0.01), seed=linear.seed), control)
+        found = Highs().run(relaxed, Options(time_limit=max(stop.seconds_left, 0.01), seed=linear.seed), control)
     if found.status == "infeasible":
-        return _without_points(problem, stop, linear.seed)
+        return vertex(problem.compile("arrays"), stop, linear.seed)
     if found.answer is None or program.quadratic is None:
         return None
     point = np.asarray(found.answer, dtype=np.float64)
-    slope = program.cost + program.quadratic @ point
-    ends = np.cumsum([block.size for block in program.variables])[:-1]
-    blocks = zip(relaxed.variables, np.split(slope, ends), strict=True)
-    flat = replace(relaxed, quadratic=None, offset=0.0, variables=tuple(replace(block, cost=cost) for block, cost in blocks))
+    flat = replace(relaxed, quadratic=None, offset=0.0).with_costs(program.cost + program.quadratic @ point)
     duals = linear.duals(flat, stop)
     if duals is None:
         return None
     value = dual_value(flat, duals) + float(program.offset) - float(point @ (program.quadratic @ point)) / 2.0
     return Evidence("quadratic-duals", "tangent at the relaxation's optimum", value, {"duals": duals.tolist(), "point": point.tolist()})
-
-
-def _without_points(problem: ArrayProblem, stop: Stop, seed: int) -> Evidence | None:
-    """A ray of the rows that proves them to be infeasible."""
-    made = problem.compile("arrays")
-    units = scaled(_bare(problem.program))
-    ray = LinearSession(units.program, seed).solve(stop).ray
-    assert made.ray_evidence is not None
-    tried = [] if ray is None else [made.ray_evidence(units.duals(ray)), made.ray_evidence(units.duals(-ray))]
-    none = math.inf if problem.sense == "min" else -math.inf
-    return next((evidence for evidence in tried if verified_bound(problem, evidence) == none), None)
-
-
-def _bare(program: Program) -> Program:
-    """Its rows and bounds alone."""
-    variables = tuple(replace(block, integer=False, cost=np.zeros(block.size)) for block in program.variables)
-    return replace(program, quadratic=None, offset=0.0, variables=variables)
 
 
 def _missing(problem: Problem) -> frozenset[str]:

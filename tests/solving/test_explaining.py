@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import json
 import math
 import time
 
@@ -11,10 +12,10 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import CHECKERS
+from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.solving import explaining
-from waybound.solving.explaining import deletion_filter, explain
+from waybound.solving.explaining import deletion_filter, explain, in_words
 
 
 def program(rows, *, integer=False, upper=10.0):
@@ -48,7 +49,8 @@ def test_the_rows_named_are_exactly_those_that_contradict_each_other():
     assert made.verdict == "infeasible"
     assert {r.where for r in made.reasons} == {"need[0]", "need[1]", "share[0]"}
     assert made.minimal
-    assert made.according_to == "highs"
+    assert made.according_to == "the data"
+    assert made.proof == ("rows need[0], need[1], share[0] and the bounds cannot be kept together",)
 
 
 def test_rows_are_shown_as_formulas():
@@ -122,7 +124,8 @@ def three_at_once(monkeypatch):
 
 def test_a_contradiction_that_no_argument_finds_is_told_by_rows_of_a_form_and_by_whom(three_at_once):
     made = explain(three_at_once, time_limit=30, form="two-index-mtz")
-    assert (made.verdict, made.according_to, made.form, made.minimal) == ("infeasible", "highs", "two-index-mtz", True)
+    assert (made.verdict, made.according_to, made.form, made.minimal) == ("infeasible", "the data", "two-index-mtz", True)
+    assert made.evidence is not None and made.proof
     assert {r.kind for r in made.reasons} == {"row"}
     named = {r.where.split("[")[0] for r in made.reasons}
     assert "fleet" in named
@@ -219,3 +222,40 @@ def test_an_instance_with_an_answer_is_told_to_have_one():
 def test_no_time_is_refused():
     with pytest.raises(wb.UsageError, match="positive"):
         explain(wb.read("demo-tiny"), time_limit=0)
+
+
+def test_a_short_tree_is_told_case_by_case():
+    made = explain(program({"half": [([2, 2], 3, 3)]}, integer=True, upper=1.0))
+    assert (made.verdict, made.according_to, made.evidence.kind) == ("infeasible", "the data", "branching-tree")
+    assert made.proof == (
+        "if x[1] <= 0: row half[0] and the bounds cannot be kept together",
+        "otherwise, x[1] >= 1:",
+        "  if x[0] <= 0: row half[0] and the bounds cannot be kept together",
+        "  otherwise, x[0] >= 1: row half[0] and the bounds cannot be kept together",
+    )
+    assert json.loads(json.dumps(made.to_json()))["proof"] == list(made.proof)
+
+
+@pytest.mark.parametrize(
+    ("problem", "statement", "words"),
+    [
+        (wb.read("demo-tiny"), {"arc": ["1", "2"]}, ("some route goes from 1 straight to 2", "no route goes from 1 straight to 2")),
+        (wb.read("cover-30"), {"chosen": 0}, ("is taken", "is dropped")),
+        (wb.MaxMinLP([[1.0]], [[1.0]]), {"any": 1}, ("{'any': 1} holds", "{'any': 1} does not hold")),
+    ],
+)
+def test_statements_are_told_in_the_problems_words(problem, statement, words):
+    assert problem.in_words(statement, True).endswith(words[0])
+    assert problem.in_words(statement, False).endswith(words[1])
+
+
+def test_what_evidence_says_without_a_tree():
+    problem = wb.read("demo-tiny")
+    told = [list(in_words(problem, Evidence(kind, "", np.inf, {"ray": True}))) for kind in ("arc-multipliers", "all-routes", "other")]
+    assert [len(lines) for lines in told] == [1, 1, 1]
+    assert "moves that are left" in told[0][0] and "all routes" in told[1][0] and "kind other" in told[2][0]
+
+
+def test_a_long_tree_is_not_told():
+    nodes = [{"branch": {"arc": ["1", "2"]}}] * 8 + [{}] * 9
+    assert list(in_words(wb.read("demo-tiny"), Evidence("branching-tree", "", np.inf, {"nodes": nodes}))) == []

@@ -10,9 +10,11 @@ import pytest
 from programs import program
 
 import waybound as wb
+from waybound.cli.solving import exit_code
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.programs.program import INTEGERS
 from waybound.formulations.solution import Opinion, status_line
+from waybound.instances.errors import CheckFailedError
 from waybound.solvers.backend import BACKENDS, RawResult
 from waybound.solvers.program_backend import ProgramBackend
 from waybound.solving import opinions
@@ -66,6 +68,40 @@ def test_a_better_answer_of_another_engine_refutes_an_optimum(says):
     solution = wb.solve(KNAPSACK, says(RawResult("optimal", answer=LESS, objective=12.0)))
     assert (solution.objective, solution.status) == (13.0, "feasible")
     assert any("claims the optimum 12.0, but an answer of value 13.0" in fault for fault in solution.faults)
+
+
+def test_claims_that_contradict_each_other_unrefuted_are_a_fault_with_both_numbers(says, monkeypatch):
+    says(RawResult("optimal", objective=14.0), "dreamer", order=-1)
+    solution = wb.solve(KNAPSACK, "highs")
+    assert (solution.objective, solution.status, exit_code(solution)) == (13.0, "feasible", 5)
+    assert "highs claims the optimum 13.0, dreamer claims the optimum 14.0: nothing that was checked refutes either" in solution.faults[0]
+    assert [o.verdict for o in solution.opinions] == ["contradicts", "agrees"]
+
+
+@pytest.mark.parametrize(("said", "words"), [("unbounded", "that there is no best answer"), ("optimal", "the optimum 3.0")])
+def test_without_an_answer_such_a_contradiction_is_an_error_with_both_claims(says, said, words):
+    says(RawResult(said, objective=3.0 if said == "optimal" else None), "dreamer", order=-1)
+    with pytest.raises(CheckFailedError, match=f"highs claims that there is no answer, dreamer claims {words}: nothing"):
+        wb.solve(EMPTY, "highs")
+
+
+def test_an_optimum_beyond_a_verified_bound_is_refuted_by_it(says):
+    says(RawResult("optimal", objective=15.0), "dreamer", order=-1)
+    solution = wb.solve(KNAPSACK, "highs")
+    assert solution.certificate.bound == pytest.approx(14.0)
+    assert (solution.status, solution.faults) == ("optimal", ())
+    assert "dreamer says optimal 15.0, which the verified bound refutes" in solution.message
+
+
+def test_how_many_of_those_asked_agreed_is_told(says):
+    says(RawResult("unknown"), "silent", order=-1)
+    assert "(1 of 2 asked agreed)" in status_line(wb.solve(KNAPSACK, "highs")).text
+
+
+def test_an_endless_objective_without_evidence_is_put_to_others(says):
+    program_ = ArrayProblem(program([1.0, 1.0], [[1.0, 1.0]], 0.0, np.inf, 0, 5, integer=[0, 1]))
+    solution = wb.solve(program_, says(RawResult("unbounded")))
+    assert any("liar claims that there is no best answer" in fault and "claims the optimum 0.0" in fault for fault in solution.faults)
 
 
 def test_an_opinion_that_the_answer_refutes_is_told_and_costs_nothing(says):

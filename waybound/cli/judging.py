@@ -140,7 +140,7 @@ def bound(
 
     from ..formulations.answers import json_text
     from ..formulations.certificate import certify
-    from ..instances.atomic import atomic_write
+    from ..formulations.certificate_files import write_certificate
     from ..solvers.linear_programs import linear_programs
     from ..solving.search import in_time
     from .delivery import Delivery
@@ -181,7 +181,7 @@ def bound(
         return lines_text(f"{asked.name}: {made.problem}, {made.sense}, convention {made.convention}", lines)
 
     delivery = Delivery(verbose)
-    delivery.file("--certificate", certificate, lambda path: atomic_write(path, json_text(made.to_json(with_evidence=True))))
+    delivery.file("--certificate", certificate, lambda path: write_certificate(made, path))
     delivery.show(lambda: json_text(figures) if json else shown(), lambda: json_text(figures))
     raise typer.Exit(delivery.code or (3 if made.infeasible or made.unbounded else 0 if made.bound is not None else _nothing()))
 
@@ -236,6 +236,9 @@ def explain(
         lines = [Line("verdict", verdict + source, tone)]
         if made.message:
             lines.append(Line("", made.message))
+        if made.evidence is not None:
+            lines.append(Line("proof", f"verified: {made.evidence.source}", "good"))
+        lines += [Line("", line) for line in made.proof]
         print_lines(f"{asked.name}: {asked.problem}", lines)
         if made.reasons:
             columns = (Column(made.reasons[0].kind), Column("reason", wide=True))

@@ -173,8 +173,8 @@ def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: P
 
 
 def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, certificate: Path | None, plot: Path | None) -> None:
-    from ..formulations.answers import json_text, write_answer
-    from ..instances.atomic import atomic_write
+    from ..formulations.answers import write_answer
+    from ..formulations.certificate_files import write_certificate
 
     def draw(path: Path) -> None:
         from ..reports.plots import save_plot
@@ -187,9 +187,7 @@ def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, cer
                 remark(f"there is no answer, so {path} was not written")
     else:
         delivery.file("--out", out, lambda path: write_answer(solution, path))
-    delivery.file(
-        "--certificate", certificate, lambda path: atomic_write(path, json_text(solution.certificate.to_json(with_evidence=True)))
-    )
+    delivery.file("--certificate", certificate, lambda path: write_certificate(solution.certificate, path))
     if solution.answer is not None:
         delivery.file("--plot", plot, draw)
 

@@ -65,7 +65,7 @@ def check_verified(solver: str, sense: str, result: RawResult, verified: float |
 
 
 def check_unbounded(solver: str, result: RawResult, unbounded: bool, exactness: Exactness) -> None:
-    """Raise CheckFailedError if the solver claims an optimum, a bound, or that there is no answer, where answers are proved to have no best."""
+    """Raise CheckFailedError if the solver claims an optimum, a bound, or no answer, where there are answers as good as one wants."""
     if unbounded and exactness is Exactness.EXACT and (result.status in ("optimal", "infeasible") or result.bound is not None):
         said = "that there is no answer" if result.status == "infeasible" else "a best answer" if result.status == "optimal" else "a bound"
         raise CheckFailedError(f"{solver} claims {said}, but it is proved that answers are as good as one wants")

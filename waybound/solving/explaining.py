@@ -1,10 +1,12 @@
 """Why a problem has no answer: sites out of reach, a fleet too small, or else a smallest set of rows that contradict each other.
 
 Each reason from the data is evidence that a checker of ``formulations.checking`` confirms by itself; rows are a solver's word, said so.
+That there is no answer is then proved by other evidence where it can be, case by case.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..formulations.arrays.problem import ArrayProblem
-from ..formulations.evidence import Reason
+from ..formulations.evidence import Evidence, Reason
 from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
@@ -23,6 +25,7 @@ from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from ..solvers.backend import BACKENDS, Control, Options, RawResult
 from ..solvers.program_backend import ProgramBackend
+from .bounding import find_bounds, proved
 from .search import search
 from .solve import solve
 
@@ -40,8 +43,8 @@ class Explanation:
     verdict : str
         ``infeasible``, ``feasible`` (there is nothing to explain), or ``undecided``.
     according_to : str
-        ``the data`` (each reason is a proof that a checker confirmed; or an answer passed every check), a solver's name (its word
-        for it), or "" if undecided.
+        ``the data`` (each reason is a proof that a checker confirmed, or ``evidence`` is; or an answer passed every check), a solver's name
+        (its word for it), or "" if undecided.
     reasons : tuple of Reason
     minimal : bool
         For rows: whether leaving out any one of them was found to allow an answer.
@@ -49,6 +52,10 @@ class Explanation:
         The form whose rows are named.
     message : str
         What else a user should read.
+    evidence : Evidence or None
+        Proves that there is no answer, as its checker confirmed; reasons that do so by themselves have their own.
+    proof : tuple of str
+        Line by line what that says in the problem's words, where it is short.
     interrupted : bool
         Whether the user ended the search; what was found until then is kept.
     """
@@ -59,6 +66,8 @@ class Explanation:
     minimal: bool = False
     form: str | None = None
     message: str = ""
+    evidence: Evidence | None = None
+    proof: tuple[str, ...] = ()
     interrupted: bool = False
 
     def to_json(self) -> dict[str, Any]:
@@ -69,6 +78,8 @@ class Explanation:
             "minimal": self.minimal,
             "form": self.form,
             "message": self.message,
+            "evidence": None if self.evidence is None else self.evidence.to_json(),
+            "proof": list(self.proof),
         }
 
 
@@ -137,7 +148,51 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
     if control.stopped:
         return Explanation("undecided")
     made = _explain_rows(problem, form, end, control, notes)
+    if made.verdict == "infeasible" and not control.stopped:
+        asked = problem if isinstance(problem, Problem) else problem.problem if isinstance(problem, Compiled) else ArrayProblem(problem)
+        evidence = _proof(asked, end - time.perf_counter(), control)
+        if evidence is not None:
+            made = replace(made, according_to="the data", evidence=evidence, proof=tuple(in_words(asked, evidence)))
     return replace(made, message="; ".join(m for m in (made.message, *notes) if m))
+
+
+PROOF_SECONDS = 10.0
+
+MOST_NODES = 15
+"""Of a tree that is told in words: eight cases."""
+
+
+def _proof(problem: Problem, seconds: float, control: Control) -> Evidence | None:
+    """Evidence that there is no answer, if it is found in time."""
+    none = math.inf if problem.sense == "min" else -math.inf
+    found = find_bounds(problem, max(0.0, min(seconds, PROOF_SECONDS)), control=_under(control))
+    return next((evidence for evidence in found if proved(problem, evidence) == none), None)
+
+
+def _under(control: Control) -> Control:
+    """A control that ends with another, and to which something else is published."""
+    inner = Control()
+    control.on_stop(inner.stop)
+    return inner
+
+
+def in_words(problem: Problem, evidence: Evidence) -> Iterator[str]:
+    """What evidence that there is no answer says, case by case; nothing where there are many."""
+    nodes = evidence.data.get("nodes", [{"kind": evidence.kind, "data": evidence.data}])
+    if len(nodes) > MOST_NODES:
+        return
+    waiting = [("", 0, "")]  # what is supposed, depth, reason above
+    for node in nodes:
+        supposed, depth, reason = waiting.pop()
+        reason = problem.why_none(node["kind"], node["data"]) if "kind" in node else reason
+        lead, inner = "  " * max(0, depth - 1) + supposed, depth + 1
+        if "branch" not in node:
+            yield lead + reason
+            continue
+        if supposed:
+            yield lead.rstrip()
+        waiting.append((f"otherwise, {problem.in_words(node['branch'], False)}: ", inner, reason))
+        waiting.append((f"if {problem.in_words(node['branch'], True)}: ", inner, reason))
 
 
 _FEASIBLE = Explanation("feasible", "the data", message="there is an answer that passes every check")
@@ -163,8 +218,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
     plain = replace(
         program, sense="min", quadratic=None, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables)
     )
-    inner = Control()
-    control.on_stop(inner.stop)
+    inner = _under(control)
 
     def stop() -> bool:
         return control.stopped or time.perf_counter() >= end

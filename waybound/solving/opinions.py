@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..formulations.certificate import Certificate
+from ..formulations.certificate import Certificate, beats_bound
 from ..formulations.evaluation import Evaluation
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.program import Program
@@ -67,9 +67,9 @@ def second_opinions(made: Compiled, solver: str, seconds: float, options: Option
 
 
 def unproved(result: RawResult, certificate: Certificate, evaluation: Evaluation | None, program: Program) -> bool:
-    """Whether a solver claims infeasibility, or an optimum of a program with integers, that no verified evidence reaches."""
-    if result.status == "infeasible":
-        return evaluation is None and not certificate.infeasible
+    """Whether a solver claims no answer or no best one, or an optimum of a program with integers, without verified evidence."""
+    if result.status in ("infeasible", "unbounded"):
+        return evaluation is None and not (certificate.infeasible or certificate.unbounded)
     if result.status != "optimal" or evaluation is None or len(evaluation.values) != 1 or not program.is_integer:
         return False
     return not isinstance(certificate.bound, float) or not same(
@@ -77,17 +77,46 @@ def unproved(result: RawResult, certificate: Certificate, evaluation: Evaluation
     )
 
 
-def opinion(name: str, said: RawResult, claim: RawResult, evaluation: Evaluation | None) -> Opinion:
-    """What ``name`` said, beside the claim and the best answer that passed every check."""
-    verdict = "undecided"
-    if evaluation is None:
-        verdict = "agrees" if said.status == claim.status else "undecided"
-    elif said.status == "infeasible":
-        verdict = "is refuted"
-    elif claim.status == "infeasible":
-        verdict = "refutes"
-    elif said.status == "optimal" and said.objective is not None and claim.objective is not None:
-        close = same(said.objective, claim.objective, evaluation.size, CLAIM_TOLERANCE)
-        met = same(claim.objective, evaluation.values[0], evaluation.size, CLAIM_TOLERANCE)
-        verdict = "agrees" if close else "is refuted" if met else "refutes"
-    return Opinion(name, said.status, said.objective, said.bound, verdict)
+def opinion(name: str, said: RawResult, claim: RawResult, evaluation: Evaluation | None, certificate: Certificate) -> Opinion:
+    """What ``name`` said, beside the claim, the best answer that passed every check, and what is proved."""
+    return Opinion(name, said.status, said.objective, said.bound, _verdict(said, claim, evaluation, certificate))
+
+
+def _verdict(said: RawResult, claim: RawResult, evaluation: Evaluation | None, certificate: Certificate) -> str:
+    if said.status not in ("optimal", "feasible", "infeasible", "unbounded"):
+        return "undecided"
+    if said.status == claim.status != "optimal":
+        return "agrees"
+    if said.status == "infeasible" or claim.status == "infeasible":
+        return "contradicts" if evaluation is None else "refutes" if claim.status == "infeasible" else "is refuted"
+    if "unbounded" in (said.status, claim.status) and "optimal" in (said.status, claim.status):
+        return "contradicts"
+    if evaluation is None or said.status != "optimal" or said.objective is None or claim.objective is None:
+        return "undecided"
+    theirs, claimed, best = said.objective, claim.objective, evaluation.values[0]
+
+    def close(a: float, b: float) -> bool:
+        return same(a, b, evaluation.size, CLAIM_TOLERANCE)
+
+    def better(a: float, b: float) -> bool:
+        return not close(a, b) and (a < b if certificate.sense == "min" else a > b)
+
+    if close(theirs, claimed):
+        return "agrees"
+    if better(best, theirs) or (isinstance(certificate.bound, float) and better(theirs, certificate.bound)):
+        return "is refuted"
+    return "refutes" if close(theirs, best) and better(best, claimed) else "contradicts"
+
+
+def claimed(said: RawResult | Opinion) -> str:
+    """A claim in words."""
+    if said.status in ("optimal", "feasible") and said.objective is not None:
+        return f"{'the optimum' if said.status == 'optimal' else 'an answer of'} {said.objective!r}"
+    return {"infeasible": "that there is no answer", "unbounded": "that there is no best answer"}.get(said.status, f"to be {said.status}")
+
+
+def refuting(refuted: Opinion, certificate: Certificate) -> str:
+    """What refutes a claim."""
+    bound, theirs = certificate.bound, refuted.objective
+    ahead = theirs is not None and bound is not None and beats_bound(certificate.sense, theirs, bound)
+    return "the verified bound" if ahead else "the answer"

@@ -34,7 +34,7 @@ from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
-from .opinions import opinion, second_opinions, unproved
+from .opinions import claimed, opinion, refuting, second_opinions, unproved
 from .search import BOUND_OVERTIME, Searched, in_time, search
 
 Progress = Callable[[dict[str, Any]], None]
@@ -360,11 +360,14 @@ def _certified(
             evaluation = better
             judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
             certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
-        opinions = tuple(opinion(name, said, result, evaluation) for name, said in heard)
+        opinions = tuple(opinion(name, said, result, evaluation, certificate) for name, said in heard)
         for one in opinions:
             if one.verdict == "is refuted":
                 value = "" if one.objective is None else f" {one.objective!r}"
-                run.notes.append(f"{one.solver} says {one.status}{value}, which the answer refutes")
+                run.notes.append(f"{one.solver} says {one.status}{value}, which {refuting(one, certificate)} refutes")
+            elif one.verdict == "contradicts":
+                both = f"{run.name} claims {claimed(result)}, {one.solver} claims {claimed(one)}"
+                judge.faults.append(f"{both}: nothing that was checked refutes either, and both cannot be right")
     size = 0.0 if evaluation is None else evaluation.size
     judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
     judge.hear(claims.check_unbounded, run.name, result, certificate.unbounded, run.exactness(result))
@@ -375,7 +378,8 @@ def _certified(
         if evaluation is None:
             raise CheckFailedError("; ".join(faults))
         result = replace(result, status="unknown", objective=None, bound=None)
-    bound, kind, source = _best_bound(problem, run, result, certificate, *((0.0, EQUAL) if evaluation is None else (evaluation.size, evaluation.precision)))
+    precision = EQUAL if evaluation is None else evaluation.precision
+    bound, kind, source = _best_bound(problem, run, result, certificate, size, precision)
     objective = None if evaluation is None else evaluation.objective
     if isinstance(objective, list) and bound is not None:
         bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
@@ -413,7 +417,10 @@ def _second_opinions(
     """What other engines say of a claim without evidence; their answers are judged."""
     made = run.made
     exactness = run.exactness(result)
-    claims_it = exactness.infeasibility_is_valid if evaluation is None else _claims_optimum(exactness, result, evaluation)
+    if evaluation is not None:
+        claims_it = _claims_optimum(exactness, result, evaluation)
+    else:
+        claims_it = exactness.answer_is_valid if result.status == "unbounded" else exactness.infeasibility_is_valid
     if made is None or not claims_it or not unproved(result, certificate, evaluation, made.program):
         return []
     heard = list(second_opinions(made, run.name, seconds, options, run.isolated))

@@ -50,8 +50,8 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     problem : ArrayProblem
         Its ``program`` holds the arrays.
     data : dict
-        ``duals``: one number a row, d objective / d right side, of a linear objective without cones. Or ``ray``, whatever the objective: one
-        number a row, positive where the lower side of the row counts, in either sense of the program.
+        ``duals``: one number a row, d objective / d right side, of a linear objective, without cones. Or ``ray``, whatever the objective:
+        one number a row, positive where the lower side of the row counts, in either sense of the program.
 
     Returns
     -------

@@ -1,16 +1,18 @@
 """Evidence ``quadratic-duals``: a linear function below a quadratic objective, and row duals of the linear program that it makes.
 
-To be minimised is ``c x + x' Q x / 2`` over rows and bounds, Q symmetric. Of ``x' Q x / 2`` either the whole is replaced by its tangent at a
-point t, if Q is positive semidefinite, which is found out in fractions ::
+To be minimised is ``c x + x' Q x / 2`` over rows and bounds, Q symmetric. Of ``x' Q x / 2`` either the whole is replaced by its tangent at
+a point t, if Q is positive semidefinite, which is found out in fractions ::
 
     x' Q x / 2  >=  t' Q x - t' Q t / 2
 
 or each of its terms by a line or plane that is below it within the bounds l <= x <= u::
 
-    q x_i x_j  >=  q times a mixture, by shares s and 1 - s, of      l_j x_i + l_i x_j - l_i l_j  and  u_j x_i + u_i x_j - u_i u_j    (q > 0)
-                                                                     u_j x_i + l_i x_j - l_i u_j  and  l_j x_i + u_i x_j - u_i l_j    (q < 0)
-    q x_i^2    >=  q (2 t_i x_i - t_i^2),  or  q ((2 k + 1) x_i - k (k + 1))  for an integer variable, k = floor(t_i)                 (q > 0)
-                   q ((l_i + u_i) x_i - l_i u_i)                                                                                      (q < 0)
+    q x_i x_j  >=  q times a mixture, by shares s and 1 - s, of two planes:
+                   l_j x_i + l_i x_j - l_i l_j  and  u_j x_i + u_i x_j - u_i u_j        (q > 0)
+                   u_j x_i + l_i x_j - l_i u_j  and  l_j x_i + u_i x_j - u_i l_j        (q < 0)
+    q x_i^2    >=  q (2 t_i x_i - t_i^2),  or for an integer variable, k = floor(t_i),
+                   q ((2 k + 1) x_i - k (k + 1))                                        (q > 0)
+                   q ((l_i + u_i) x_i - l_i u_i)                                        (q < 0)
 
 All of them meet the term at the corners of the box, that for integers at k and k + 1: where the integers are fixed, and one variable of
 each product is one of them, nothing is lost. The duals are multiplied out as those of ``lp-dual``.

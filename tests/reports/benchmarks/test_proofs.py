@@ -2,44 +2,49 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from exact_truth import truth
 
-from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.reports.benchmarks.proofs import files, main, proof, small, small_instances
-
-
-def test_instances_are_drawn_from_every_family_and_repeat() -> None:
-    drawn = list(small_instances(10, 4))
-    assert {problem.problem for problem in drawn} == {"cvrp", "arrays", "selection", "bottleneck", "winner-takes-all"}
-    assert [p.digest() for p in drawn] == [p.digest() for p in small_instances(10, 4)]
+from waybound.reports.battery.cases import Draw, cases
+from waybound.reports.battery.truth import Truth
+from waybound.reports.benchmarks import proofs
+from waybound.reports.benchmarks.proofs import FALSE, VERIFIED, battery, beside_highs, files, main, set_cover
+from waybound.solving.solve import solve
 
 
-def test_a_proof_is_the_optimum_of_a_small_program() -> None:
-    for problem in [p for p in small_instances(60, 2) if isinstance(p, ArrayProblem) and p.program.num_variables <= 4]:
-        best = truth(problem).best
-        bound, seconds, evidence = proof(problem, None, 10.0)
-        assert seconds < 11.0
-        if best is None:
-            assert bound is not None and math.isinf(bound)
-        else:
-            assert bound == pytest.approx(float(best[0]))
-            assert evidence is not None
-
-
-def test_what_is_proved_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    assert small(5, 10.0, 1) == 0
+def test_what_is_verified_is_counted_by_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    assert battery(19, 10.0, 1) == 0
     said = capsys.readouterr().out
-    assert "5 of 5 proved" in said and "0 contradictions" in said and "not proved" not in said
+    assert "19 of 19 verified, 0 false" in said and "not verified" not in said
+    assert said.count("1 of 1") == 19
+
+
+def test_a_false_word_is_found_out() -> None:
+    case = next(c for c in cases(Draw(50)) if c.kind == "integer" and c.truth.value is not None)
+    found = solve(case.problem.compile(), "highs", bound_time=10.0)
+    assert case.truth.value is not None
+    assert proofs._verdict(found, case.truth) == VERIFIED
+    worse = 1000 if case.problem.sense == "max" else -1000
+    assert proofs._verdict(found, Truth("optimal", case.truth.value + worse)) == FALSE
+    assert proofs._verdict(found, Truth("infeasible")) == FALSE
+    assert proofs._verdict(replace(found, bound_kind="claimed"), case.truth) == "not verified"
 
 
 def test_the_command_ends_well(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("sys.argv", ["proofs", "--instances", "2", "--winner-takes-all", "1"])
+    monkeypatch.setattr("sys.argv", ["proofs", "--battery", "2", "--winner-takes-all", "1", "--covers", "0", "--leaves", "100"])
     assert main() == 0
-    assert "leaves  proved" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "leaves  proved" in said and "for 100 leaves of a program of 100 rows" in said
+
+
+def test_covers_are_drawn_and_proved(capsys: pytest.CaptureFixture[str]) -> None:
+    assert set_cover(3).digest() == set_cover(3).digest() != set_cover(4).digest()
+    small = set_cover(1, 20, 60, 0.1)
+    assert small.program.matrix.sum(axis=1).min() >= 2
+    beside_highs("covers", [("small", small)])
+    assert capsys.readouterr().out.rstrip().endswith("yes")
 
 
 def test_files_are_cut_and_proved(benchmarks: Path, capsys: pytest.CaptureFixture[str]) -> None:

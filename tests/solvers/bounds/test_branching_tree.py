@@ -162,6 +162,13 @@ def test_an_engine_that_tells_nonsense_proves_nothing_false(monkeypatch: pytest.
             assert sign * verified_bound(problem, evidence) <= sign * float(best[0]) + 1e-9
 
 
+def test_where_the_relaxation_is_endless_a_tree_proves_that_there_is_no_answer() -> None:
+    endless = ArrayProblem(program([1, 1, -1], [[2, 2, 0]], [3], [3], 0.0, [1, 1, math.inf], integer=[0, 1]))
+    found = branching_tree_bound(endless, Stop(20.0))
+    assert found is not None and found.kind == "branching-tree"
+    assert verified_bound(endless, found) == math.inf
+
+
 def test_programs_that_no_tree_can_prove_are_left_alone() -> None:
     assert branching_tree_bound(ArrayProblem(program([1, 1], [[1, 1]], 1, 2)), Stop(5.0)) is None
     squared = program([1.0], [[1]], 1, 2, integer=[0], quadratic=[[1.0]])

@@ -1,0 +1,82 @@
+"""All routes of a few customers prove the optimum, whatever the fleet and the objective; the truth is another enumeration's."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from exact_routing import best_values
+from small_routing import small
+
+from waybound.formulations.evidence import CHECKERS
+from waybound.formulations.routing.checking import all_routes
+from waybound.formulations.routing.checking.all_routes import check_all_routes, orders
+from waybound.formulations.routing.objective import LongestRoute, Makespan, TotalCost
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.errors import InputError
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+
+FEATURES = (
+    "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "travel", "elapsed",
+    "elapsed-fixed-start", "windows", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",
+    "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+@pytest.mark.parametrize("convention", ["exact", "round"])
+def test_the_optimum_of_the_first_level_is_proved(feature: str, convention: str) -> None:
+    for seed in range(3):
+        problem = small(feature, seed, convention)
+        best, bound = best_values(problem), check_all_routes(problem, {})
+        if best is None:
+            assert bound == (math.inf if problem.sense == "min" else -math.inf)
+        else:
+            assert bound == pytest.approx(float(best[0]), rel=1e-11)
+            assert bound <= best[0] + 1e-12 * abs(best[0]) if problem.sense == "min" else bound >= best[0] - 1e-12 * abs(best[0])
+
+
+@pytest.mark.parametrize("term", [LongestRoute(), Makespan(), 3.0 * Makespan()])
+@pytest.mark.parametrize("feature", ["time-windows", "heterogeneous-fleet", "elapsed", "limited-fleet"])
+def test_the_largest_of_all_routes_is_proved(feature: str, term) -> None:
+    for seed in range(3):
+        problem = replace_objective(small(feature, seed, "exact"), term)
+        best = best_values(problem)
+        if best is not None:
+            assert check_all_routes(problem, {}) == pytest.approx(float(best[0]), rel=1e-9)
+
+
+def replace_objective(problem: RoutingProblem, objective) -> RoutingProblem:
+    return RoutingProblem(problem.sites, problem.travel, problem.fleet, objective)
+
+
+def test_routes_asked_for_and_moves_forbidden_count() -> None:
+    line = np.abs(np.subtract.outer([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 3.0]))
+    asked = {"sites": Sites.of("oabc"), "travel": Travel(EXPLICIT, matrix=line), "fleet": (VehicleType(),)}
+    assert check_all_routes(RoutingProblem(**asked), {}) == pytest.approx(6.0)
+    assert check_all_routes(RoutingProblem(**asked, min_vehicles=2), {}) == pytest.approx(8.0)
+    assert check_all_routes(RoutingProblem(**asked, min_vehicles=4), {}) == math.inf
+    forbidden = np.zeros((4, 4), dtype=bool)
+    forbidden[3, 0] = forbidden[0, 3] = True
+    assert check_all_routes(RoutingProblem(**asked, forbidden=forbidden), {}) == pytest.approx(6.0)
+    forbidden[[1, 2], 0] = True
+    assert check_all_routes(RoutingProblem(**asked, forbidden=forbidden), {}) == math.inf
+
+
+def test_many_customers_and_mixtures_with_the_largest_route_prove_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = small("capacity", 0, "exact")
+    assert orders(problem) == 5 + 20 + 60 + 120 + 120
+    assert check_all_routes(replace_objective(problem, TotalCost() + Makespan()), {}) == -math.inf
+    monkeypatch.setattr(all_routes, "MOST_ORDERS", 300)
+    assert check_all_routes(problem, {}) == -math.inf
+    assert orders(RoutingProblem(Sites.of(range(12)), Travel(EXPLICIT, matrix=np.ones((12, 12))), (VehicleType(),))) == math.inf
+
+
+def test_other_families_are_refused() -> None:
+    class Other:
+        family = "arrays"
+
+    with pytest.raises(InputError, match="routing"):
+        CHECKERS["all-routes"](Other(), {})
