@@ -12,11 +12,13 @@ sys.path.insert(0, folder)
 import highspy  # noqa: E402
 import numpy as np  # noqa: E402
 
-given = np.load(programs)
+NAMES = ("cost", "lower", "upper", "row_lower", "row_upper", "indptr", "indices", "data", "integer")
+
+given = dict(np.load(programs))
 made = highspy.Highs()
 print(made.version())
 for k in range(int(given["count"])):
-    arrays = {name.partition("/")[2]: values for name, values in given.items() if name.startswith(f"{k}/")}
+    arrays = {name: given[f"{k}/{name}"] for name in NAMES}
     lp = highspy.HighsLp()
     lp.num_col_, lp.num_row_ = len(arrays["cost"]), len(arrays["row_lower"])
     lp.col_cost_, lp.col_lower_, lp.col_upper_ = arrays["cost"], arrays["lower"], arrays["upper"]
