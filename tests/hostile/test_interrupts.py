@@ -47,7 +47,7 @@ SOLVED = {
     "mathopt:highs": "routes.txt", "mathopt:cp-sat": "knapsack.json", "mathopt:glop": "sensing.json", "mathopt:pdlp": "sensing.json",
     "cvxpy": "sensing.json", "cvxpy:CLARABEL": "sensing.json", "cvxpy:SCS": "sensing.json", "cvxpy:HIGHS": "sata.json",
     "pulp": "routes.txt", "pulp:CBC": "knapsack.json", "pulp:HiGHS": "routes.txt", "pyvrp": "routes.txt", "ortools": "routes.txt",
-    "saddle": "sensing.json",
+    "saddle": "sensing.json", "vroom": "large.vrp",
 }  # fmt: skip
 
 APPROXIMATED = {
@@ -56,7 +56,7 @@ APPROXIMATED = {
     "savings": "large.vrp", "sequential-greedy": "partition.json", "stochastic-greedy": "cardinality.json",
 }  # fmt: skip
 
-WITH_CHILDREN = ("pulp", "pulp:HiGHS", "ortools", "cvxpy", "cvxpy:HIGHS", "mathopt:highs")
+WITH_CHILDREN = ("pulp", "pulp:HiGHS", "ortools", "cvxpy", "cvxpy:HIGHS", "mathopt:highs", "vroom")
 
 pytestmark = pytest.mark.timeout(3600)
 

@@ -85,10 +85,12 @@ def opinion(name: str, said: RawResult, claim: RawResult, evaluation: Evaluation
 def _verdict(said: RawResult, claim: RawResult, evaluation: Evaluation | None, certificate: Certificate) -> str:
     if said.status not in ("optimal", "feasible", "infeasible", "unbounded"):
         return "undecided"
+    if said.status == "infeasible" and evaluation is not None:
+        return "is refuted"
     if said.status == claim.status != "optimal":
         return "agrees"
-    if said.status == "infeasible" or claim.status == "infeasible":
-        return "contradicts" if evaluation is None else "refutes" if claim.status == "infeasible" else "is refuted"
+    if "infeasible" in (said.status, claim.status):
+        return "contradicts" if evaluation is None else "refutes"
     if "unbounded" in (said.status, claim.status) and "optimal" in (said.status, claim.status):
         return "contradicts"
     if evaluation is None or said.status != "optimal" or said.objective is None or claim.objective is None:
