@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from waybound.formulations.evidence import CHECKERS
+from waybound.formulations.evidence import CHECKERS, ENDLESS
 from waybound.formulations.forms import FORMS
 from waybound.formulations.problem import PROBLEMS
 from waybound.heuristics.heuristic import HEURISTICS
@@ -115,7 +115,7 @@ def test_hashes_are_none(line: str) -> None:
     assert not DOCUMENT.search(line)
 
 
-@pytest.mark.parametrize("registry", [PROBLEMS, FORMS, CHECKERS, HEURISTICS], ids=lambda registry: registry.what)
+@pytest.mark.parametrize("registry", [PROBLEMS, FORMS, CHECKERS, ENDLESS, HEURISTICS], ids=lambda registry: registry.what)
 def test_the_overview_names_everything_that_is_registered(registry) -> None:
     overview = (ROOT / "docs" / "formulations" / "index.md").read_text(encoding="utf-8")
     assert not [name for name in registry if f"`{name}`" not in overview]

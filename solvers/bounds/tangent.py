@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from ...formulations.arrays.problem import ArrayProblem
+from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
 from ...formulations.problem import Problem
 from ...formulations.programs.duals import dual_value
@@ -31,7 +33,7 @@ def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearProgr
     Returns
     -------
     Evidence or None
-        None where the relaxation was not solved: it is not convex, say, or there was no time.
+        None where the relaxation is not convex, or was not solved in time.
     """
     linear, program = linear or LinearPrograms(), problem.program
     if stop.reached() or len(program.data) > ENTRIES_PER_SECOND * stop.seconds_left:
@@ -50,7 +52,9 @@ def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearProgr
     if duals is None:
         return None
     value = dual_value(flat, duals) + float(program.offset) - float(point @ (program.quadratic @ point)) / 2.0
-    return Evidence("quadratic-duals", "tangent at the relaxation's optimum", value, {"duals": duals.tolist(), "point": point.tolist()})
+    data = {"duals": duals.tolist(), "point": point.tolist()}
+    evidence = Evidence("quadratic-duals", "tangent at the relaxation's optimum", value, data)
+    return evidence if math.isfinite(verified_bound(problem, evidence)) else None
 
 
 def _missing(problem: Problem) -> frozenset[str]:

@@ -26,6 +26,8 @@ from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import WayboundError
+from waybound.reports.battery.kinds import KINDS
+from waybound.reports.battery.truth import program_truth
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 
 Data = dict[str, Any]
@@ -40,6 +42,10 @@ def cases() -> list[tuple[Problem, float | None, str]]:
         program = random_program(seed)
         best = truth(program).best
         found.append((program, None if best is None else float(best[0])))
+    for seed in range(60):
+        product = KINDS["products"](np.random.default_rng([seed, 5]))
+        value = program_truth(product.program).value  # type: ignore[attr-defined]
+        found.append((product, None if value is None else float(value)))
     rng = np.random.default_rng(3)
     for _ in range(25):
         chosen = selection_problems.random_problem(rng, "dense", "knapsack", 8)
@@ -59,6 +65,7 @@ def cases() -> list[tuple[Problem, float | None, str]]:
             made.append((problem, best, json.dumps(certify(problem, None, [evidence]).to_json(with_evidence=True))))
     assert {problem.family for problem, *_ in made} == {"arrays", "selection", "max-min", "routing"}
     assert sum(best is None for _, best, _ in made) >= 3
+    assert sum('"quadratic-duals"' in text for *_, text in made) >= 5
     return made
 
 

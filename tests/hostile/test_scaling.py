@@ -291,4 +291,5 @@ def test_checkers_in_other_units(share: Callable[[int, int], int], tally: Any) -
             found += wrong
             tally["evidence checked in other units"] += len(some)
     assert not found, f"{len(found)}: {found[:5]}"
-    assert share(0, 1) == 0 or kinds == set(CHECKERS), f"never met: {set(CHECKERS) - kinds}"
+    met = set(CHECKERS) - {"quadratic-duals"}  # no family of these has squares
+    assert share(0, 1) == 0 or kinds >= met, f"never met: {met - kinds}"

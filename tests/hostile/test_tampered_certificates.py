@@ -75,6 +75,10 @@ def _routing() -> list[Case]:
         first = [[c] for c in problem.customers.tolist()]
         good = wb.solve(problem, time_limit=0.3, iterations=200, bound_time=0).answer
         cases += _cases_of(problem, truth[0], [good, wb.Routes.of(first[:2])])
+    mixed = small("heterogeneous-fleet", 0, "exact")
+    truth = best_values(mixed)
+    assert truth is not None
+    cases += _cases_of(mixed, truth[0], [], Evidence("all-routes", "all routes", truth[0], {}), look=False)
     tour = wb.RoutingProblem(
         Sites.of("oabc", demand=[0, 1, 1, 1]), Travel("euclidean", [(0, 0), (3, 0), (3, 4), (0, 4)]), (VehicleType(count=1),), problem="tsp"
     )
@@ -151,7 +155,9 @@ def _arrays() -> list[Case]:
         problem = ArrayProblem(program([3.0, 2.0], [[1, 1], [1, 3]], low, high, 0, 10, sense=sense))
         proof = Evidence("lp-dual", "duals by hand", best, {"duals": duals})
         cases += _cases_of(problem, best, [np.array(answer), np.array([20.0, -3.0])], proof)
-    return cases
+    bent = ArrayProblem(program([1.0, 1.0], [[1, 1]], -math.inf, 3.0, [0, -1], [1, 2], integer=[0], quadratic=[[0, -3], [-3, 0]]))
+    proof = Evidence("quadratic-duals", "planes by hand", -3.0, {"duals": [0.0], "shares": [0.5]})
+    return cases + _cases_of(bent, -3.0, [np.array([1.0, 2.0]), np.array([0.5, 0.0])], proof)
 
 
 @cache

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 
-def all_routes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+def all_routes_bound(
+    problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
+) -> Evidence | None:
     """What the checker of ``all-routes`` derives, in half a second at most.
 
     Parameters
@@ -27,6 +29,8 @@ def all_routes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linear
         Looked at before it begins.
     linear : unused
         No program is solved.
+    target : unused
+        All routes are walked.
     """
     if stop.reached():
         return None
@@ -43,4 +47,4 @@ def _missing(problem: Problem) -> frozenset[str]:
     return frozenset({"few customers"}) if orders(problem) > MOST_ORDERS else frozenset()  # type: ignore[arg-type]
 
 
-BOUNDS.add("all-routes", BoundMethod("all-routes", _missing, all_routes_bound, order=8))
+BOUNDS.add("all-routes", BoundMethod("all-routes", _missing, all_routes_bound, order=8, aims=True))

@@ -18,7 +18,7 @@ from waybound.solvers.linear_session import LinearSession
 GIVEN = ArrayProblem(program([1, 2], [[1, 1]], -INF, 3, [0, -1], [1, 2], integer=[0], sense="max", offset=4, quadratic=[[6, 3], [3, 0]]))
 
 
-def test_products_from_text_to_text() -> None:
+def test_linear_products_from_text_to_text() -> None:
     assert program_text(GIVEN.compile("linear-products").program) == expected(
         """
         max 4 x0 + 2 x1 + 3 product[0,1] + 4
