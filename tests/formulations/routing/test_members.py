@@ -49,16 +49,8 @@ def test_each_can_be_asked_of_data_that_suit_it(name):
 
 
 def test_the_objective_of_a_file_is_that_of_its_own_problem():
-    instance = RoutingInstance(
-        "i",
-        "test",
-        PLAIN,
-        TRAVEL,
-        (VehicleType(2),),
-        "vrptw",
-        ("vrptw", "min-cost-vrp", "min-makespan-vrp"),
-        objective=("vehicles", "total-cost"),
-    )
+    names = ("vrptw", "min-cost-vrp", "min-makespan-vrp")
+    instance = RoutingInstance("i", "test", PLAIN, TRAVEL, (VehicleType(2),), "vrptw", names, objective=("vehicles", "total-cost"))
     asked = {name: str(problem_from_instance(instance, name).objective) for name in instance.problems}
     assert asked == {"vrptw": "vehicles, then total-cost", "min-cost-vrp": "vehicles, then total-cost", "min-makespan-vrp": "makespan"}
 
