@@ -170,6 +170,8 @@ def certify(
             unproved.append(f"{e.source} is no bound: {in_words(fault)}")
     worst = math.inf if problem.sense == "min" else -math.inf
     refuting = [e for b, e in verified if b == worst]
+    if refuting and evaluation is not None and evaluation.feasible:  # what residuals are worth may be an answer where there is none
+        refuting = [e for e in refuting if problem.concession(e, evaluation) != math.inf]
     proved = [(b, e) for b, e in verified if math.isfinite(b)]
     proved.sort(key=lambda pair: pair[0], reverse=problem.sense == "min")
     bound = proved[0][0] if proved and not refuting else None

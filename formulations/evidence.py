@@ -52,7 +52,9 @@ class EvidenceChecker(Protocol):
     def __call__(self, problem: Any, data: Mapping[str, Any]) -> float: ...
 
 
-CHECKERS: Registry[EvidenceChecker] = Registry("kind of evidence", "waybound.formulations.*.checking", group="waybound.checkers")
+CHECKERS: Registry[EvidenceChecker] = Registry(
+    "kind of evidence", "waybound.formulations.checking", "waybound.formulations.*.checking", group="waybound.checkers"
+)
 
 
 @dataclass(frozen=True)

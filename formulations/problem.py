@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..instances.errors import InputError, UsageError
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     from ..instances.instance import Instance
     from .programs.compiled import Compiled
+
+Decision = tuple[Any, bool]
+"""A statement about an answer, in the problem's words, and whether it holds."""
 
 
 class Problem(ABC):
@@ -103,6 +106,30 @@ class Problem(ABC):
             Asked now and then whether to give up.
         """
         return iter(())
+
+    def answer_at_hand(self) -> Any | None:
+        """An answer that needs no search, where there may be one: what refutes a solver that claims there is none. It is judged first."""
+        return None
+
+    # -- parts of all answers ----------------------------------------------------------------------------------------
+
+    def check_statement(self, statement: Any) -> None:
+        """Raise InputError unless ``statement``, plain JSON, says something of an answer that holds or does not."""
+        raise InputError(f"nothing can be stated of answers to {self.problem} problems", found=shown(str(statement)))
+
+    def restricted(self, decisions: Sequence[Decision]) -> Problem:
+        """The same problem for fewer answers: for all those at least of which each statement holds, or does not, as decided.
+
+        What it allows besides weakens bounds, and breaks none. It shares the data of this one, and is made in little time.
+
+        Raises
+        ------
+        InputError
+            For a malformed statement, and in families that know none.
+        """
+        for statement, _ in decisions:
+            self.check_statement(statement)
+        return self
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 

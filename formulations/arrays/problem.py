@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -12,9 +13,10 @@ import numpy as np
 
 from ...instances.errors import InputError
 from ...instances.instance import digest
+from ...instances.printable import printable
 from ..evaluation import Evaluation, judge
 from ..evidence import Evidence
-from ..problem import Problem
+from ..problem import Decision, Problem
 from ..programs.cones import KINDS as CONE_KINDS
 from ..programs.program import Floats, Program
 from ..programs.reductions.units import scaled
@@ -22,6 +24,9 @@ from ..tolerance import EQUAL, VECTOR
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_WHOLE = 2**53
+"""Below it doubles hold every whole number."""
 
 
 class ArrayProblem(Problem):
@@ -117,6 +122,11 @@ class ArrayProblem(Problem):
         violations = tuple(v for _, found in judged for v in found)
         return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), self._precision)
 
+    def answer_at_hand(self) -> Floats:
+        """The vector nearest to 0."""
+        p = self.program
+        return np.asarray(np.clip(0.0, np.where(p.integer, np.ceil(p.lower), p.lower), np.where(p.integer, np.floor(p.upper), p.upper)))
+
     @cached_property
     def _precision(self) -> float:
         """Sums of whole numbers times costs are as exact as any sum."""
@@ -143,6 +153,33 @@ class ArrayProblem(Problem):
         rows = tuple(replace(block, lower=block.lower - residual, upper=block.upper + residual) for block in self.program.rows)
         wider = ArrayProblem(replace(self.program, rows=rows), self.name)
         return abs(verified_bound(self, evidence) - verified_bound(wider, evidence))
+
+    def check_statement(self, statement: Any) -> None:
+        """``{"variable": column, "most": whole number}``: an integer variable is at most that. All others are then one more at least."""
+        if not isinstance(statement, Mapping) or statement.keys() != {"variable", "most"}:
+            column = most = None
+        else:
+            column, most = statement["variable"], statement["most"]
+        if type(column) is not int or type(most) is not int or not 0 <= column < self.program.num_variables or abs(most) >= _WHOLE:
+            expected = '{"variable": column, "most": whole number}'
+            raise InputError("not a statement on a variable", expected=expected, found=printable(str(statement), 80))
+        if not self.program.integer[column]:
+            raise InputError(f"{self.program.variable_name(column)} is no integer, so it may lie between two whole numbers")
+
+    def restricted(self, decisions: Sequence[Decision]) -> ArrayProblem:
+        """The same arrays with tighter bounds; they may cross."""
+        lower, upper = self.program.lower.copy(), self.program.upper.copy()
+        for statement, holds in decisions:
+            self.check_statement(statement)
+            column, most = statement["variable"], statement["most"]
+            if holds:
+                upper[column] = min(upper[column], most)
+            else:
+                lower[column] = max(lower[column], most + 1)
+        made = copy.copy(self)
+        made.program = self.program.with_bounds(lower, upper)
+        made.__dict__.pop("_sizes", None)
+        return made
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         return {"kind": "vector", "values": self._vector(answer).tolist()}

@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
+from ...instances.printable import printable
 from ...instances.selection.constraints import PartitionMatroid
 from ...instances.sensing.graph import SensingGraph
 from ..evaluation import Evaluation, judge
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS
 from ..selection.assignments import action_index, actions_from_json, actions_to_json, graph_for
+from ..selection.decided import FEATURE, DecidedElements
 from ..selection.selections import Selection, judge_elements, selection_of
 from ..selection.submodular_selection import refuse_settings
 from ..tolerance import VECTOR
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class BottleneckSATA(Problem):
+class BottleneckSATA(DecidedElements):
     """maximise the least, over targets, of the summed weights of the chosen actions that see it; at most one action a robot.
 
     Parameters
@@ -76,11 +78,21 @@ class BottleneckSATA(Problem):
         return PartitionMatroid(g.robot_of_action, np.ones(g.num_robots, dtype=np.int32), "robot", g.robot_name)
 
     def digest(self) -> str:
-        return digest(self.graph.digest(), self.problem)
+        return self.digest_decided(digest(self.graph.digest(), self.problem))
 
     def features(self) -> frozenset[str]:
         """``sensing`` always, ``whole-actions`` unless fractional."""
-        return frozenset({"sensing"} if self.fractional else {"sensing", "whole-actions"})
+        kind = {"sensing"} if self.fractional else {"sensing", "whole-actions"}
+        return frozenset(kind | ({FEATURE} if self.decided else set()))
+
+    def element_name(self, element: int) -> str:
+        return self.graph.action_name(element)
+
+    def check_statement(self, statement: Any) -> None:
+        """``{"chosen": action}``, counted from 0; of whole actions only."""
+        if self.fractional:
+            raise InputError("nothing can be stated of shares of actions", found=printable(str(statement), 80))
+        super().check_statement(statement)
 
     def linear_entries(self) -> int:
         return len(self.graph.indices)
@@ -100,6 +112,15 @@ class BottleneckSATA(Problem):
         Shares that pass are priced without what is negative or beyond 1, so that nothing is gained by what the test of them lets pass.
         """
         return self._evaluate_shares(answer) if self.fractional else self._evaluate_selection(answer)
+
+    def answer_at_hand(self) -> Any:
+        """Each robot's first action."""
+        first = np.unique(self.graph.robot_of_action, return_index=True)[1]
+        if not self.fractional:
+            return Selection.of(first.tolist())
+        shares = np.zeros(self.graph.num_actions)
+        shares[first] = 1.0
+        return shares
 
     def _evaluate_shares(self, answer: Any) -> Evaluation:
         g, x = self.graph, self._shares(answer)
@@ -132,7 +153,8 @@ class BottleneckSATA(Problem):
         shares[chosen] = 1.0
         covered = self.coverage(shares)
         quantities = {"covered_targets": float((covered > 0).sum())}
-        return Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
+        made = Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
+        return self.with_decided(made, chosen)
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 

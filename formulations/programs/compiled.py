@@ -15,7 +15,7 @@ from .reductions.reduction import Irreducible
 
 if TYPE_CHECKING:
     from ..evidence import Evidence
-    from ..problem import Problem
+    from ..problem import Decision, Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,20 +33,27 @@ class Compiled:
     encode : callable, optional
         From an answer to a vector (warm starts). Raises InputError for an answer that is no point of the program.
     dual_evidence : callable, optional
-        From row duals (d objective / d right side) of the linear relaxation to evidence that the checker can multiply out.
+        From row duals (d objective / d right side) of the linear relaxation to evidence that the checker can multiply out. Where there
+        is ``at_most`` it takes a second argument: the problem restricted by decisions (``Problem.restricted``) whose duals they are.
     exactness : Exactness
         How the program's optimum relates to that of the problem.
     links : tuple of Link
         The form, and what was done to its program since.
+    ray_evidence : callable, optional
+        From a ray of the rows that proves the linear relaxation infeasible, of either sign, to evidence that there is no answer.
+    at_most : callable, optional
+        From an integer column and a whole number to the decision that says of an answer what ``column <= number`` says of its vector.
     """
 
     program: Program
     problem: Problem
     decode: Callable[[Floats], Any]
     encode: Callable[[Any], Floats] | None = None
-    dual_evidence: Callable[[Floats], Evidence] | None = None
+    dual_evidence: Callable[..., Evidence] | None = None
     exactness: Exactness = Exactness.EXACT
     links: tuple[Link, ...] = ()
+    ray_evidence: Callable[[Floats], Evidence] | None = None
+    at_most: Callable[[int, int], Decision] | None = None
 
     def __post_init__(self) -> None:
         if not self.links:

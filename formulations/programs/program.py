@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -178,6 +178,15 @@ class Program:
     def kind(self) -> str:
         """``described(features())``."""
         return described(self.features())
+
+    def with_bounds(self, lower: Floats, upper: Floats) -> Program:
+        """The same with other bounds of the variables, shape (variables,) each; all other arrays are shared."""
+        ends = np.cumsum([b.size for b in self.variables])[:-1]
+        blocks = zip(self.variables, np.split(lower, ends), np.split(upper, ends), strict=True)
+        made = replace(self, variables=tuple(replace(b, lower=low, upper=high) for b, low, high in blocks))
+        shared = {name: getattr(self, name) for name in ("cost", "integer", "row_lower", "row_upper", "indptr", "indices", "data")}
+        made.__dict__.update(shared, lower=lower, upper=upper)
+        return made
 
     # -- names -------------------------------------------------------------------------------------------------------
 

@@ -5,6 +5,7 @@ It knows no program and no solver, and shares no code with the forms.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -28,7 +29,14 @@ Floats = NDArray[np.float64]
 CHECKS = ("visits", "fleet", "load", "time-windows", "duration", "distance", "energy")
 """Of every answer."""
 
-FURTHER_CHECKS = {"skills": "skills", "shipments": "shipments", "groups": "groups", "reloads": "reloads", "closing-moves": "closing-moves"}
+FURTHER_CHECKS = {
+    "forbidden-moves": "moves",
+    "skills": "skills",
+    "shipments": "shipments",
+    "groups": "groups",
+    "reloads": "reloads",
+    "closing-moves": "closing-moves",
+}
 """By feature: what is checked besides where the data have it."""
 
 
@@ -49,6 +57,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
             used[route.vehicle] += 1
             np.add.at(count, np.array(route.visits, dtype=np.int64), 1)
             _check_stops(problem, name, route, judge)
+        _check_moves(problem, name, route, judge)
         _check_times(problem, name, route, plan, judge)
         _check_limits(name, vehicle, plan, judge)
         beyond = max(0.0, plan.duration - vehicle.regular_duration)
@@ -124,6 +133,15 @@ def _check_stops(problem: RoutingProblem, name: str, route: Route, judge: Checkl
         often = sum(site in vehicle.reloads for site in route.visits)
         most = math.inf if vehicle.max_reloads is None else vehicle.max_reloads
         judge.test("reloads", often - most, f"{name} reloads {often} times, {most:g} at most", vehicle=name)
+
+
+def _check_moves(problem: RoutingProblem, name: str, route: Route, judge: Checklist) -> None:
+    if problem.forbidden is None:
+        return
+    sites, vehicle = problem.sites, problem.fleet[route.vehicle]
+    for tail, head in itertools.pairwise([vehicle.start, *route.visits, vehicle.end]):
+        words = f"{name} goes from {sites.ids[tail]} to {sites.ids[head]}, which is forbidden"
+        judge.test("moves", float(problem.forbidden[tail, head]), words, vehicle=name, site=sites.ids[head])
 
 
 def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedule, judge: Checklist) -> None:

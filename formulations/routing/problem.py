@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -12,19 +13,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...instances.errors import UsageError
-from ...instances.instance import digest
+from ...instances.errors import InputError, UsageError
 from ...instances.printable import printable
 from ...instances.routing.features import restrictions
 from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
-from ...instances.routing.travel import EXPLICIT, Travel, convention_named
+from ...instances.routing.travel import Travel, convention_named
 from ..evaluation import Evaluation
 from ..evidence import Evidence, Reason
-from ..problem import Problem
+from ..problem import Decision, Problem
 from ..references import indices_of
 from .answers import routes_from_json, routes_to_frame, routes_to_json
-from .facts import facts
+from .facts import digested, facts
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes
 from .objective import Composable, Objective
@@ -48,6 +48,8 @@ class RoutingProblem(Problem):
         Default: total cost.
     min_vehicles : int
         Routes that must be used at least.
+    forbidden : bool array of shape (sites, sites), optional
+        Moves that no route makes. Checkers and the judge know them; what is for whole problems refuses them.
     name : str
     problem : str
         Name of the member of the family ("vrptw", "cvrp", "tsp", ...).
@@ -68,6 +70,7 @@ class RoutingProblem(Problem):
     name: str
     problem: str
     notes: tuple[str, ...]
+    forbidden: NDArray[np.bool_] | None
 
     def __init__(
         self,
@@ -79,12 +82,17 @@ class RoutingProblem(Problem):
         name: str = "problem",
         problem: str = "cvrp",
         notes: Sequence[str] = (),
+        forbidden: NDArray[np.bool_] | None = None,
     ) -> None:
         aim = Objective() if objective is None else Objective.of(objective)
         self.__dict__.update(
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
-            notes=tuple(notes),
+            notes=tuple(notes), forbidden=forbidden,
         )  # fmt: skip
+        if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
+            raise InputError(
+                "forbidden moves must be truth values, one for each pair of sites", found=f"{forbidden.dtype} {forbidden.shape}"
+            )
         check_routing_data(sites, travel, self.fleet, min_vehicles)
 
     # -- construction ------------------------------------------------------------------------------------------------
@@ -229,21 +237,7 @@ class RoutingProblem(Problem):
         return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}>"
 
     def digest(self) -> str:
-        s, own = self.sites, [v.travel for v in self.fleet if v.travel is not None]
-        further: list[Any] = []  # what is not there leaves the digest as it was before there was such a thing
-        for name in ("penalty", "pickup", "further_demand", "further_pickup"):
-            values = getattr(s, name)
-            further += [name, values] if values.any() or (name == "further_demand" and values.size) else []
-        for name in ("windows", "shipments", "groups"):
-            further += [name, getattr(s, name)] if getattr(s, name) else []
-        further += ["skills", [sorted(needs) for needs in s.skills]] if any(s.skills) else []
-        for travel in own:
-            further += _digested(travel)
-        further += [self.travel.closing] if self.travel.closing is not None else []
-        return digest(
-            "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, *_digested(self.travel)[:4],
-            tuple(v if v.travel is None else replace(v, travel=None) for v in self.fleet), self.min_vehicles, str(self.objective), *further,
-        )  # fmt: skip
+        return digested(self)
 
     def features(self) -> frozenset[str]:
         """Features a solver must support: those of ``instances.routing.features`` that restrict routes, ``objective:<term>`` for each term,
@@ -255,6 +249,8 @@ class RoutingProblem(Problem):
             found.add("objective:priorities")
         if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in levels):
             found.add("objective:weights")
+        if self.forbidden is not None:
+            found.add("forbidden-moves")
         return restrictions(self) | found
 
     @property
@@ -267,6 +263,40 @@ class RoutingProblem(Problem):
     def facts(self) -> dict[str, Any]:
         """Objective, sites, demand, service, windows, travel and fleet, and what else there is."""
         return facts(self)
+
+    # -- parts of all answers ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        return self.sites.index()
+
+    def check_statement(self, statement: Any) -> None:
+        """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between."""
+        arc = statement["arc"] if isinstance(statement, Mapping) and statement.keys() == {"arc"} else None
+        if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in self._index for site in arc):
+            expected = '{"arc": [the id of a site, the id of a site]}'
+            raise InputError("not a statement on a move", expected=expected, found=printable(str(statement), 80))
+
+    def restricted(self, decisions: Sequence[Decision]) -> RoutingProblem:
+        """The same problem without moves: one that is not made, and those that are not made beside one that is, for a customer is left and
+        entered once."""
+        moves = np.zeros((len(self.sites),) * 2, dtype=bool) if self.forbidden is None else self.forbidden.copy()
+        depot = self.sites.depot
+        for statement, holds in decisions:
+            self.check_statement(statement)
+            i, j = (self._index[site] for site in statement["arc"])
+            if not holds:
+                moves[i, j] = True
+                continue
+            kept = moves[i, j]
+            if not depot[i]:
+                moves[i] = True
+            if not depot[j]:
+                moves[:, j] = True
+            moves[i, j] = kept
+        made = copy.copy(self)
+        made.__dict__["forbidden"] = moves
+        return made
 
     # -- judging answers ---------------------------------------------------------------------------------------------
 
@@ -366,11 +396,8 @@ class RoutingProblem(Problem):
     def _need_one_type(self) -> None:
         if len(self.fleet) > 1:
             raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
-
-
-def _digested(travel: Travel) -> list[Any]:
-    raw = travel.matrix if travel.metric == EXPLICIT else travel.coordinates
-    return [travel.metric, raw, travel.duration_matrix, travel.convention, travel.closing]
+        if any(v.reloads or v.stations for v in self.fleet):
+            raise UsageError("such a file has no place for stops at depots on the way; use .json")
 
 
 def _whole(name: str, value: Any) -> int:

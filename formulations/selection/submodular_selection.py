@@ -16,9 +16,10 @@ from ...instances.selection.functions import Coverage, FacilityLocation, SetFunc
 from ...instances.selection.instance import SelectionInstance
 from ...instances.sensing.graph import SensingGraph
 from ..evaluation import Check, Evaluation, Violation, judge
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS
 from ..tolerance import EQUAL
 from .assignments import graph_for
+from .decided import FEATURE, DecidedElements
 from .feasibility import spendable
 from .selections import Selection, judge_elements, selection_of
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class SubmodularSelection(Problem):
+class SubmodularSelection(DecidedElements):
     """Maximise f(S) over the sets S that a constraint allows.
 
     Parameters
@@ -86,11 +87,11 @@ class SubmodularSelection(Problem):
         return "exact"
 
     def digest(self) -> str:
-        return digest("selection", *self.function.parts(), *self.constraint.parts())
+        return self.digest_decided(digest("selection", *self.function.parts(), *self.constraint.parts()))
 
     def features(self) -> frozenset[str]:
         """What function and constraint ask of a method, such as ``function:coverage`` and ``constraint:knapsack``."""
-        return frozenset({self.function.feature, self.constraint.feature})
+        return frozenset({self.function.feature, self.constraint.feature, *([FEATURE] if self.decided else ())})
 
     @property
     def size(self) -> int:
@@ -112,6 +113,10 @@ class SubmodularSelection(Problem):
         """What each element adds to the value of those before it, shape (elements,)."""
         return self.function.gains(elements)
 
+    def answer_at_hand(self) -> Selection:
+        """No element."""
+        return Selection.of([])
+
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute the value, and test that the elements exist, none twice, and that the constraint holds."""
         if not isinstance(answer, Selection):
@@ -121,7 +126,8 @@ class SubmodularSelection(Problem):
         chosen, (elements, faults) = judge_elements(answer, self.num_elements, "elements", "element", self.element_name)
         rule, broken = self._judge_constraint(chosen)
         quantities = {"elements": float(len(chosen))}
-        return Evaluation((self.value(chosen),), (elements, rule), (*faults, *broken), quantities)
+        made = Evaluation((self.value(chosen),), (elements, rule), (*faults, *broken), quantities)
+        return self.with_decided(made, chosen)
 
     def _constraint_name(self) -> str:
         return self.constraint.name

@@ -48,7 +48,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
         )  # fmt: skip
 
     def digest(self) -> str:
-        return self.graph.digest()
+        return self.digest_decided(self.graph.digest())
 
     def linear_entries(self) -> int:
         return len(self.graph.indices)

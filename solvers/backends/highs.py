@@ -45,7 +45,7 @@ STATUS_MAP: dict[str, tuple[str, str]] = {
 
 SOUND: dict[str, Any] = {"presolve_rule_off": 4096}
 """Set on every road to HiGHS, and overruled by the user's own options. 4096 is presolve's aggregator: with it, 1.12.0 to 1.15.1 call
-feasible programs infeasible and worse answers optimal, tiny ones of ordinary whole numbers too (HiGHS#3090 and its like; docs/proofs.md has
+feasible programs infeasible and worse answers optimal, tiny ones of ordinary whole numbers too (HiGHS#3090 and its like; docs/claims.md has
 the counts, and docs/measurements.md what it costs). ``waybound solvers --examine highs --option presolve_rule_off=0`` shows it."""
 
 COMMON_OPTIONS = {

@@ -29,16 +29,24 @@ class BoundMethod:
         Cheap methods first.
     prepare : callable
         What it does once a process, such as compiling a kernel; not counted against the budget.
+    aims : bool
+        Whether ``compute`` takes the keyword ``target`` too, the value of a known answer or None: such a method searches, and no bound
+        beyond that value is worth its time.
     replaces : callable
         Methods that this one stands for where a problem is of its family, whether it can take it or not.
     """
 
     name: str
     missing: Callable[[Any], frozenset[str]]
-    compute: Callable[[Any, Stop, LinearPrograms], Evidence | None]
+    compute: Callable[..., Evidence | None]
     order: int = 0
     prepare: Callable[[], None] = lambda: None
     replaces: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
+    aims: bool = False
+
+    def evidence(self, problem: Any, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
+        """What ``compute`` finds."""
+        return self.compute(problem, stop, linear, target=target) if self.aims else self.compute(problem, stop, linear)
 
 
 BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")

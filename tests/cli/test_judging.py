@@ -176,3 +176,20 @@ def test_explain_of_an_instance_with_a_solution_is_exit_0(run):
 
 def test_explain_refuses_an_unknown_form(refused):
     assert "unknown form" in refused("explain", "demo-tiny", "--form", "four-index")
+
+
+def test_a_certificate_that_holds_a_tree_is_verified_and_refused_where_a_leaf_was_lost(run, strict_json, refused, tmp_path):
+    graph, answer, proof = (tmp_path / name for name in ("graph.json", "answer.json", "proof.json"))
+    sizes = ("robots=10", "actions=2", "targets=40", "phi=25", "weights=uniform")
+    run("generate", "sata", *(word for size in sizes for word in ("--set", size)), "--seed", "3", "--out", graph)
+    asked = (graph, "--problem", "winner-takes-all")
+    told = strict_json(run("solve", *asked, "--solver", "highs", "--out", answer, "--certificate", proof, "--json", "-q").stdout)
+    assert told["status"] == "optimal" and told["bound_kind"] == "verified"
+    data = json.loads(proof.read_text())
+    assert data["evidence"][0]["kind"] == "branching-tree"
+    verdict = strict_json(run("check", graph, answer, "--problem", "winner-takes-all", "--certificate", proof, "--json").stdout)
+    assert verdict["feasible"] and verdict["bound"] == pytest.approx(told["objective"])
+    data["evidence"][0]["data"]["nodes"].pop()
+    proof.write_text(json.dumps(data))
+    said = refused("check", graph, answer, "--problem", "winner-takes-all", "--certificate", proof, code=2)
+    assert "the branching tree lacks nodes" in said

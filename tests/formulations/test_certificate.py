@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from programs import program
 
+from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import (
     SHOWN_VIOLATIONS,
     Certificate,
@@ -284,3 +286,16 @@ def test_text_out_of_a_file_forges_no_line_and_no_markup():
     assert len(text.split("\n")) == 1 + len(lines)
     assert all(row.isprintable() for row in text.split("\n"))
     assert "\x1b" not in made._repr_html_() and "<b>" not in made._repr_html_()
+
+
+def test_a_ray_gives_way_to_an_answer_that_breaks_rows_by_no_more_than_a_check_lets_pass():
+    problem = ArrayProblem(program([1.0, 1.0], [[1, 1], [1, 1]], [1.0, -math.inf], [math.inf, 1.0 - 1e-7], 0.0, 1.0))
+    ray = Evidence("lp-dual", "a ray", math.inf, {"ray": [1.0, -1.0]})
+    assert certify(problem, None, [ray]).infeasible
+    judged = problem.evaluate([0.5, 0.5])
+    assert judged.feasible
+    made = certify(problem, judged, [ray])
+    assert not made.infeasible and made.bound is None
+    far = ArrayProblem(program([1.0, 1.0], [[1, 1], [1, 1]], [1.0, -math.inf], [math.inf, 0.5], 0.0, 1.0))
+    with pytest.raises(CheckFailedError, match="proves that there is none"):
+        certify(far, judged, [ray])

@@ -32,7 +32,7 @@ def test_a_method_that_is_refused_is_named_and_the_others_are_tried(registered: 
     unable: list[str] = []
     found = find_bounds(PROBLEM, 5.0, unable=unable)
     assert unable == ["no bound by linear-relaxation: HiGHS refuses the program"]
-    assert [e.value for e in found] == [5.0]
+    assert [(e.kind, e.value) for e in found] == [("marginal-gains", 5.0), ("item-prices", 5.0)], "by a set, and by a tree"
 
 
 def test_a_method_that_lacks_a_feature_is_passed_over_without_a_word(registered: Any) -> None:
@@ -41,7 +41,7 @@ def test_a_method_that_lacks_a_feature_is_passed_over_without_a_word(registered:
 
     instead(registered, "linear-relaxation", lacks)
     unable: list[str] = []
-    assert len(find_bounds(PROBLEM, 5.0, unable=unable)) == 1
+    assert len(find_bounds(PROBLEM, 5.0, unable=unable)) == 2
     assert unable == []
 
 
@@ -66,3 +66,17 @@ def test_weights_that_a_solver_refuses_cost_the_bound_alone(heuristic: str) -> N
     problem = wb.BottleneckSATA(wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([1e15, 1.0])))
     found = wb.solve(problem, heuristic=heuristic, bound_time=2)
     assert (found.objective, found.faults) == (1.0, ())
+
+
+def test_a_method_that_searches_learns_what_it_searches_for(registered: Any) -> None:
+    heard: list[Any] = []
+
+    def hears(problem: Any, stop: Any, linear: Any, target: float | None = None) -> None:
+        heard.append(target)
+
+    instead(registered, "branching-tree", hears)
+    instead(registered, "marginal-gains", lambda *_: None)
+    find_bounds(PROBLEM, 5.0, target=6.0)
+    find_bounds(PROBLEM, 5.0)
+    find_bounds(PROBLEM, 5.0, target=6.0, searching=False)
+    assert heard == [6.0, None]

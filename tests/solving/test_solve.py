@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.backends.scip import Scip
+from waybound.solvers.bounds import BOUNDS
 from waybound.solving.solve import solve
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
@@ -185,7 +187,14 @@ def test_a_variant_without_a_name_is_refused(square: RoutingProblem) -> None:
 LINEAR_WORK = [{"heuristic": "lp-rounding"}, {"heuristic": "greedy", "bound_time": 20}, {"solver": "saddle", "iterations": 2000}]
 
 
+@pytest.fixture
+def no_trees(registered: Any) -> None:
+    """Without the bound that searches, whose bounds depend on the time it is given."""
+    registered(BOUNDS, "branching-tree", replace(BOUNDS["branching-tree"], missing=lambda problem: frozenset({"time"})))
+
+
 @pytest.mark.parametrize("given", LINEAR_WORK, ids=["heuristic", "bounding", "engine"])
+@pytest.mark.usefixtures("no_trees")
 def test_heuristics_bounds_and_engines_use_the_lp_solver_that_is_named(registered: Any, given: dict[str, Any]) -> None:
     registered(BACKENDS, "counting", Counting)
     Counting.told.clear()
@@ -198,6 +207,7 @@ def test_heuristics_bounds_and_engines_use_the_lp_solver_that_is_named(registere
 
 @pytest.mark.skipif(not Scip.installed(), reason="needs the extra scip (PySCIPOpt)")
 @pytest.mark.parametrize("given", LINEAR_WORK, ids=["heuristic", "bounding", "engine"])
+@pytest.mark.usefixtures("no_trees")
 def test_scip_may_be_that_solver(given: dict[str, Any]) -> None:
     problem = BottleneckSATA(random_graph(3), fractional=given.get("solver") == "saddle")
     own, named = solve(problem, **given), solve(problem, **given, lp_solver="scip")

@@ -27,6 +27,7 @@ def find_bounds(
     progress: Callable[[dict[str, Any]], None] | None = None,
     unable: list[str] | None = None,
     linear: LinearPrograms | None = None,
+    searching: bool = True,
 ) -> list[Evidence]:
     """Evidence for bounds of ``problem``, to be verified by the checker.
 
@@ -47,6 +48,8 @@ def find_bounds(
         Receives a line for each method that failed; the others are tried all the same.
     linear : LinearPrograms, optional
         Who solves linear programs, with which seed and threads.
+    searching : bool
+        Whether methods may search (``BoundMethod.aims``): these take all the time that there is.
 
     Returns
     -------
@@ -61,7 +64,7 @@ def find_bounds(
     others = replaced(problem)
     for method in sorted(BOUNDS.values(), key=lambda method: method.order):
         try:
-            if method.name not in others and not method.missing(problem):
+            if (searching or not method.aims) and method.name not in others and not method.missing(problem):
                 method.prepare()
                 methods.append(method)
         except Exception as fault:
@@ -73,7 +76,7 @@ def find_bounds(
         if stop.reached():
             break
         try:
-            evidence = method.compute(problem, stop, linear)
+            evidence = method.evidence(problem, stop, linear, target)
         except UnsupportedError:
             continue
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds

@@ -30,7 +30,7 @@ def first_evidence(
     try:
 
         def find(control: Control) -> RawResult:
-            return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, linear=linear))
+            return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, linear=linear, searching=False))
 
         found = search(find, Control(), seconds)
         evidence = found.result.answer or []

@@ -4,6 +4,8 @@ For min c x over L <= A x <= U, l <= x <= u and any y::
 
     c x  >=  sum_i min over r in [L_i, U_i] of y_i r  +  sum_j min over x_j in [l_j, u_j] of d_j x_j,      d = c - A' y
 
+The sum of the right side for c = 0 is at most 0 wherever there is an x; a ray y that makes it positive proves that there is none (Farkas).
+
 A dual that points to a side that is not there is set to 0 first: that too is a dual vector. What makes such a bound fail in practice
 is a reduced cost of 1e-17 on a variable without a bound. Three remedies are tried in turn: bounds that single rows imply for the variable,
 duals moved by a rounding so that the reduced cost points to a side that has a bound, and its sign in exact arithmetic. Where none
@@ -30,6 +32,9 @@ from ...routing.checking.multipliers import numbers
 Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
+_VANISHING = 1e-250
+"""Below it products vanish, and the sign of a sum with them."""
+
 _SMALLEST, _NORMAL = math.ulp(0.0), sys.float_info.min
 _PASSES = 3
 _WIDEST = 1e12
@@ -45,12 +50,14 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     problem : ArrayProblem
         Its ``program`` holds the arrays.
     data : dict
-        ``duals``: one number a row, d objective / d right side.
+        ``duals``: one number a row, d objective / d right side. Or ``ray``: one number a row, positive where the lower side of the row
+        counts, in either sense of the program.
 
     Returns
     -------
     float
-        The bound in the program's sense; minus infinity (``min``) or infinity (``max``) where nothing is proved.
+        The bound in the program's sense; minus infinity (``min``) or infinity (``max``) where nothing is proved, and the other way round
+        where the ray, or limits of a variable between which there is no number, prove that no x is within the limits.
 
     Raises
     ------
@@ -65,16 +72,25 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     if problem.family != "arrays":
         raise InputError("row duals are evidence for programs given as arrays", found=problem.family)
     program = problem.program
-    duals = numbers(data, "duals", program.num_rows)
+    ray = "ray" in data
+    duals = numbers(data, "ray" if ray else "duals", program.num_rows)
     sign = 1.0 if program.sense == "min" else -1.0
     if program.quadratic is not None or program.cones:
         return -sign * math.inf
+    if (program.lower > program.upper).any():
+        return sign * math.inf
     arrays = _Arrays(
-        sign * program.cost, program.lower, program.upper, program.row_lower, program.row_upper,
+        np.zeros(program.num_variables) if ray else sign * program.cost, program.lower, program.upper, program.row_lower, program.row_upper,
         np.repeat(np.arange(program.num_rows), np.diff(program.indptr)), program.indices, program.data,
     )  # fmt: skip
     with np.errstate(over="ignore", invalid="ignore"):
-        bound = _bound(arrays, sign * duals)
+        if ray:
+            duals /= max(float(np.abs(duals).max(initial=0.0)), _VANISHING)
+        bound = _bound(arrays, duals if ray else sign * duals)
+    if ray:
+        ends = [v[np.isfinite(v)] for v in (program.lower, program.upper, program.row_lower, program.row_upper)]
+        lost = _VANISHING * (1.0 + max(float(np.abs(v).max(initial=0.0)) for v in ends))
+        return sign * math.inf if bound > lost else -sign * math.inf
     if not math.isfinite(bound):
         return -sign * math.inf
     counted = program.cost[program.cost != 0]

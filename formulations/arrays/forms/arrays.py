@@ -9,6 +9,7 @@ See docs/formulations/arrays.md.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from ....instances.errors import InputError
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...problem import Decision, Problem
 from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
 from ...programs.program import Floats
@@ -32,14 +34,23 @@ def build(problem: ArrayProblem) -> Compiled:
             raise InputError("the start is no vector with one number a variable", expected=f"({given.num_variables},)", found=str(x.shape))
         return x
 
-    def dual_evidence(row_duals: Floats) -> Evidence:
+    def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:
+        program = of.program  # type: ignore[attr-defined]
         # Solvers disagree on the sign of a maximisation's duals (HiGHS' interior point without crossover reverses it).
         sign = 1.0 if given.sense == "min" else -1.0
-        duals = max((np.asarray(row_duals, dtype=np.float64) * s for s in (1.0, -1.0)), key=lambda y: sign * dual_value(given, y))
-        return Evidence("lp-dual", "LP relaxation of the program", dual_value(given, duals), {"duals": [float(y) for y in duals]})
+        duals = max((np.asarray(row_duals, dtype=np.float64) * s for s in (1.0, -1.0)), key=lambda y: sign * dual_value(program, y))
+        return Evidence("lp-dual", "LP relaxation of the program", dual_value(program, duals), {"duals": [float(y) for y in duals]})
+
+    def ray_evidence(ray: Floats) -> Evidence:
+        none = math.inf if given.sense == "min" else -math.inf
+        return Evidence("lp-dual", "a ray of the program's rows", none, {"ray": [float(y) for y in ray]})
+
+    def at_most(column: int, most: int) -> Decision:
+        return {"variable": column, "most": most}, True
 
     linear = given.quadratic is None and not given.cones
-    return Compiled(replace(given, name="arrays"), problem, lambda x: x, encode, dual_evidence if linear else None)
+    made = Compiled(replace(given, name="arrays"), problem, lambda x: x, encode)
+    return replace(made, dual_evidence=dual_evidence, ray_evidence=ray_evidence, at_most=at_most) if linear else made
 
 
 FORMS.add(

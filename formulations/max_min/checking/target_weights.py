@@ -16,10 +16,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.granularity import grain, lift
 from ...evidence import CHECKERS
+from ...routing.checking.multipliers import numbers
 
 _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324
@@ -40,7 +42,7 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     Returns
     -------
     float
-        Infinity where no weight is positive.
+        Infinity where no weight is positive; minus infinity where decided actions leave no answer.
 
     Raises
     ------
@@ -55,15 +57,17 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     graph = getattr(problem, "graph", None)
     if problem.family != "max-min" or graph is None:
         raise InputError("weights of targets are evidence for bottleneck problems", found=problem.problem)
-    targets, weights = np.asarray(data["targets"]), np.asarray(data["weights"], dtype=np.float64)
-    if targets.ndim != 1 or targets.shape != weights.shape or (targets.size and targets.dtype.kind not in "iu"):
+    given = data["targets"]
+    whole = isinstance(given, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in given)
+    if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(given)):
         raise InputError("targets and weights must be lists of one length, the targets whole numbers")
+    targets, weights = np.array(given, dtype=np.int64), numbers(data, "weights", len(given))
     if targets.size and (targets.min() < 0 or targets.max() >= graph.num_targets or len(np.unique(targets)) != len(targets)):
         raise InputError("a target does not exist or stands twice", expected=f"0 to {graph.num_targets - 1}")
-    if not np.isfinite(weights).all():
-        raise InputError("a weight is not a finite number")
+    if problem.decided and _contradicted(problem):
+        return -math.inf
     y = np.zeros(graph.num_targets)
-    y[targets.astype(np.int64)] = np.maximum(weights, 0.0)
+    y[targets] = np.maximum(weights, 0.0)
     largest = float(y.max(initial=0.0))
     if largest <= 0.0:
         return math.inf
@@ -73,7 +77,7 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     with np.errstate(over="ignore", under="ignore"):
         products = graph.weights[edges] * y[graph.indices[edges]]
         products += np.where((products < _SMALLEST) & (graph.weights[edges] > 0), _TINY, 0.0)  # what underflow took
-        worth = np.bincount(actions, products, minlength=graph.num_actions)
+        worth = np.where(_open(problem), np.bincount(actions, products, minlength=graph.num_actions), 0.0)
     best = np.zeros(graph.num_robots)
     np.maximum.at(best, graph.robot_of_action, worth)
     try:
@@ -85,3 +89,18 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     bound = total * (1.0 + (longest + 8) * _EPS) + (2 * _TINY if 0.0 < total < _SMALLEST else 0.0)
     # A sum of whole actions' weights is a multiple of what all weights are multiples of.
     return bound if problem.fractional else lift(bound, "max", grain(graph.weights))
+
+
+def _contradicted(problem: Any) -> bool:
+    """Whether an action is both taken and dropped, or a robot takes two."""
+    robots = problem.graph.robot_of_action[problem.taken]
+    return len(np.intersect1d(problem.taken, problem.dropped)) > 0 or len(np.unique(robots)) < len(robots)
+
+
+def _open(problem: Any) -> NDArray[np.bool_]:
+    """Actions that an answer may use: of a robot whose action is taken that one alone, else all that are not dropped."""
+    owner = problem.graph.robot_of_action
+    found: NDArray[np.bool_] = ~np.isin(owner, owner[problem.taken])
+    found[problem.taken] = True
+    found[problem.dropped] = False
+    return found

@@ -24,6 +24,7 @@ docs/formulations/bottleneck.md#form.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,11 +34,12 @@ from ...evidence import Evidence
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, LINEAR, Floats, Indices, Program, Rows, Variables
-from ...selection.forms._selections import Labels, chosen, indicator, proved
+from ...selection.forms._selections import Labels, chosen, decided, indicator, proved
 from ...selection.selections import Selection
 
 if TYPE_CHECKING:
     from ....instances.max_min.instance import SparseMatrix
+    from ...problem import Problem
     from ..bottleneck_sata import BottleneckSATA
     from ..max_min_lp import MaxMinLP
 
@@ -84,13 +86,17 @@ def _of_graph(problem: BottleneckSATA) -> Compiled:
         load = np.bincount(g.robot_of_action, shares, minlength=g.num_robots)
         return shares / np.maximum(load, 1.0)[g.robot_of_action]  # a solver's point may exceed a row by its tolerance
 
-    def dual_evidence(row_duals: Floats) -> Evidence:
+    def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:
         y = _clean(np.asarray(row_duals, dtype=np.float64)[g.num_robots :])
         used = np.nonzero(y)[0]
         data = {"targets": used.tolist(), "weights": y[used].tolist()}
-        return proved(problem, "target-weights", "dual weights of the max-min LP", data)
+        return proved(of, "target-weights", "dual weights of the max-min LP", data)
 
-    return Compiled(Program("max-min", "max", (x, _w("max")), (robots, targets)), problem, decode, encode, dual_evidence)
+    def ray_evidence(ray: Floats) -> Evidence:
+        return Evidence("target-weights", "actions that are decided", -math.inf, {"targets": [0], "weights": [1.0]})
+
+    made = Compiled(Program("max-min", "max", (x, _w("max")), (robots, targets)), problem, decode, encode, dual_evidence)
+    return made if problem.fractional else replace(made, ray_evidence=ray_evidence, at_most=decided)
 
 
 # -- packing and covering rows ----------------------------------------------------------------------------------------

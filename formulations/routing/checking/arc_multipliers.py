@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-RESOURCES = ("time", "load", "distance", "duration", "energy")
+RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
 
 
 @CHECKERS.register("arc-multipliers")
@@ -51,14 +52,15 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
         types are bounded through ``relaxation.relax``.
     data : dict
         ``out`` and ``in``: lists with one number a site (entries of depots are ignored); ``fleet``: one number;
-        ``resources``, optional: lists with one number a site by name (``time, load, distance, duration, energy``), negative ones
-        read as 0.
+        ``resources``, optional: lists with one number a site by name (``time, load, distance, duration, energy``, and ``order``, the
+        number of moves so far), negative ones read as 0. ``ray``, optional: true for multipliers of the rows alone, as if no arc cost
+        anything.
 
     Returns
     -------
     float
         The bound, rounded up to the granularity of the costs; minus infinity where nothing is proved, infinity where the arcs
-        that are left allow no answer at all.
+        that are left allow no answer at all, or where a ray has a bound above 0: an answer would have the cost 0.
 
     Raises
     ------
@@ -78,18 +80,26 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     if not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
         raise InputError("evidence 'resources' must be an object", expected=", ".join(RESOURCES), found=str(given)[:80])
     prices = {str(name): np.maximum(numbers(given, name, sites), 0.0) for name in given}
+    ray = data.get("ray", False)
+    if not isinstance(ray, bool):
+        raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
     relaxed = relax(problem)
     if relaxed is None:
         return -math.inf if problem.sense == "min" else math.inf
     if relaxed.fewest > relaxed.most:
         return math.inf
     at = relaxed.customers
+    relaxed = replace(relaxed, resources={**relaxed.resources, "order": _order(len(at))})
 
     def to_node(values: Floats) -> Floats:
         return np.concatenate([[0.0], values[at]])
 
+    if ray:
+        relaxed = replace(relaxed, cost=np.where(np.isfinite(relaxed.cost), 0.0, math.inf))
     with np.errstate(over="ignore"):
         bound = _bound(relaxed, to_node(out), to_node(into), phi, {name: to_node(mu) for name, mu in prices.items()})
+    if ray:
+        return math.inf if bound > 0 else -math.inf
     return lift(bound, "min", relaxed.grain)
 
 
@@ -107,12 +117,20 @@ def _bound(relaxed: Relaxation, out: Floats, into: Floats, phi: float, prices: d
     for name, mu in used.items():
         reduced += _resource_cost(relaxed.resources[name], mu, usable)
     bounds = [
-        math.fsum(reduced[:, 1:].min(axis=0)) + relaxed.cheapest_routes(reduced[1:, 0], phi),
-        math.fsum(reduced[1:, :].min(axis=1)) + relaxed.cheapest_routes(reduced[0, 1:], phi),
+        math.fsum(reduced[:, 1:].min(axis=0)) + relaxed.cheapest_routes(reduced[1:, 0], phi, relaxed.last),
+        math.fsum(reduced[1:, :].min(axis=1)) + relaxed.cheapest_routes(reduced[0, 1:], phi, relaxed.first),
     ]
     # At most 2 nodes arcs are summed up, each from a few rounded numbers of which ``size`` is the sum of the largest.
     error = 64.0 * float(np.finfo(np.float64).eps) * 2 * len(out) * size
     return math.fsum([*out, *into, max(bounds), -error]) if max(bounds) < math.inf else math.inf
+
+
+def _order(customers: int) -> Resource:
+    """Moves so far: a route that visits each of its customers once makes one more at most."""
+    n = customers + 1
+    lower, upper = np.ones(n), np.full(n, float(customers))
+    lower[0], upper[0] = 0.0, float(n)
+    return Resource(np.ones((n, n)), 0.0, lower, upper, 0.0, 4.0 * n)
 
 
 def _resource_cost(resource: Resource, mu: Floats, usable: NDArray[np.bool_]) -> Floats:

@@ -35,6 +35,7 @@ KNOWN = frozenset(
         "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "fixed-cost", "unit-cost", "separate-durations",
         "duration-cost", "overtime", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
         "several-windows", "skills", "penalties", "initial-energy", "closing-moves", "committed-vehicles",
+        "forbidden-moves",
     }
 )  # fmt: skip
 

@@ -76,6 +76,8 @@ class Relaxation:
         By name: ``time, load, distance, duration, energy``; only those that are limited, and ``time`` always.
     grain : Grain or None
         Of which the objective of every answer is a multiple.
+    first, last : bool arrays of shape (customers,)
+        Customers who can only be the first of their route, and only the last, for no arc joins them to another one.
     """
 
     customers: NDArray[np.int64]
@@ -84,11 +86,15 @@ class Relaxation:
     most: int
     resources: dict[str, Resource]
     grain: Grain | None
+    first: Flags
+    last: Flags
 
-    def cheapest_routes(self, depot: Floats, per_route: float) -> float:
-        """Least sum of the ``k`` smallest of ``depot`` plus ``k per_route`` over all numbers k of routes; infinite if none fits."""
-        ascending = np.sort(depot)
-        return min(math.fsum(ascending[:k]) + per_route * k for k in range(self.fewest, self.most + 1))
+    def cheapest_routes(self, depot: Floats, per_route: float, surely: Flags) -> float:
+        """Least sum of ``k`` of ``depot``, those of ``surely`` among them, plus ``k per_route`` over all numbers k of routes; infinite if
+        none fits."""
+        least, rest = int(surely.sum()), np.sort(depot[~surely])
+        fixed = depot[surely]
+        return min(math.fsum([*fixed, *rest[: k - least]]) + per_route * k for k in range(self.fewest, self.most + 1))
 
 
 def relax(problem: RoutingProblem) -> Relaxation | None:
@@ -106,6 +112,10 @@ def relax(problem: RoutingProblem) -> Relaxation | None:
 
     resources = _resources(problem)
     allowed = ~np.eye(nodes, dtype=bool)
+    if problem.forbidden is not None:
+        allowed[1:, 1:] &= ~problem.forbidden[np.ix_(customers, customers)]
+        allowed[0, 1:] &= ~np.all([problem.forbidden[v.start, customers] for v in problem.fleet], axis=0)
+        allowed[1:, 0] &= ~np.all([problem.forbidden[customers, v.end] for v in problem.fleet], axis=0)
     resources = _narrowed(resources, allowed)
     cost[~allowed] = math.inf
     grains = [per_cost * v.unit_cost * between for v in problem.fleet]
@@ -114,7 +124,10 @@ def relax(problem: RoutingProblem) -> Relaxation | None:
     whole = not per_cost or not problem.features() & {"duration-cost", "overtime", "vehicle-travel", "committed-vehicles"}
     size = grain(np.concatenate([*(g.ravel() for g in grains), fixed])) if whole else None
     fewest, most = _fleet(problem)
-    return Relaxation(customers, cost, fewest, most, resources, size)
+    inner = allowed[1:, 1:]
+    first, last = (np.logical_not(np.asarray(inner.any(axis=axis))) for axis in (0, 1))
+    fewest = max(fewest, int(first.sum()), int(last.sum()))
+    return Relaxation(customers, cost, fewest, most, resources, size, first, last)
 
 
 def _term_weights(problem: RoutingProblem) -> tuple[float, float] | None:

@@ -98,6 +98,9 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
         budgets.append((drawn, store, rate * rounding + ulps * float(drawn.max(axis=0).sum())))
         if charge in ("elapsed", "elapsed-fixed-start"):
             spans.append((rate, store, charge == "elapsed-fixed-start", rate * rounding))
+    if problem.forbidden is not None:  # what lies beyond every limit is on no route
+        shut = problem.forbidden[grid]
+        busy, budgets = np.where(shut, math.inf, busy), [(np.where(shut, math.inf, w), x, wide) for w, x, wide in budgets]
     return Limits(
         ready, due, demand, busy, [(w, allowed(x, 0.0, wide)) for w, x, wide in budgets if math.isfinite(x)],
         [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed, wide in spans if math.isfinite(x)], vehicle.capacity, horizon, rounding,
@@ -159,7 +162,7 @@ def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> se
             if (mask >> node) & 1 or (node == end and not mask) or (node < end and size == most):
                 continue
             arrival, total = clock + busy[last][node], spent + busy[last][node]
-            if arrival > due[node] or (load + demand[node]) * (1.0 - 1e-13) > capacity:
+            if arrival == math.inf or arrival > due[node] or (load + demand[node]) * (1.0 - 1e-13) > capacity:
                 continue
             begin = max(arrival, ready[node])
             leave = min(latest, due[node] - total)

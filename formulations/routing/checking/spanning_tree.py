@@ -80,7 +80,7 @@ def _bound(relaxed: Relaxation, prices: Floats, theta: float) -> float:
     tails, heads = np.nonzero(np.triu(np.isfinite(edges), k=1))
     weights = edges[tails, heads] + price[tails] + price[heads]
     tree = _smallest_tree(tails, heads, weights, len(price))
-    rest = relaxed.cheapest_routes(relaxed.cost[1:, 0] + prices, -theta)
+    rest = relaxed.cheapest_routes(relaxed.cost[1:, 0] + prices, -theta, relaxed.last)
     if tree == math.inf or rest == math.inf:
         return math.inf
     # Fewer than 4 nodes numbers are summed up, each from a few rounded ones no larger than ``size`` together.

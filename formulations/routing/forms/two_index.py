@@ -49,7 +49,7 @@ duals out_i, in_j, phi and mu^r_i >= 0 of visit-out, visit-in, fleet and r-balan
         (c_ij - out_i - in_j - [i = 0] phi + sum_r mu^r_j w^r_ij) x_ij + sum_r (mu^r_j - mu^r_i) f^r_ij
 
 with out, in and mu 0 at the depot and f_0j = lo_0 x_0j. This is the Lagrangian of the rows above, all four dualised; at the optimal
-duals it is the LP's value. ``order`` has no place in it: its rows are then dropped, which weakens the bound and keeps it valid.
+duals it is the LP's value.
 
 Source: Gavish and Graves (1978) for the flows, with windows Bard, Kontoravdis and Yu (2002); Desrochers and Laporte (1991) for the
 lifted rows. docs/formulations/routing.md#two-index-forms compares them.
@@ -80,6 +80,7 @@ from ..routes import Routes
 from ._routes import ArcIndex, levels, routes_of, used
 
 if TYPE_CHECKING:
+    from ...problem import Decision, Problem
     from ..problem import RoutingProblem
 
 Ints = NDArray[np.integer[Any]]
@@ -95,7 +96,7 @@ FEATURES = frozenset(
 )  # fmt: skip
 """Several depots and open routes only as far as one vehicle type has them: its routes start at one depot and end at another."""
 
-EVIDENCE_RESOURCES = ("time", "load", "distance", "duration", "energy")
+EVIDENCE_RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
 
 
 def refuses(problem: RoutingProblem) -> frozenset[str]:
@@ -282,17 +283,34 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
             raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
         return x
 
+    def at_most(column: int, most: int) -> Decision:
+        ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
+        return {"arc": [names[site] for site in ends]}, most >= 1
+
     bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows))
-    evidence = partial(_evidence, made, bare) if _has_evidence(problem, form) else None
-    return Compiled(bare, problem, decode, encode, evidence, Exactness.EXACT if prep.whole else Exactness.RESTRICTION)
+    proofs = (partial(_evidence, made, bare), partial(_ray_evidence, made), at_most) if _has_evidence(problem, form) else (None, None, None)
+    return Compiled(
+        bare, problem, decode, encode, proofs[0], Exactness.EXACT if prep.whole else Exactness.RESTRICTION, ray_evidence=proofs[1],
+        at_most=proofs[2],
+    )  # fmt: skip
 
 
 def _has_evidence(problem: RoutingProblem, form: str) -> bool:
     return form == "two-index-time-flow" and problem.sense == "min" and not problem.features() & {"optional-sites", "objective:reward"}
 
 
-def _evidence(made: _Builder, program: Program, row_duals: Floats) -> Evidence:
-    """The multipliers of visits, fleet and balances in site order."""
+def _evidence(made: _Builder, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
+    """The multipliers of visits, fleet and balances; none of ``of`` is needed."""
+    value = dual_value(program, row_duals)
+    return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(made, row_duals))
+
+
+def _ray_evidence(made: _Builder, ray: Floats) -> Evidence:
+    return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(made, ray), "ray": True})
+
+
+def _multipliers(made: _Builder, row_duals: Floats) -> dict[str, Any]:
+    """Those of visits, fleet and balances in site order."""
     duals = np.asarray(row_duals, dtype=np.float64)
     sites = made.prep.sites[1:-1]
 
@@ -301,13 +319,12 @@ def _evidence(made: _Builder, program: Program, row_duals: Floats) -> Evidence:
         spread[sites] = values
         return [float(v) for v in spread]
 
-    data = {
+    return {
         "out": in_site_order(made.prices["out"](duals)),
         "in": in_site_order(made.prices["in"](duals)),
         "fleet": float(made.prices["fleet"](duals).sum()),
         "resources": {name: in_site_order(np.maximum(0.0, made.prices[name](duals))) for name in EVIDENCE_RESOURCES if name in made.prices},
     }
-    return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", dual_value(program, duals), data)
 
 
 # As measured with HiGHS on the first 25 customers of C101, C103, C104, C201, R101, R103, R104, R201, RC101, RC103, RC104 and RC201

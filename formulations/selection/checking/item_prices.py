@@ -24,6 +24,7 @@ from ...checking.granularity import lift, value_grain
 from ...evidence import CHECKERS
 from ...routing.checking.multipliers import numbers
 from ...tolerance import room
+from .decided import contradicted, spent, split
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +48,7 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     Returns
     -------
     float
-        Infinite where the sums overflow.
+        Infinite where the sums overflow; minus infinity where decided elements leave no answer.
 
     Raises
     ------
@@ -63,9 +64,12 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     if weights is None:
         raise InputError("prices of items are evidence for coverage and facility-location problems", found=problem.problem)
     p = np.maximum(numbers(data, "prices", weights.num_items), 0.0)
+    if contradicted(problem):
+        return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         worth, longest = _worths(weights, p, problem.num_elements)
-        parts = _best(problem.constraint, worth, data)
+        fixed, left = split(problem, worth)
+        parts = np.concatenate([fixed, _best(problem, left, data)])
         if not (np.isfinite(worth).all() and np.isfinite(parts).all()):
             return math.inf
         try:
@@ -94,14 +98,17 @@ def _strips(matrix: Any) -> Iterator[Floats]:
         yield matrix[first : first + step].astype(np.float64)
 
 
-def _best(constraint: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
-    """Terms whose sum no allowed set of elements exceeds, each counting for itself; all where nothing is known of the constraint."""
+def _best(problem: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
+    """Terms whose sum no set of undecided elements exceeds that is allowed beside the taken ones, each counting for itself; all where
+    nothing is known of the constraint."""
+    constraint = problem.constraint
     partition, rows = constraint.as_partition(len(worth)), constraint.rows(len(worth))
     if partition is not None:
+        limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
         order = np.lexsort((-worth, partition.groups))
         groups = partition.groups[order]
         rank = np.arange(len(order)) - np.searchsorted(groups, groups)
-        return np.asarray(worth[order[rank < partition.limits[groups]]], dtype=np.float64)
+        return np.asarray(worth[order[rank < limits[groups]]], dtype=np.float64)
     if rows is None:
         return worth
     budgets = []
@@ -114,15 +121,15 @@ def _best(constraint: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
         total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, budgets, strict=True))
         together = sum((factor * costs for factor, (costs, _) in zip(y, budgets, strict=True)), np.zeros(len(worth)))
         budgets.append((together, total * (1.0 + (len(budgets) + 4) * _EPS)))
-    return min([worth, *(_fractional_knapsack(costs, limit, worth) for costs, limit in budgets)], key=np.sum)
+    return min([worth, *(_fractional_knapsack(costs, limit, worth, spent(problem, costs)) for costs, limit in budgets)], key=np.sum)
 
 
-def _fractional_knapsack(costs: Floats, budget: float, worth: Floats) -> Floats:
+def _fractional_knapsack(costs: Floats, budget: float, worth: Floats, used: float) -> Floats:
     """For any rate q >= 0 of worth for cost, q budget and what the elements are worth beyond q times their cost.
 
     The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
     """
-    most = room(costs, budget) * (1.0 + 4 * _EPS)  # evaluate lets that much pass
+    most = max(0.0, room(costs, budget) * (1.0 + 4 * _EPS) - used)  # evaluate lets that much pass
     with np.errstate(over="ignore", under="ignore"):  # in a unit in which the budget is below 1
         costs, most = (np.ldexp(v, -np.frexp(budget)[1]) for v in (costs, most))
     fits = costs <= most

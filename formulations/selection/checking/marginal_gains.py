@@ -23,6 +23,7 @@ from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 from ...checking.granularity import lift, value_grain
 from ...evidence import CHECKERS
 from ...tolerance import EQUAL, room
+from .decided import contradicted, spent, split
 
 Floats = NDArray[np.float64]
 
@@ -44,7 +45,8 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     Returns
     -------
     float
-        Infinity for a function known by its values that is not declared monotone and submodular, or is seen not to be.
+        Minus infinity where decided elements leave no answer; infinity for a function known by its values that is not declared monotone
+        and submodular, or is seen not to be.
 
     Raises
     ------
@@ -66,12 +68,15 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     if len(set(prefix)) != len(prefix) or any(not 0 <= e < n for e in prefix):
         raise InputError("an element of the prefix does not exist or stands twice", expected=f"0 to {n - 1}")
     chosen = np.array(sorted(prefix), dtype=np.int64)
+    if contradicted(problem):
+        return -math.inf
     value, gains = _value_and_gains(problem.function, chosen, n)
     if math.isinf(value):
         return math.inf
     gains[chosen] = 0.0
+    fixed, left = split(problem, gains)
     # Both parts are sums of terms of one sign, rounded correctly; each term is exact up to a few roundings of its own.
-    return lift((value + _best_sum(problem.constraint, gains)) * (1.0 + 8 * _EPS), "max", value_grain(problem.function))
+    return lift((math.fsum([value, *fixed]) + _best_sum(problem, left)) * (1.0 + 8 * _EPS), "max", value_grain(problem.function))
 
 
 def _value_and_gains(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
@@ -128,25 +133,27 @@ def _after_each(f: Any, inside: NDArray[np.bool_]) -> Floats:
     return found
 
 
-def _best_sum(constraint: Any, gains: Floats) -> float:
-    """At least the largest sum of ``gains`` over the elements of an answer that passes the check."""
+def _best_sum(problem: Any, gains: Floats) -> float:
+    """At least the largest sum of ``gains`` over the undecided elements of an answer that passes the check."""
+    constraint = problem.constraint
     partition, rows = constraint.as_partition(len(gains)), constraint.rows(len(gains))
     if partition is not None:
+        limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
         order = np.lexsort((-gains, partition.groups))
         group = partition.groups[order]
         starts = np.concatenate([[True], group[1:] != group[:-1]]) if len(group) else np.zeros(0, dtype=bool)
         place = np.arange(len(group)) - np.maximum.accumulate(np.where(starts, np.arange(len(group)), 0))
-        return math.fsum(gains[order][place < partition.limits[group]])
+        return math.fsum(gains[order][place < limits[group]])
     best = math.fsum(gains)  # where nothing is known of the constraint
     for row in range(0 if rows is None else len(rows.limit)):
         costs, mine = np.zeros(len(gains)), rows.row == row
         costs[rows.element[mine]] = rows.coefficient[mine]
-        best = min(best, _within(costs, float(rows.limit[row]), gains))
+        best = min(best, _within(costs, float(rows.limit[row]), gains, spent(problem, costs)))
     return best
 
 
-def _within(costs: Floats, budget: float, gains: Floats) -> float:
-    most = room(costs, budget) * (1.0 + 8 * _EPS)
+def _within(costs: Floats, budget: float, gains: Floats, used: float) -> float:
+    most = max(0.0, room(costs, budget) * (1.0 + 8 * _EPS) - used)
     with np.errstate(over="ignore"):  # in a unit in which the budget is below 1
         costs, most = (np.ldexp(v, -np.frexp(budget)[1]) for v in (costs, most))
     paid = (costs > 0) & (costs <= most)

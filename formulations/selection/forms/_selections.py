@@ -19,7 +19,7 @@ from ...routing.forms._routes import INTEGRALITY
 from ..selections import Selection
 
 if TYPE_CHECKING:
-    from ...problem import Problem
+    from ...problem import Decision, Problem
     from ..submodular_selection import SubmodularSelection
 
 Ints = NDArray[np.integer[Any]]
@@ -170,12 +170,28 @@ def credits_of(problem: SubmodularSelection, edges: Edges) -> Credits:
     return Credits(creditor, item, of_edge, (Labels(groups + n, name), edges.item_names))
 
 
-def prices_evidence(prices: Floats, limits: Floats, source: str, problem: SubmodularSelection) -> Evidence:
+def prices_evidence(prices: Floats, limits: Floats, source: str, problem: Any) -> Evidence:
     """Evidence ``item-prices`` from prices of the items and duals of the constraint's rows, which solvers may tell with either sign."""
     data = {"prices": np.maximum(prices if prices.sum() > 0 else -prices, 0.0).tolist()}
     if len(limits) > 1 and problem.constraint.as_partition(problem.num_elements) is None:
         data["multipliers"] = np.abs(limits).tolist()
     return proved(problem, "item-prices", source, data)
+
+
+def decided(column: int, most: int) -> Decision:
+    """What a bound on the binary column of an element says of a selection."""
+    return {"chosen": column}, most >= 1
+
+
+def decisions(problem: SubmodularSelection) -> dict[str, Any]:
+    """Fields of a ``Compiled`` whose first columns are elements. No more than decisions can make its relaxation infeasible, which any
+    evidence shows."""
+    items = edges_of(problem).items
+
+    def ray_evidence(ray: Floats) -> Evidence:
+        return Evidence("item-prices", "elements that are decided", -math.inf, {"prices": [0.0] * items})
+
+    return {"ray_evidence": ray_evidence, "at_most": decided}
 
 
 def at_most(limit: float = 0.0) -> dict[str, float]:

@@ -33,9 +33,10 @@ from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import FEATURES, Labels, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, Labels, at_most, choice, chosen, constraint_rows, decisions, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
+    from ...problem import Problem
     from ..submodular_selection import SubmodularSelection
 
 
@@ -69,17 +70,17 @@ def build(problem: SubmodularSelection) -> Compiled:
         given[edges.item[best]] = edges.weight[best]
         return np.concatenate([x, (weight <= given[item]).astype(np.float64)])
 
-    def dual_evidence(row_duals: Floats) -> Evidence:
+    def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:
         duals = np.asarray(row_duals, dtype=np.float64)
         v = duals[limits.size :]
         v = np.maximum(v if v.sum() > 0 else -v, 0.0)
         previous = np.where(lowest, 0.0, np.concatenate([[0.0], v[:-1]])[:size])
         prices = np.bincount(item, np.maximum(step - v + previous, 0.0), minlength=edges.items)
         of_items, of_limits = np.asarray(prices, dtype=np.float64), duals[: limits.size]
-        return prices_evidence(of_items, of_limits, "item prices of the facility-location LP", problem)
+        return prices_evidence(of_items, of_limits, "item prices of the facility-location LP", of)
 
     program = Program("facility-location", "max", (choice(edges), u), (limits, levels))
-    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence, **decisions(problem))
 
 
 FORMS.add("facility-location", Form("facility-location", "selection", FEATURES, build))

@@ -30,9 +30,10 @@ from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, decisions, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
+    from ...problem import Problem
     from ..submodular_selection import SubmodularSelection
 
 
@@ -53,13 +54,13 @@ def build(problem: SubmodularSelection) -> Compiled:
         served_by[edges.best(x)] = 1.0
         return np.concatenate([x, served_by])
 
-    def dual_evidence(row_duals: Floats) -> Evidence:
+    def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:
         duals = np.asarray(row_duals, dtype=np.float64)
         prices = duals[limits.size : limits.size + edges.items]
-        return prices_evidence(prices, duals[: limits.size], "item prices of the strong LP", problem)
+        return prices_evidence(prices, duals[: limits.size], "item prices of the strong LP", of)
 
     program = Program("strong-linearisation", "max", (choice(edges), z), (limits, served, link))
-    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence, **decisions(problem))
 
 
 FORMS.add("strong-linearisation", Form("strong-linearisation", "selection", FEATURES, build, order=1))

@@ -32,9 +32,10 @@ from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, decisions, edges_of, indicator, prices_evidence
 
 if TYPE_CHECKING:
+    from ...problem import Problem
     from ..submodular_selection import SubmodularSelection
 
 
@@ -60,13 +61,13 @@ def build(problem: SubmodularSelection) -> Compiled:
         served_by[best], credited[credit.of_edge[best]] = 1.0, 1.0
         return np.concatenate([x, credited, served_by])
 
-    def dual_evidence(row_duals: Floats) -> Evidence:
+    def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:
         duals = np.asarray(row_duals, dtype=np.float64)
         prices = duals[len(duals) - edges.items :]
-        return prices_evidence(prices, duals[: limits.size], "item prices of the weak LP", problem)
+        return prices_evidence(prices, duals[: limits.size], "item prices of the weak LP", of)
 
     program = Program("weak-linearisation", "max", (choice(edges), y, z), (limits, link, given, served))
-    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence)
+    return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence, **decisions(problem))
 
 
 FORMS.add("weak-linearisation", Form("weak-linearisation", "selection", FEATURES, build, order=2))

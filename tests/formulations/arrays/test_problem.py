@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from programs import program
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, verified_bound
@@ -221,3 +222,14 @@ def test_whole_numbers_are_known_exactly():
 
 def test_its_facts_are_its_sizes() -> None:
     assert ArrayProblem(knapsack()).facts() == {"variables": 2, "rows": 1, "entries": 2}
+
+
+def test_a_restricted_program_shares_all_but_its_bounds_with_the_whole() -> None:
+    whole = ArrayProblem(program([1, 2], [[1, 1]], 0, 9, [0.5, -4], 9, integer=[0, 1]))
+    part = whole.restricted([({"variable": 0, "most": 3}, True), ({"variable": 1, "most": -2}, False), ({"variable": 1, "most": 50}, True)])
+    assert (part.program.lower.tolist(), part.program.upper.tolist()) == ([0.5, -1.0], [3.0, 9.0])
+    assert whole.program.upper.tolist() == [9.0, 9.0]
+    assert part.program.data is whole.program.data and part.program.row_upper is whole.program.row_upper
+    assert part.program.variables[1].lower.tolist() == [-1.0]
+    assert part.digest() != whole.digest()
+    assert whole.evaluate([4.0, 0.0]).feasible and not part.evaluate([4.0, 0.0]).feasible and part.evaluate([3.0, 0.0]).feasible

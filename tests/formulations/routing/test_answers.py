@@ -7,7 +7,7 @@ import pytest
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import InputError
+from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
@@ -49,3 +49,8 @@ def test_a_plain_table_is_as_it_was():
 def test_anything_else_is_refused(data, message):
     with pytest.raises(InputError, match=message):
         problem().answer_from_json(data)
+
+
+def test_a_file_without_a_place_for_stops_at_depots_is_refused():
+    with pytest.raises(UsageError, match="no place for stops at depots on the way"):
+        problem(VehicleType(1, reloads=(0,))).check_answer_suffix(".sol")

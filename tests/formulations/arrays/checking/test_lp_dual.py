@@ -146,6 +146,36 @@ def test_huge_duals_prove_nothing():
     assert check_lp_dual(problem, {"duals": [1e300]}) == -math.inf
 
 
+@settings(max_examples=150, deadline=None)
+@given(seed=st.integers(0, 10**6), free=st.booleans(), scale=st.sampled_from([1e-180, 1e-6, 1.0, 1e6, 1e180]))
+def test_a_ray_proves_that_there_is_no_point_only_where_there_is_none(seed, free, scale):
+    problem = random_arrays(seed, free=free)
+    p, rng = problem.program, np.random.default_rng(seed)
+    found = linprog(
+        np.zeros(p.num_variables), A_ub=np.vstack([p.matrix.toarray(), -p.matrix.toarray()]),
+        b_ub=np.nan_to_num(np.concatenate([p.row_upper, -p.row_lower]), posinf=1e9), bounds=np.column_stack([p.lower, p.upper]),
+    )  # fmt: skip
+    assert found.status == 0, "a point inside was drawn first"
+    for _ in range(6):
+        ray = scale * rng.normal(size=p.num_rows) * (rng.random(p.num_rows) < 0.7)
+        assert math.isinf(check_lp_dual(problem, {"ray": ray.tolist()}))
+        assert no_better(problem, check_lp_dual(problem, {"ray": ray.tolist()}), 0.0)
+
+
+@pytest.mark.parametrize("sense", ["min", "max"])
+def test_a_ray_proves_that_there_is_no_point_in_either_sense(sense):
+    none = math.inf if sense == "min" else -math.inf
+    problem = arrays([1.0, -1.0], [[1.0, 1.0], [1.0, -1.0]], [3.0, -math.inf], [math.inf, 5.0], [0, 0], [1, 1], sense=sense)
+    assert check_lp_dual(problem, {"ray": [1.0, 0.0]}) == none
+    assert check_lp_dual(problem, {"ray": {"at": [0], "values": [1e-200]}}) == none
+    assert check_lp_dual(problem, {"ray": [-1.0, 0.0]}) == -none
+    assert check_lp_dual(problem, {"ray": [0.0, 0.0]}) == -none
+    touching = arrays([1.0, -1.0], [[1.0, 1.0]], [2.0], [math.inf], [0, 0], [1, 1], sense=sense)
+    assert check_lp_dual(touching, {"ray": [1.0]}) == -none
+    crossed = arrays([1.0], [[1.0]], [0.0], [5.0], [2.0], [1.0], sense=sense)
+    assert check_lp_dual(crossed, {"duals": [0.0]}) == none
+
+
 @pytest.mark.parametrize("unit", [1e-308, 1e-312, 1e-318])
 def test_products_below_the_normal_doubles_lose_no_more_than_is_conceded(unit: float) -> None:
     # max x + y over x + y <= 1/3 of a unit: thirds of subnormal numbers are rounded by as much as whole parts of them.

@@ -37,7 +37,7 @@ def test_no_multipliers_however_wrong_prove_more_than_the_optimum(random_problem
     problem = random_problem(seed, customers=seed % 4 + 1)
     best, rng, n = optimum(problem), np.random.default_rng(seed), len(problem.sites)
     for _ in range(8):
-        bound = check_arc_multipliers(problem, data_from(scale * rng.normal(size=7 * n + 1), n))
+        bound = check_arc_multipliers(problem, data_from(scale * rng.normal(size=(2 + len(RESOURCES)) * n + 1), n))
         assert bound <= best + 1e-9 * max(1.0, abs(best))
 
 
@@ -46,7 +46,7 @@ def test_no_multipliers_however_wrong_prove_more_than_the_optimum(random_problem
 def test_bounds_stay_below_the_optimum_on_the_way_to_the_best_multipliers(random_problem, optimum, ascent, seed):
     problem = random_problem(seed, customers=seed % 3 + 2)
     best, n = optimum(problem), len(problem.sites)
-    seen = ascent(lambda v: check_arc_multipliers(problem, data_from(v, n)), 7 * n + 1, np.random.default_rng(seed), 120)
+    seen = ascent(lambda v: check_arc_multipliers(problem, data_from(v, n)), (2 + len(RESOURCES)) * n + 1, np.random.default_rng(seed), 120)
     assert max(seen) <= best + 1e-9 * max(1.0, abs(best))
 
 

@@ -63,7 +63,7 @@ def test_loads_that_do_not_fit_together_shut_out_arcs():
 
 def test_total_demand_sets_the_fewest_routes():
     problem = RoutingProblem(
-        Sites.of("oabc", demand=[0, 3, 3, 3]), Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(capacity=5, count=9),)
+        Sites.of("oabc", demand=[0, 2, 2, 2]), Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(capacity=5, count=9),)
     )
     relaxed = relax(problem)
     assert (relaxed.fewest, relaxed.most) == (2, 3)
@@ -87,3 +87,26 @@ def test_durations_are_known_as_closely_as_the_clock_of_their_own_depot(opening)
     assert problem.evaluate(Routes((Route((2,), 1),))).feasible
     for kind, data in (("spanning-tree", {"multipliers": [0.0] * 3}), ("arc-multipliers", {"out": [0.0] * 3, "in": [0.0] * 3})):
         assert verified_bound(problem, Evidence(kind, "", 0.0, data)) < math.inf
+
+
+def test_customers_that_share_no_route_are_first_and_last_of_their_own():
+    problem = RoutingProblem(Sites.of("oabc", demand=[0, 3, 3, 3]), Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(capacity=5),))
+    relaxed = relax(problem)
+    assert relaxed.first.all() and relaxed.last.all()
+    assert (relaxed.fewest, relaxed.most) == (3, 3)
+    part = relax(problem.restricted([({"arc": [a, "a"]}, False) for a in "bc"]))
+    assert part.first.tolist() == [True, True, True]
+    wide = RoutingProblem(Sites.of("oabc"), Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(),))
+    part = relax(wide.restricted([({"arc": ["o", "a"]}, True), ({"arc": ["b", "o"]}, True)]))
+    assert part.first.tolist() == [True, False, False] and part.last.tolist() == [False, True, False]
+    assert (part.fewest, part.most) == (1, 3)
+
+
+def test_routes_at_the_depot_hold_what_is_sure_and_the_cheapest_of_the_rest():
+    wide = RoutingProblem(Sites.of("oabc"), Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(),), min_vehicles=1)
+    relaxed = relax(wide)
+    surely = np.array([False, True, False])
+    assert relaxed.cheapest_routes(np.array([1.0, 5.0, -2.0]), 0.0, surely) == 3.0
+    assert relaxed.cheapest_routes(np.array([1.0, 5.0, -2.0]), 0.0, ~surely) == -1.0
+    assert relaxed.cheapest_routes(np.array([1.0, 5.0, -2.0]), 10.0, surely) == 15.0
+    assert relaxed.cheapest_routes(np.array([1.0, math.inf, -2.0]), 0.0, surely) == math.inf

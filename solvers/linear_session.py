@@ -1,0 +1,123 @@
+"""One linear program that is solved again and again with other bounds, each time from where it stood."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..formulations.programs.program import Floats, Program
+from ..formulations.stop import Stop
+
+SLICE = 0.2
+"""Seconds after which a run looks whether it has to end."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearResult:
+    """What a run found.
+
+    Attributes
+    ----------
+    status : str
+        ``optimal``, ``infeasible``, ``iterations`` (their limit was met) or ``unknown``.
+    value : float
+        The objective; with the status ``iterations`` that of the point at which it stopped.
+    x, duals : arrays of shape (variables,) and (rows,)
+        Empty unless optimal.
+    ray : array of shape (rows,) or None
+        Of an infeasible program, where HiGHS has one.
+    """
+
+    status: str
+    value: float
+    x: Floats
+    duals: Floats
+    ray: Floats | None = None
+
+
+class LinearSession:
+    """A linear program in HiGHS' dual simplex, on one thread, without presolve.
+
+    Parameters
+    ----------
+    program : Program
+        Linear and without integers.
+    seed : int
+    """
+
+    def __init__(self, program: Program, seed: int = 1) -> None:
+        import highspy
+
+        self._program, self._model = program, program.to_highs()
+        highspy.Highs.resetGlobalScheduler(True)  # it keeps the number of threads of whoever ran in this thread before
+        self._statuses = highspy.HighsModelStatus
+        options = {"presolve": "off", "solver": "simplex", "threads": 1, "random_seed": int(seed) % (2**31 - 1)}
+        for name, value in options.items():
+            self._model.setOptionValue(name, value)
+        self._most = self._model.getOptionValue("simplex_iteration_limit")[1]
+        self.lower, self.upper = program.lower.copy(), program.upper.copy()
+        self.iterations = 0
+
+    def bound(self, lower: Floats, upper: Floats) -> None:
+        """Bounds of all variables from now on."""
+        changed = np.nonzero((self.lower != lower) | (self.upper != upper))[0].astype(np.int32)
+        if len(changed):
+            self._model.changeColsBounds(len(changed), changed, lower[changed], upper[changed])
+            self.lower[changed], self.upper[changed] = lower[changed], upper[changed]
+
+    def basis(self) -> Any:
+        """Where the session stands, for ``start``."""
+        return self._model.getBasis()
+
+    def start(self, basis: Any) -> None:
+        """Go back to a basis."""
+        self._model.setBasis(basis)
+
+    def solve(self, stop: Stop, iterations: int | None = None) -> LinearResult:
+        """Run until the end, ``stop``, or a number of iterations.
+
+        Returns
+        -------
+        LinearResult
+            ``unknown`` where it had to stop, or HiGHS does not know.
+        """
+        model, s = self._model, self._statuses
+        model.setOptionValue("simplex_iteration_limit", self._most if iterations is None else iterations)
+        if (self.lower > self.upper).any():
+            return LinearResult("infeasible", math.nan, np.zeros(0), np.zeros(0))
+        while not stop.reached():
+            model.setOptionValue("time_limit", model.getRunTime() + min(SLICE, stop.seconds_left))
+            model.run()
+            status, info = model.getModelStatus(), model.getInfo()
+            self.iterations += max(0, int(info.simplex_iteration_count))
+            if status == s.kTimeLimit:
+                continue
+            if status in (s.kOptimal, s.kModelEmpty):
+                found = model.getSolution()
+                return LinearResult("optimal", float(info.objective_function_value), np.array(found.col_value), np.array(found.row_dual))
+            if status == s.kInfeasible:
+                _, known, ray = model.getDualRay()
+                return LinearResult("infeasible", math.nan, np.zeros(0), np.zeros(0), np.array(ray) if known else self._broken_row())
+            if status == s.kIterationLimit:
+                return LinearResult("iterations", float(info.objective_function_value), np.zeros(0), np.zeros(0))
+            break
+        return LinearResult("unknown", math.nan, np.zeros(0), np.zeros(0))
+
+    def _broken_row(self) -> Floats | None:
+        """The ray of one row that no values within the bounds can meet; HiGHS, which sees these first, has none then."""
+        p, up = self._program, self._program.data > 0
+        row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
+        lower, upper = self.lower[p.indices], self.upper[p.indices]
+        with np.errstate(invalid="ignore"):
+            least, most = (np.where(p.data == 0, 0.0, p.data * np.where(up, a, b)) for a, b in ((lower, upper), (upper, lower)))
+            low, high = (np.bincount(row, end, minlength=p.num_rows) for end in (least, most))
+            excess = np.maximum(p.row_lower - high, low - p.row_upper)
+        if not len(excess) or not np.nanmax(excess) > 0:
+            return None
+        worst = int(np.nanargmax(excess))
+        ray = np.zeros(p.num_rows)
+        ray[worst] = 1.0 if p.row_lower[worst] > high[worst] else -1.0
+        return ray

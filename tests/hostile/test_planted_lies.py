@@ -1,0 +1,317 @@
+"""Lies planted in trees that prove optima of every family: each is refused, or proves nothing that is false, and never what it states."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import random
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import selection_problems
+from branching_programs import random_program, without_answer
+from exact_routing import best_values
+from exact_truth import truth
+from random_sensing import random_graph
+from sata_cases import selections
+from small_routing import small
+
+from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.certificate import certify, check_certificate
+from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.problem import Problem
+from waybound.formulations.stop import Stop
+from waybound.instances.errors import WayboundError
+from waybound.solvers.bounds.branching_tree import branching_tree_bound
+
+Data = dict[str, Any]
+Lie = Callable[[Data, random.Random], bool]
+
+
+@cache
+def cases() -> list[tuple[Problem, float | None, str]]:
+    """Problems, their optima (None: no answer), and a certificate file with a tree for each."""
+    found: list[tuple[Problem, float | None]] = [(without_answer(), None)]
+    for seed in range(60):
+        program = random_program(seed)
+        best = truth(program).best
+        found.append((program, None if best is None else float(best[0])))
+    rng = np.random.default_rng(3)
+    for _ in range(25):
+        chosen = selection_problems.random_problem(rng, "dense", "knapsack", 8)
+        found.append((chosen, selection_problems.optimum(chosen)))
+    for seed in range(6):
+        sensed = BottleneckSATA(random_graph(seed, robots=4, targets=4, most_actions=3))
+        found.append((sensed, max(sensed.evaluate(s).values[0] for s in selections(sensed.graph))))
+    for feature in ("capacity", "time-windows", "limited-fleet"):
+        for seed in range(4):
+            routed = small(feature, seed, "exact")
+            values = best_values(routed)
+            found.append((routed, None if values is None else values[0]))
+    made = []
+    for problem, best in found:
+        evidence = branching_tree_bound(problem, Stop(20.0))
+        if evidence is not None and evidence.kind == "branching-tree":
+            made.append((problem, best, json.dumps(certify(problem, None, [evidence]).to_json(with_evidence=True))))
+    assert {problem.family for problem, *_ in made} == {"arrays", "selection", "max-min", "routing"}
+    assert sum(best is None for _, best, _ in made) >= 3
+    return made
+
+
+def nodes(data: Data) -> list[Data]:
+    return data["evidence"][0]["data"]["nodes"]  # type: ignore[no-any-return]
+
+
+def leaves(data: Data) -> list[Data]:
+    return [node for node in nodes(data) if "branch" not in node]
+
+
+def numbers(data: Any) -> Iterator[tuple[Any, Any]]:
+    """Every place of a number that is not 0 within evidence, as a container and a key."""
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        if isinstance(value, dict | list):
+            yield from numbers(value)
+        elif isinstance(value, float) and value != 0.0:
+            yield data, key
+
+
+def changed_numbers(change: Callable[[float], Any]) -> Lie:
+    def lie(data: Data, rng: random.Random) -> bool:
+        places = [place for leaf in leaves(data) for place in numbers(leaf)]
+        for container, key in places:
+            container[key] = change(container[key])
+        return bool(places)
+
+    return lie
+
+
+def one_number(value: Any) -> Lie:
+    def lie(data: Data, rng: random.Random) -> bool:
+        places = [place for leaf in leaves(data) for place in numbers(leaf)]
+        if places:
+            container, key = rng.choice(places)
+            container[key] = value
+        return bool(places)
+
+    return lie
+
+
+def lost_leaf(data: Data, rng: random.Random) -> bool:
+    nodes(data).remove(rng.choice(leaves(data)))
+    return True
+
+
+def lost_branching(data: Data, rng: random.Random) -> bool:
+    nodes(data).pop(0)
+    return True
+
+
+def one_leaf_more(data: Data, rng: random.Random) -> bool:
+    nodes(data).append(copy.deepcopy(rng.choice(leaves(data))))
+    return True
+
+
+def lost_subtree(data: Data, rng: random.Random) -> bool:
+    del nodes(data)[-1]
+    del nodes(data)[0]
+    return True
+
+
+def opened_leaves(data: Data, rng: random.Random) -> bool:
+    for leaf in leaves(data):
+        leaf.clear()
+    return True
+
+
+def swapped_sides(data: Data, rng: random.Random) -> bool:
+    """The leaves in the opposite order: each proves something of the wrong part."""
+    given = leaves(data)
+    contents = [dict(leaf) for leaf in reversed(given)]
+    for leaf, content in zip(given, contents, strict=True):
+        leaf.clear()
+        leaf.update(content)
+    return contents != list(reversed(contents))
+
+
+def same_evidence_everywhere(data: Data, rng: random.Random) -> bool:
+    best = copy.deepcopy(leaves(data)[0])
+    for leaf in leaves(data):
+        leaf.clear()
+        leaf.update(copy.deepcopy(best))
+    return True
+
+
+def rays_everywhere(data: Data, rng: random.Random) -> bool:
+    """Every leaf is said to have no answer, by the multipliers that bound it."""
+    done = False
+    for leaf in leaves(data):
+        if leaf.get("kind") == "lp-dual" and "duals" in leaf["data"]:
+            leaf["data"] = {"ray": leaf["data"]["duals"]}
+            done = True
+        elif leaf.get("kind") == "arc-multipliers":
+            leaf["data"]["ray"] = True
+            done = True
+    return done
+
+
+def rounded_up(data: Data, rng: random.Random) -> bool:
+    """A bound a little better than the one that is proved."""
+    if data["bound"] is None:
+        return False
+    better = 1.0 if data["sense"] == "min" else -1.0
+    for holder, key in ((data, "bound"), (data["evidence"][0], "value")):
+        holder[key] = data["bound"] + better * 1e-6 * max(1.0, abs(data["bound"])) if key == "bound" else holder[key]
+    return True
+
+
+def said_to_be_infeasible(data: Data, rng: random.Random) -> bool:
+    known = bool(data["infeasible"])
+    data["infeasible"] = True
+    return not known
+
+
+def skipping_branch(data: Data, rng: random.Random) -> bool:
+    """A statement that is none, for which neither side might hold."""
+    node = rng.choice([n for n in nodes(data) if "branch" in n])
+    node["branch"] = {**node["branch"], "least": 7}
+    return True
+
+
+def fractional_branch(data: Data, rng: random.Random) -> bool:
+    node = rng.choice([n for n in nodes(data) if "branch" in n])
+    key = next(k for k in node["branch"])
+    node["branch"] = {key: 0.5} if len(node["branch"]) == 1 else {**node["branch"], "most": node["branch"]["most"] + 0.5}
+    return True
+
+
+def nested(data: Data, rng: random.Random) -> bool:
+    leaf = rng.choice(leaves(data))
+    inner = copy.deepcopy(nodes(data))
+    leaf.clear()
+    leaf.update(kind="branching-tree", data={"nodes": inner})
+    return True
+
+
+def unknown_kind(data: Data, rng: random.Random) -> bool:
+    rng.choice([leaf for leaf in leaves(data) if leaf])["kind"] = "my-word"
+    return True
+
+
+def deep(data: Data, rng: random.Random) -> bool:
+    branch = next(n["branch"] for n in nodes(data) if "branch" in n)
+    nodes(data)[:0] = [{"branch": branch}] * 3000
+    return True
+
+
+LIES: dict[str, Lie] = {
+    "a leaf is lost": lost_leaf,
+    "a branching is lost": lost_branching,
+    "a leaf too many": one_leaf_more,
+    "all leaves are open": opened_leaves,
+    "a bound is rounded up": rounded_up,
+    "no answer, it says": said_to_be_infeasible,
+    "a branching skips": skipping_branch,
+    "a branching at a half": fractional_branch,
+    "a tree in a tree": nested,
+    "an unknown kind": unknown_kind,
+    "too deep": deep,
+    "NaN": one_number(math.nan),
+    "infinity": one_number(math.inf),
+    "overflow": one_number(10**400),
+    "a text": one_number("1"),
+    "true": one_number(True),
+    "null": one_number(None),
+    "a list": one_number([1.0]),
+}
+"""What must be refused wherever it can be told."""
+
+HARMLESS: dict[str, Lie] = {
+    "signs turned": changed_numbers(lambda v: -v),
+    "ten times as much": changed_numbers(lambda v: 10.0 * v),
+    "next to nothing": changed_numbers(lambda v: 1e-300 * v),
+    "next to infinity": changed_numbers(lambda v: 1e300 * v),
+    "sides swapped": swapped_sides,
+    "one for all": same_evidence_everywhere,
+    "rays that are none": rays_everywhere,
+    "a branching and a leaf are lost": lost_subtree,
+}
+"""What may prove something, though never anything false."""
+
+
+def planted(lie: Lie) -> Iterator[tuple[Problem, float | None, Data]]:
+    for k, (problem, best, text) in enumerate(cases()):
+        data = json.loads(text)
+        if lie(data, random.Random(k)):
+            yield problem, best, data
+
+
+@pytest.mark.parametrize("name", LIES)
+def test_lies_that_can_be_told_are_refused(name: str) -> None:
+    told = 0
+    for problem, _, data in planted(LIES[name]):
+        told += 1
+        with pytest.raises(WayboundError):
+            check_certificate(problem, data, None)
+    assert told >= 20
+
+
+@pytest.mark.parametrize("name", HARMLESS)
+def test_what_other_numbers_prove_is_true(name: str) -> None:
+    told = 0
+    for problem, best, data in planted(HARMLESS[name]):
+        told += 1
+        try:
+            made = check_certificate(problem, data, None)
+        except WayboundError:
+            continue
+        assert made.infeasible is (best is None)
+        if best is not None and made.bound is not None:
+            sign = 1.0 if problem.sense == "min" else -1.0
+            assert sign * made.bound <= sign * best + 1e-9 * max(1.0, abs(best))
+    assert told >= 20
+
+
+def test_a_tree_of_another_problem_is_refused() -> None:
+    every = cases()
+    told = 0
+    for (problem, _, _), (_, _, text) in zip(every, every[1:] + every[:1], strict=True):
+        told += 1
+        with pytest.raises(WayboundError, match="another instance"):
+            check_certificate(problem, json.loads(text), None)
+    assert told >= 20
+
+
+def test_a_tree_of_another_problem_under_a_stolen_name_proves_nothing_false() -> None:
+    every = cases()
+    for (problem, best, own), (_, _, text) in zip(every, every[1:] + every[:1], strict=True):
+        data = {**json.loads(own), "evidence": json.loads(text)["evidence"]}
+        try:
+            made = check_certificate(problem, data, None)
+        except WayboundError:
+            continue
+        assert made.infeasible is (best is None)
+
+
+def test_an_honest_tree_passes() -> None:
+    for problem, best, text in cases():
+        made = check_certificate(problem, json.loads(text), None)
+        assert made.infeasible is (best is None)
+        if best is not None:
+            assert made.bound == pytest.approx(best, rel=1e-9, abs=1e-9)
+
+
+def test_a_statement_about_a_variable_that_is_no_integer_is_refused() -> None:
+    assert any(isinstance(problem, ArrayProblem) and not problem.program.integer.all() for problem, *_ in cases())
+    for problem, _, text in cases():
+        if isinstance(problem, ArrayProblem) and not problem.program.integer.all():
+            data = json.loads(text)
+            column = int(np.nonzero(~problem.program.integer)[0][0])
+            for node in nodes(data):
+                if "branch" in node:
+                    node["branch"]["variable"] = column
+            with pytest.raises(WayboundError, match="no integer"):
+                check_certificate(problem, data, None)
