@@ -11,21 +11,25 @@ from ...errors import UsageError
 from ...text import plain
 from ..instance import RoutingInstance
 from ..travel import EXPLICIT, METRICS
-from ._limits import refuse_inexpressible
+from ._limits import ORIENTEERING, cannot, refuse_inexpressible
 from ._tsplib import FLEET_IN_NAME, SET_X
 
 Floats = NDArray[np.float64]
 
+SERVED = frozenset({"capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet", "max-duration"})
+SCORED = frozenset({"rewards", "optional-sites", "limited-fleet", "max-distance"})
+"""Features that the format has a place for, but for orienteering, and there."""
+
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    expressible = {"capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet", "max-duration"}
-    held = refuse_inexpressible(instance, "vrplib", expressible)
+    tours = isinstance(instance, RoutingInstance) and instance.problem in ORIENTEERING
+    held = refuse_inexpressible(instance, "vrplib", SCORED if tours else SERVED)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     n = len(sites)
 
     def refused(why: str) -> UsageError:
-        return UsageError(f"{instance.name} cannot be written as vrplib: {why}; use json")
+        return cannot(instance, "vrplib", why)
 
     if travel.metric != EXPLICIT and METRICS[travel.metric].file_rounding is None:
         raise refused(f"the format has no {travel.metric} distances without rounding")
@@ -35,6 +39,8 @@ def write(instance: RoutingInstance) -> str:
         raise refused("nodes must be numbered 1, 2, 3, ...")
     if len(instance.name.splitlines()) != 1 or not instance.name.strip():
         raise refused("its name is no single line")
+    if tours:
+        return _orienteering(instance)
     windows = bool(held & {"time-windows", "depot-windows"})
     tsp = instance.problem == "tsp"
     if windows and not np.isfinite(sites.due).all():
@@ -49,9 +55,7 @@ def write(instance: RoutingInstance) -> str:
         raise refused("the fleet is unlimited, but the end of its name would be read as a limit")
     symmetric = travel.matrix is None or np.array_equal(travel.matrix, travel.matrix.T)
     kind = ("TSP" if symmetric else "ATSP") if tsp else "VRPTW" if windows else "CVRP"
-    out = [f"NAME : {instance.name.strip()}", f"TYPE : {kind}", f"DIMENSION : {n}", f"EDGE_WEIGHT_TYPE : {travel.metric}"]
-    if travel.metric == EXPLICIT:
-        out.append("EDGE_WEIGHT_FORMAT : FULL_MATRIX")
+    out = [f"NAME : {instance.name.strip()}", f"TYPE : {kind}", f"DIMENSION : {n}", *_metric(instance)]
     if not tsp:
         if vehicle.count is not None:
             out.append(f"VEHICLES : {vehicle.count}")
@@ -63,28 +67,46 @@ def write(instance: RoutingInstance) -> str:
     return "\n".join([*out, "EOF"]) + "\n"
 
 
-def _sections(instance: RoutingInstance, windows: bool, tsp: bool) -> list[str]:
+def _orienteering(instance: RoutingInstance) -> str:
+    vehicle = instance.fleet[0]
+    if vehicle.count != 1 or not math.isfinite(vehicle.max_distance) or instance.sites.required.any():
+        raise cannot(instance, "vrplib", "the format has one tour of limited length through sites that may be left out")
+    return "\n".join(
+        [f"NAME : {instance.name.strip()}", "TYPE : OP", f"DIMENSION : {len(instance.sites)}", f"COST_LIMIT : {plain(vehicle.max_distance)}",
+         *_metric(instance), *_places(instance), *_table("NODE_SCORE_SECTION", instance.sites.reward), *_depot(instance), "EOF"]
+    ) + "\n"  # fmt: skip
+
+
+def _metric(instance: RoutingInstance) -> list[str]:
+    explicit = instance.travel.metric == EXPLICIT
+    return [f"EDGE_WEIGHT_TYPE : {instance.travel.metric}", *(["EDGE_WEIGHT_FORMAT : FULL_MATRIX"] if explicit else [])]
+
+
+def _table(title: str, *columns: Floats) -> list[str]:
+    return [title, *(f"{k} {' '.join(plain(v) for v in row)}" for k, row in enumerate(zip(*columns, strict=True), start=1))]
+
+
+def _places(instance: RoutingInstance) -> list[str]:
     sites, travel = instance.sites, instance.travel
-    out: list[str] = []
-
-    def table(title: str, *columns: Floats) -> None:
-        out.append(title)
-        out.extend(f"{k} {' '.join(plain(v) for v in row)}" for k, row in enumerate(zip(*columns, strict=True), start=1))
-
-    if travel.matrix is not None:
-        if sites.coordinates is not None:
-            table("NODE_COORD_SECTION", *sites.coordinates.T)
-        out.append("EDGE_WEIGHT_SECTION")
-        out.extend(" ".join(plain(v) for v in row) for row in travel.matrix)
-    else:
+    if travel.matrix is None:
         assert travel.coordinates is not None
-        table("NODE_COORD_SECTION", *travel.coordinates.T)
+        return _table("NODE_COORD_SECTION", *travel.coordinates.T)
+    xy = [] if sites.coordinates is None else _table("NODE_COORD_SECTION", *sites.coordinates.T)
+    return [*xy, "EDGE_WEIGHT_SECTION", *(" ".join(plain(v) for v in row) for row in travel.matrix)]
+
+
+def _depot(instance: RoutingInstance) -> list[str]:
+    return ["DEPOT_SECTION", str(instance.sites.depots[0] + 1), "-1"]
+
+
+def _sections(instance: RoutingInstance, windows: bool, tsp: bool) -> list[str]:
+    sites, out = instance.sites, _places(instance)
     if tsp:
         return out
     if sites.demand.any() or math.isfinite(instance.fleet[0].capacity):
-        table("DEMAND_SECTION", sites.demand)
+        out += _table("DEMAND_SECTION", sites.demand)
     if sites.service.any():
-        table("SERVICE_TIME_SECTION", sites.service)
+        out += _table("SERVICE_TIME_SECTION", sites.service)
     if windows:
-        table("TIME_WINDOW_SECTION", sites.ready, sites.due)
-    return [*out, "DEPOT_SECTION", str(sites.depots[0] + 1), "-1"]
+        out += _table("TIME_WINDOW_SECTION", sites.ready, sites.due)
+    return [*out, *_depot(instance)]

@@ -1,4 +1,4 @@
-"""TSPLIB and VRPLIB files: TSP, ATSP, CVRP, and the VRPLIB extensions for time windows, service and route duration.
+"""TSPLIB and VRPLIB files: TSP, ATSP, CVRP, and the extensions for time windows, service, route duration (VRPLIB) and orienteering (OPLib).
 
 Sites are the file's own node numbers "1" to "n". Solution files (``.sol``) count customers from 1 in the file's order and
 call the depot 0; ``.tour`` files use node numbers.
@@ -11,7 +11,11 @@ How the fleet is found: a ``VEHICLES`` header is an upper limit. Else a name tha
 except in Uchoa's set X, where k is the least possible number of routes and the fleet is unlimited.
 ``DISTANCE`` limits a route's duration, service included, as in the files of Christofides, Mingozzi and Toth.
 
-Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib.
+OPLib's orienteering problems (``TYPE: OP``) ask for one tour through the depot whose length is at most ``COST_LIMIT``; the score of the
+depot counts.
+
+Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib; OPLib, of Kobeaga, Merino and Lozano (2018), Computers and
+Operations Research 90.
 """
 
 from __future__ import annotations
@@ -40,21 +44,25 @@ PROBLEMS = {
     "CVRP": ("cvrp", "min-cost-vrp"),
     "VRPTW": ("vrptw", "min-cost-vrp"),
     "CVRPTW": ("vrptw", "min-cost-vrp"),
+    "OP": ("orienteering", "team-orienteering"),
 }
 EDGE_WEIGHT_TYPES = (*(m for m in METRICS if m.isupper()), EXPLICIT)
 HEADERS = frozenset(
     {
         "NAME", "COMMENT", "TYPE", "DIMENSION", "CAPACITY", "EDGE_WEIGHT_TYPE", "EDGE_WEIGHT_FORMAT", "NODE_COORD_TYPE",
         "DISPLAY_DATA_TYPE", "VEHICLES", "DISTANCE", "SERVICE_TIME", "AUTHOR", "SOURCE", "DATE", "VERSION", "BEST_KNOWN",
-        "OPTIMAL_VALUE",
+        "OPTIMAL_VALUE", "COST_LIMIT", "TSPSOL",
     }
 )  # fmt: skip
 SECTIONS = frozenset(
     {
         "NODE_COORD_SECTION", "DISPLAY_DATA_SECTION", "EDGE_WEIGHT_SECTION", "DEMAND_SECTION", "DEPOT_SECTION",
-        "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION",
+        "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION", "NODE_SCORE_SECTION",
     }
 )  # fmt: skip
+VEHICLE_HEADERS = frozenset({"CAPACITY", "VEHICLES", "DISTANCE", "SERVICE_TIME"})
+VEHICLE_SECTIONS = frozenset({"DEMAND_SECTION", "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION"})
+SCORE_HEADERS = frozenset({"COST_LIMIT", "TSPSOL"})
 _MARK = re.compile(r"^[ \t]*(?:(?:DIMENSION|EDGE_WEIGHT_TYPE|TYPE|NAME)[ \t]*:|(?:NODE_COORD|EDGE_WEIGHT|DEMAND)_SECTION\b)", re.M)
 
 
@@ -76,16 +84,21 @@ def read(text: str, path: Path) -> RoutingInstance:
     name = label(spec.headers["NAME"][1] if "NAME" in spec.headers and spec.headers["NAME"][1] else path.stem)
     xy, travel = _travel(spec, n, kind)
     is_tsp = kind in ("TSP", "ATSP")
-    if is_tsp:
+    is_op = kind == "OP"
+    if is_tsp or is_op:
         spec.refuse_unknown(
-            HEADERS - {"CAPACITY", "VEHICLES", "DISTANCE", "SERVICE_TIME"},
-            SECTIONS - {"DEMAND_SECTION", "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION", "DEPOT_SECTION"},
+            HEADERS - VEHICLE_HEADERS - (set() if is_op else SCORE_HEADERS),
+            SECTIONS - VEHICLE_SECTIONS - (set() if is_op else {"DEPOT_SECTION", "NODE_SCORE_SECTION"}),
             f" in a file of TYPE {kind}",
         )
+    else:
+        spec.refuse_unknown(HEADERS - SCORE_HEADERS, SECTIONS - {"NODE_SCORE_SECTION"}, f" in a file of TYPE {kind}")
     depot = 0 if is_tsp else _depot(spec, n)
-    demand, service, ready, due, lines = _sites(spec, n, depot, kind)
     flags = np.arange(n) == depot
     ids = [str(k) for k in range(1, n + 1)]
+    if is_op:
+        return _orienteering(spec, name, Sites.of(ids, depot=flags, reward=_scores(spec, n), required=False, coordinates=xy), travel, depot)
+    demand, service, ready, due, lines = _sites(spec, n, depot, kind)
     sites = Sites.of(ids, depot=flags, demand=demand, ready=ready, due=due, service=service, coordinates=xy)
     notes: list[str] = []
     count = 1 if is_tsp else _fleet(spec, name, label(path.stem), notes)
@@ -130,6 +143,20 @@ def _travel(spec: Specification, n: int, kind: str) -> tuple[Floats | None, Trav
         refuse((np.abs(own) > (90, 180)).any(axis=1), where, "latitude or longitude out of range", own, "within 90 and 180 degrees")
         coordinates = own[:, ::-1]  # a map has the longitude on its x axis
     return coordinates, Travel(metric, coordinates=own)
+
+
+def _scores(spec: Specification, n: int) -> Floats:
+    table, lines = node_table(spec, "NODE_SCORE_SECTION", n, ("score",))
+    refuse(table[:, 0] < 0, lines, "score is negative", table[:, 0], "0 or more")
+    return table[:, 0]
+
+
+def _orienteering(spec: Specification, name: str, sites: Sites, travel: Travel, depot: int) -> RoutingInstance:
+    longest = number(spec.value("COST_LIMIT"), spec.line("COST_LIMIT"), "COST_LIMIT")
+    if longest < 0:
+        raise InputError("COST_LIMIT is negative", line=spec.line("COST_LIMIT"), expected="0 or more", found=spec.value("COST_LIMIT"))
+    fleet = (VehicleType(1, start=depot, end=depot, max_distance=longest),)
+    return RoutingInstance(name, "vrplib", sites, travel, fleet, problem=PROBLEMS["OP"][0], problems=PROBLEMS["OP"])
 
 
 def _depot(spec: Specification, n: int) -> int:
@@ -205,7 +232,7 @@ def _fleet(spec: Specification, name: str, stem: str, notes: list[str]) -> int |
 FORMATS.add(
     "vrplib",
     Format(
-        "vrplib", "TSPLIB / CVRPLIB / VRPLIB text (TSP, ATSP, CVRP, VRPTW)", recognises, read, write, (".vrp", ".tsp"), "",
-        ("tsp", "cvrp", "vrptw", "min-cost-vrp"), "file",
+        "vrplib", "TSPLIB / CVRPLIB / VRPLIB / OPLib text (TSP, ATSP, CVRP, VRPTW, OP)", recognises, read, write, (".vrp", ".tsp", ".oplib"), "",
+        ("tsp", "cvrp", "vrptw", "orienteering", "team-orienteering", "min-cost-vrp"), "file",
     ),
 )  # fmt: skip
