@@ -97,7 +97,8 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     judge = Checklist()
     count = np.zeros(len(sites), dtype=np.int64)
     used = np.zeros(len(fleet), dtype=np.int64)
-    cost, rewards, longest, makespan, distance, waiting = [], [], 0.0, 0.0, [], 0.0
+    cost, longest, makespan, distance, waiting = [], 0.0, 0.0, [], 0.0
+    rewards = sites.reward[sites.depots].tolist()  # collected by staying at home
 
     for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
         if not route.visits:

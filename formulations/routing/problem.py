@@ -27,7 +27,7 @@ from ..problem import PROBLEMS, Decision, Problem
 from ..references import indices_of
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes, schedule
-from .objective import Composable, LongestRoute, Objective, TotalCost
+from .objective import Composable, LongestRoute, Objective, Reward, TotalCost
 from .reachability import unreachable
 from .routes import Route, Routes
 
@@ -227,6 +227,12 @@ class RoutingProblem(Problem):
     @property
     def size(self) -> int:
         return len(self.sites)
+
+    @property
+    def constant(self) -> float:
+        """What the first level of the objective holds whatever is visited: the rewards of depots, which forms have no variable for."""
+        depots = math.fsum(self.sites.reward[self.sites.depots])
+        return math.fsum(w * depots for w, term in self.objective.levels()[0].terms if isinstance(term, Reward))
 
     def linear_entries(self) -> int:
         return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
@@ -432,7 +438,10 @@ DEFAULT_OBJECTIVE: dict[str, Objective] = {
     "cvrp": Objective.of(TotalCost()),
     "tsp": Objective.of(TotalCost()),
     "min-cost-vrp": Objective.of(TotalCost()),
+    "mdvrp": Objective.of(TotalCost()),
     "min-makespan-vrp": Objective.of(LongestRoute()),
+    "orienteering": Objective.of(Reward()),
+    "team-orienteering": Objective.of(Reward()),
 }
 
 
@@ -440,6 +449,10 @@ DEFAULT_OBJECTIVE: dict[str, Objective] = {
 @PROBLEMS.register("cvrp")
 @PROBLEMS.register("tsp")
 @PROBLEMS.register("min-cost-vrp")
+@PROBLEMS.register("min-makespan-vrp")
+@PROBLEMS.register("mdvrp")
+@PROBLEMS.register("orienteering")
+@PROBLEMS.register("team-orienteering")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RoutingProblem:
     if not isinstance(instance, RoutingInstance):
         raise UsageError(f"{instance.name} holds no routing data, so it cannot be read as {problem}")

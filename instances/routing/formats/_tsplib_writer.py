@@ -11,7 +11,7 @@ from ...errors import UsageError
 from ...text import plain
 from ..instance import RoutingInstance
 from ..travel import EXPLICIT, METRICS
-from ._limits import ORIENTEERING, cannot, refuse_inexpressible
+from ._limits import cannot, refuse_inexpressible
 from ._tsplib import FLEET_IN_NAME, SET_X
 
 Floats = NDArray[np.float64]
@@ -23,7 +23,7 @@ SCORED = frozenset({"rewards", "optional-sites", "limited-fleet", "max-distance"
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    tours = isinstance(instance, RoutingInstance) and instance.problem in ORIENTEERING
+    tours = isinstance(instance, RoutingInstance) and instance.problem == "orienteering"
     held = refuse_inexpressible(instance, "vrplib", SCORED if tours else SERVED)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     n = len(sites)
@@ -71,8 +71,9 @@ def _orienteering(instance: RoutingInstance) -> str:
     vehicle = instance.fleet[0]
     if vehicle.count != 1 or not math.isfinite(vehicle.max_distance) or instance.sites.required.any():
         raise cannot(instance, "vrplib", "the format has one tour of limited length through sites that may be left out")
+    limit = plain(vehicle.max_distance)
     return "\n".join(
-        [f"NAME : {instance.name.strip()}", "TYPE : OP", f"DIMENSION : {len(instance.sites)}", f"COST_LIMIT : {plain(vehicle.max_distance)}",
+        [f"NAME : {instance.name.strip()}", "TYPE : OP", f"DIMENSION : {len(instance.sites)}", f"COST_LIMIT : {limit}",
          *_metric(instance), *_places(instance), *_table("NODE_SCORE_SECTION", instance.sites.reward), *_depot(instance), "EOF"]
     ) + "\n"  # fmt: skip
 

@@ -51,9 +51,7 @@ def read(text: str, path: Path) -> RoutingInstance:
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    refuse_inexpressible(
-        instance, "chao", {"rewards", "optional-sites", "limited-fleet", "multiple-depots", "open-routes", "max-duration"}
-    )
+    refuse_inexpressible(instance, "chao", {"rewards", "optional-sites", "limited-fleet", "multiple-depots", "open-routes", "max-duration"})
     sites, vehicle, last = instance.sites, instance.fleet[0], len(instance.sites) - 1
     refuse_no_paths(instance, "chao", vehicle.max_duration)
     if sites.depots.tolist() != [0, last] or (vehicle.start, vehicle.end) != (0, last) or not numbered(instance, 0):
@@ -67,7 +65,7 @@ def write(instance: RoutingInstance) -> str:
 FORMATS.add(
     "chao",
     Format(
-        "chao", "Chao, Golden and Wasil text (team orienteering)", recognises, read, write, (".top",), "team-orienteering", PROBLEMS, "exact",
+        "chao", "Chao / Golden / Wasil text (team orienteering)", recognises, read, write, (".top",), "team-orienteering", PROBLEMS,
         sense="max",
     ),
 )  # fmt: skip

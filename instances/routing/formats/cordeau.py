@@ -2,9 +2,9 @@
 
 First line ``type m n t``; then ``t`` lines ``D Q``, longest duration of a route (0 for none; services count) and capacity, one for each
 depot; then rows ``i x y d q f a list``, with windows ``e l`` behind: number, coordinates, service time, demand, visits asked for, and the
-combinations in which they may be made, one bit each. Types 0 (VRP) and 4 (VRPTW) have ``m`` vehicles and the depot in row 0; types 2 (MDVRP)
-and 6 (MDVRPTW) have ``m`` vehicles at each of ``t`` depots, whose rows stand behind those of the customers. Sites keep the file's numbers,
-by which solution files name customers too.
+combinations in which they may be made, one bit each. Types 0 (VRP) and 4 (VRPTW) have ``m`` vehicles, and the depot in row 0; types 2
+(MDVRP) and 6 (MDVRPTW) have ``m`` vehicles at each of ``t`` depots, whose rows stand behind those of the customers. Sites keep the
+file's numbers, by which solution files name customers too.
 
 Periodic and site-dependent problems (types 1, 3, 5 and 7) are refused, and so are customers whom not every depot may serve.
 
@@ -25,11 +25,14 @@ from ...text import label, number, plain, refuse, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import Travel
-from ._cordeau import HEADER, Table
+from ._combinations import HEADER, Table
 from ._limits import cannot, numbered, refuse_inexpressible
 from ._rows import Rows, head, widths
 
 TYPES = {0: "VRP", 1: "PVRP", 2: "MDVRP", 3: "SDVRP", 4: "VRPTW", 5: "PVRPTW", 6: "MDVRPTW", 7: "SDVRPTW"}
+MOST_DEPOTS = 1000
+"""Each depot is a bit of the combinations, which are read as floating point numbers."""
+
 PROBLEMS = {0: ("cvrp", "min-cost-vrp"), 4: ("vrptw", "min-cost-vrp"), 2: ("mdvrp", "min-cost-vrp"), 6: ("mdvrp", "min-cost-vrp")}
 
 
@@ -51,6 +54,8 @@ def read(text: str, path: Path) -> RoutingInstance:
         expected = ", ".join(f"{k} ({TYPES[k]})" for k in sorted(PROBLEMS))
         raise InputError(f"type {kind} ({TYPES.get(kind, 'unknown')}) is not supported", line=line, expected=expected)
     several, windows = kind in (2, 6), kind in (4, 6)
+    if depots > MOST_DEPOTS:
+        raise InputError("there are too many depots", line=line, expected=f"at most {MOST_DEPOTS}", found=str(depots))
     if not several and depots != 1:
         raise InputError(f"type {kind} ({TYPES[kind]}) has one depot", line=line, expected="1", found=str(depots))
     limits = [_limit(rows) for _ in range(min(depots, len(rows.lines)))]
@@ -66,10 +71,13 @@ def read(text: str, path: Path) -> RoutingInstance:
     depot = np.arange(n + depots) >= n if several else np.arange(n + 1) < 1
     refuse(depot & (columns[:, 3:5] != 0).any(axis=1), at, "the depot has a demand or a service time", columns[:, 3:5], "0")
     every = [2.0**k for k in range(depots)]
-    bad = [not depot[k] and (table.frequency[k] != 1 or sorted(table.combinations[k]) != every) for k in range(len(at))]
-    refuse(np.array(bad), at, "customers that some depots alone may serve, or that are visited more than once, are not supported",
-           ["f " + plain(f) + ", list " + " ".join(map(plain, found)) for f, found in zip(table.frequency, table.combinations, strict=True)],
-           "f 1, list " + " ".join(map(plain, every)))  # fmt: skip
+    visits = [(frequency, sorted(found)) for frequency, found in zip(table.frequency, table.combinations, strict=True)]
+    told = [f"f {plain(frequency)}, list {' '.join(map(plain, found))}" for frequency, found in visits]
+    refuse(
+        ~depot & np.array([each != (1.0, every) for each in visits]), at,
+        "customers that some depots alone may serve, or that are visited more than once, are not supported", told,
+        f"f 1, list {' '.join(map(plain, every))}",
+    )  # fmt: skip
     sites = Sites.of(
         [plain(v) for v in columns[:, 0].tolist()], depot=depot, service=columns[:, 3], demand=columns[:, 4], ready=columns[:, 5],
         due=columns[:, 6], coordinates=columns[:, 1:3],
@@ -127,7 +135,9 @@ def write(instance: RoutingInstance) -> str:
         raise cannot(instance, "cordeau", f"several depots make it an mdvrp, not a {instance.problem}")
     place = [*range(n, n + len(depots))] if several else [0]
     if depots != place or not numbered(instance, 1 if several else 0):
-        raise cannot(instance, "cordeau", "sites must be numbered in order, one depot before the customers or the depots of an mdvrp behind")
+        raise cannot(
+            instance, "cordeau", "sites must be numbered in order, one depot before the customers or the depots of an mdvrp behind"
+        )
     assert travel.coordinates is not None
     combinations = [1 << k for k in range(len(depots))]
     out = [f"{(2 if several else 0) + 4 * windows} {count} {n} {len(depots)}"]

@@ -40,7 +40,9 @@ def read(text: str, path: Path) -> RoutingInstance:
     line, first = rows.next("name, type and number of salesmen")
     tokens = first.split()
     if len(tokens) != 3:
-        raise InputError("first line has a wrong length", line=line, expected="name, type and number of salesmen", found=f"{len(tokens)} values")
+        raise InputError(
+            "first line has a wrong length", line=line, expected="name, type and number of salesmen", found=f"{len(tokens)} values"
+        )
     metric = tokens[1].upper()
     if metric not in TYPES:
         raise InputError(f"type {shown(tokens[1])} is not supported", line=line, expected=", ".join(TYPES), found=shown(tokens[1]))

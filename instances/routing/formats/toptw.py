@@ -1,4 +1,4 @@
-"""Files of the team orienteering problem with time windows, made of Solomon's and Cordeau's by Righini and Salani, Montemanni and Gambardella.
+"""Team orienteering with time windows: files made of Solomon's and Cordeau's by Righini and Salani, Montemanni and Gambardella.
 
 First line ``k v N t``, of which N alone counts, the number of points; a second line ``D Q`` without a meaning; row 0, the depot, whose due
 date is the longest duration of a tour; N rows ``i x y service profit f a list ready due``. Sites keep the file's numbers, by which solution
@@ -7,8 +7,8 @@ files name customers too.
 The number of tours is left open: it is 1 unless ``vehicles`` is set. The literature rounds distances down, to one decimal for Solomon's
 files and to two for Cordeau's; a note says so, and the convention of distance is to be given.
 
-Source: Righini and Salani (2009), Computers and Operations Research 36(4); Vansteenwegen, Souffriau, Vanden Berghe and Van Oudheusden (2009),
-Computers and Operations Research 36(12).
+Source: Righini and Salani (2009), Computers and Operations Research 36(4); Vansteenwegen, Souffriau, Vanden Berghe and Van Oudheusden
+(2009), Computers and Operations Research 36(12).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ...formats import FORMATS, Format
 from ...text import label, numbers, plain, refuse, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
-from ._cordeau import Table
+from ._combinations import Table
 from ._limits import ORIENTEERING, cannot, numbered, refuse_inexpressible
 from ._rows import Rows, head, widths
 
@@ -53,7 +53,9 @@ def read(text: str, path: Path) -> RoutingInstance:
     rows.end()
     table.check("profit")
     columns, at = table.columns, table.at
-    refuse((np.arange(n + 1) == 0) & (columns[:, 3:5] != 0).any(axis=1), at, "the depot has a profit or a service time", columns[:, 3:5], "0")
+    refuse(
+        (np.arange(n + 1) == 0) & (columns[:, 3:5] != 0).any(axis=1), at, "the depot has a profit or a service time", columns[:, 3:5], "0"
+    )
     sites = Sites.of(
         range(n + 1), service=columns[:, 3], reward=columns[:, 4], ready=columns[:, 5], due=columns[:, 6], required=False,
         coordinates=columns[:, 1:3],

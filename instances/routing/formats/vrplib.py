@@ -74,6 +74,8 @@ def recognises(text: str) -> bool:
 def read(text: str, path: Path) -> RoutingInstance:
     """The instance; see ``Format.read``."""
     spec = scan(text)
+    if "NODE_SEQUENCE_SECTION" in spec.sections:
+        raise InputError("is a solution file, not an instance", line=spec.sections["NODE_SEQUENCE_SECTION"].line)
     kind = spec.value("TYPE").upper().split()[0]
     if kind == "TOUR":
         raise InputError("is a solution file, not an instance", line=spec.line("TYPE"))
@@ -232,7 +234,8 @@ def _fleet(spec: Specification, name: str, stem: str, notes: list[str]) -> int |
 FORMATS.add(
     "vrplib",
     Format(
-        "vrplib", "TSPLIB / CVRPLIB / VRPLIB / OPLib text (TSP, ATSP, CVRP, VRPTW, OP)", recognises, read, write, (".vrp", ".tsp", ".oplib"), "",
+        "vrplib", "TSPLIB / CVRPLIB / VRPLIB / OPLib text (TSP, ATSP, CVRP, VRPTW, OP)", recognises, read, write,
+        (".vrp", ".tsp", ".oplib"), "",
         ("tsp", "cvrp", "vrptw", "orienteering", "team-orienteering", "min-cost-vrp"), "file",
     ),
 )  # fmt: skip

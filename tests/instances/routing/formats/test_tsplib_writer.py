@@ -51,6 +51,14 @@ def test_the_depot_is_told_by_its_node() -> None:
     assert write(instance(VehicleType(None, 5, start=2, end=2), depot=[False, False, True])).endswith("DEPOT_SECTION\n3\n-1\nEOF\n")
 
 
+def test_a_tour_of_limited_length_is_an_op() -> None:
+    made = instance(VehicleType(1, max_distance=9.5), "orienteering", reward=[1, 2, 3.5], required=False)
+    assert write(made) == (
+        "NAME : tiny\nTYPE : OP\nDIMENSION : 3\nCOST_LIMIT : 9.5\nEDGE_WEIGHT_TYPE : EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 3 0\n3 0 4.5\n"
+        "NODE_SCORE_SECTION\n1 1\n2 2\n3 3.5\nDEPOT_SECTION\n1\n-1\nEOF\n"
+    )
+
+
 LOADED = VehicleType(None, 5)
 
 
@@ -72,6 +80,13 @@ LOADED = VehicleType(None, 5)
         (lambda: instance(VehicleType(), demand=[0, 1, 1]), "the format needs a capacity"),
         (lambda: instance(LOADED, name="mine-k7"), "the end of its name would be read as a limit"),
         (lambda: instance(VehicleType(None, 5, max_distance=3)), "no place for max-distance"),
+        (lambda: instance(VehicleType(1), "orienteering", required=False), "one tour of limited length through sites that may be left out"),
+        (lambda: instance(VehicleType(2, max_distance=3), "orienteering", required=False), "one tour of limited length"),
+        (lambda: instance(VehicleType(1, max_distance=3), "orienteering"), "one tour of limited length"),
+        (
+            lambda: instance(VehicleType(1, max_distance=3), "team-orienteering", required=False),
+            "no place for max-distance, optional-sites",
+        ),
     ],
 )
 def test_what_the_format_has_no_word_for_is_refused(made: Any, words: str) -> None:

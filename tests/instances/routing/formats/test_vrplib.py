@@ -103,6 +103,60 @@ def test_nodes_may_come_in_any_order_and_the_depot_anywhere(read_text_as: Callab
     assert (made.fleet[0].start, made.fleet[0].end) == (1, 1)
 
 
+OP = """\
+NAME : three
+TYPE : OP
+DIMENSION : 3
+TSPSOL : 12
+COST_LIMIT : 9
+EDGE_WEIGHT_TYPE : EUC_2D
+NODE_COORD_SECTION
+1 0 0
+2 3 0
+3 0 4
+NODE_SCORE_SECTION
+1 1
+2 7
+3 5
+DEPOT_SECTION
+2
+-1
+EOF
+"""
+
+
+def test_everything_in_an_op_file_is_read(read_text_as: Callable[..., Any]) -> None:
+    made = read_text_as(OP)
+    assert (made.name, made.problem, made.problems) == ("three", "orienteering", ("orienteering", "team-orienteering"))
+    assert made.fleet == (VehicleType(1, start=1, end=1, max_distance=9.0),)
+    assert made.sites.reward.tolist() == [1, 7, 5]
+    assert not made.sites.required.any()
+    assert (made.travel.metric, made.travel.convention) == ("EUC_2D", "file")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "line"),
+    [
+        ("COST_LIMIT : 9", "COST_LIMIT : -9", "COST_LIMIT is negative; expected 0 or more; found -9", 5),
+        ("COST_LIMIT : 9", "COST_LIMIT : x", "COST_LIMIT must be a finite number", 5),
+        ("COST_LIMIT : 9\n", "", "header COST_LIMIT is missing", 17),
+        ("TSPSOL : 12", "CAPACITY : 12", "header 'CAPACITY' is not supported in a file of TYPE OP", 4),
+        ("TYPE : OP", "TYPE : CVRP", "header 'TSPSOL' is not supported in a file of TYPE CVRP", 4),
+        ("TYPE : OP", "TYPE : TSP", "header 'TSPSOL' is not supported in a file of TYPE TSP", 4),
+        ("2 7\n", "2 -7\n", "score is negative; expected 0 or more; found -7.0", 13),
+        ("2 7\n", "2 7 8\n", "row of NODE_SCORE_SECTION has a wrong length", 13),
+        ("2 7\n", "", "NODE_SCORE_SECTION has a wrong number of rows", 13),
+        ("NODE_SCORE_SECTION", "DEMAND_SECTION", "DEMAND_SECTION is not supported in a file of TYPE OP", 11),
+        ("NODE_SCORE_SECTION", "NODE_SEQUENCE_SECTION", "is a solution file, not an instance", 11),
+        ("\n2\n-1\nEOF", "\n4\n-1\nEOF", "DEPOT_SECTION names a node that does not exist", 16),
+    ],
+)  # fmt: skip
+def test_a_fault_of_an_op_is_refused_with_its_line(old: str, new: str, message: str, line: int, refusal: Callable[..., InputError]) -> None:
+    error = refusal(cvrp(old, new, OP))
+    assert message in str(error)
+    assert error.line == line
+
+
 @pytest.mark.parametrize(
     ("name", "count", "note"),
     [
@@ -321,7 +375,7 @@ def written(made: Any) -> Any:
     return read(write(made), Path("x.vrp"))
 
 
-@pytest.mark.parametrize("text", [CVRP, VRPTW, TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6.5")])
+@pytest.mark.parametrize("text", [CVRP, VRPTW, TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6.5"), OP])
 def test_what_is_written_reads_back_the_same(text: str, read_text_as: Callable[..., Any], differences: Callable[..., list[str]]) -> None:
     made = read_text_as(text)
     assert differences(made, written(made)) == []

@@ -16,7 +16,7 @@ HEADER = ("type", "m", "n", "t")
 
 @dataclass
 class Table:
-    """Columns ``number, x, y, service, load, ready, due``, and of each row the visits asked for, the list of its combinations, and the line."""
+    """Columns ``number, x, y, service, load, ready, due``; the visits that rows ask for, the list of their combinations, and the lines."""
 
     rows: list[list[float]] = field(default_factory=list)
     frequency: list[float] = field(default_factory=list)
