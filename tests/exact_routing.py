@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -52,93 +52,209 @@ class Driven:
     reward: int
     distance: int
     duration: int
+    finish: int
 
 
 class Roads:
-    """The data of a problem in whole numbers, and the routes that its vehicles can drive."""
+    """The data of a problem in whole numbers, and the routes that its vehicles can drive.
+
+    Between two customers a route is tried with no stop at the same depot twice, and, where vehicles reload but do not recharge, with one
+    stop at most: more are of no use. ``drive`` knows them all.
+    """
 
     def __init__(self, problem: RoutingProblem) -> None:
         s, fleet = problem.sites, problem.fleet
-        d, t = problem.travel.distances, problem.travel.durations
+        ways = [problem.travel if v.travel is None else v.travel for v in fleet]
+        speeds = [w.durations / v.speed for w, v in zip(ways, fleet, strict=True)]
+        closes = [w.closing for w in ways if w.closing is not None]
         weights = [w for level in problem.objective.levels() for w, _ in level.terms]
-        limits = [(v.capacity, v.max_duration, v.max_distance, v.fixed_cost, v.unit_cost) for v in fleet]
-        stores = [(v.energy.capacity, v.energy.rate) for v in fleet if v.energy]
-        self.unit = scale_of(s.demand, s.ready, s.due, s.service, s.reward, d, t, weights, limits, stores)
-        self.d, self.t = ints(d, self.unit), ints(t, self.unit)
-        self.demand, self.reward, self.service = (ints(a, self.unit) for a in (s.demand, s.reward, s.service))
-        self.ready, self.due = ints(s.ready, self.unit), ints(s.due, self.unit)
+        limits = [
+            (
+                *v.capacities, v.max_duration, v.max_distance, v.regular_duration, v.fixed_cost, v.unit_cost, v.unit_duration_cost,
+                v.unit_overtime_cost, *v.shift,
+            )
+            for v in fleet
+        ]  # fmt: skip
+        stores = [(v.energy.capacity, v.energy.rate, v.energy.at_departure) for v in fleet if v.energy]
+        loads = [x.load for x in s.shipments]
+        windows = [t for w in s.windows for pair in w for t in pair]
+        self.unit = scale_of(
+            s.demand, s.further_demand, s.pickup, s.further_pickup, s.ready, s.due, s.service, s.reward, s.penalty, windows,
+            *[x for row in (*limits, *stores, *loads) for x in row], weights, *[w.distances for w in ways], *speeds, *closes,
+        )  # fmt: skip
+        u = self.unit
+        self.d, self.t = [ints(w.distances, u) for w in ways], [ints(t, u) for t in speeds]
+        self.closes = [None if w.closing is None else ints(w.closing, u) for w in ways]
+        self.demand = [ints(a, u) for a in (s.demand, *s.further_demand.T)]
+        self.pickup = [ints(a, u) for a in (s.pickup, *s.further_pickup.T)]
+        self.reward, self.service, self.penalty = (ints(a, u) for a in (s.reward, s.service, s.penalty))
+        self.ready, self.due = ints(s.ready, u), ints(s.due, u)
+        self.windows = [[(ints(a, u), ints(b, u)) for a, b in w] for w in s.windows] or [[] for _ in s.ids]
+        self.windows = [w or [(a, b)] for w, a, b in zip(self.windows, self.ready, self.due, strict=True)]
+        self.shipments = [(x.pickup, x.delivery, [ints(v, u) for v in x.load]) for x in s.shipments]
+        self.skills = s.skills or [frozenset()] * len(s)
+        self.fleet, self.depot = fleet, s.depot
         self.customers = [k for k in range(len(s)) if not s.depot[k]]
         self.clock = 0
 
-    def routes(self, vehicle: VehicleType) -> Iterator[tuple[tuple[int, ...], Driven]]:
-        """Every route that ``vehicle`` can drive, and no part of one that load, distance or a window rules out already."""
+    def routes(self, kind: int) -> Iterator[tuple[tuple[int, ...], Driven]]:
+        """Every route that vehicles of type ``kind`` can drive, and no part of one that distance or a window rules out already.
+
+        That of a committed vehicle without any site comes first.
+        """
+        vehicle = self.fleet[kind]
+        pauses = sorted({*vehicle.reloads, *vehicle.stations})
+        if vehicle.committed:
+            found = self._drive(kind, ())
+            if found is not None:
+                yield (), found
         begun: list[tuple[int, ...]] = [()]
         while begun:
             visits = begun.pop()
-            for site in self.customers:
-                if site not in visits:
+            since = list(itertools.takewhile(lambda k: self.depot[k], reversed(visits)))
+            depots = pauses if vehicle.stations else pauses if visits and not since else []
+            for site in [*self.customers, *(k for k in depots if k not in since)]:
+                if self.depot[site] or (site not in visits and self.skills[site] <= vehicle.skills):
                     longer = (*visits, site)
-                    if self._on_the_way(vehicle, longer):
+                    if self._on_the_way(kind, longer):
                         begun.append(longer)
-                        found = self._drive(vehicle, longer)
+                        found = self.drive(kind, longer)
                         if found is not None:
                             yield longer, found
 
-    def _on_the_way(self, vehicle: VehicleType, visits: tuple[int, ...]) -> bool:
-        """Whether a route may begin so: none of these grows less by going on."""
-        legs = list(itertools.pairwise((vehicle.start, *visits)))
-        tests = [(sum(self.demand[i] for i in visits), ints(vehicle.capacity, self.unit), 0)]
-        tests.append((sum(self.d[i][j] for i, j in legs), ints(vehicle.max_distance, self.unit), 0))
-        clock = self.ready[vehicle.start]
-        largest = abs(clock)
-        for k, (i, j) in enumerate(legs):
-            clock += self.t[i][j] + (self.service[i] if k else 0)
-            largest = max(largest, abs(clock))
-            tests.append((clock, self.due[j], largest))
-            clock = max(clock, self.ready[j])
-            largest = max(largest, abs(clock))
-        return all(nearly(test) for test in tests)
+    def drive(self, kind: int, visits: tuple[int, ...]) -> Driven | None:
+        """What a route with these stops adds up to; None where it serves nobody, or may not be driven."""
+        vehicle = self.fleet[kind]
+        served = [k for k in visits if not self.depot[k]]
+        allowed = all(k in (*vehicle.reloads, *vehicle.stations) for k in visits if self.depot[k])
+        allowed &= all(self.skills[k] <= vehicle.skills for k in visits)
+        order = all(p not in visits or q not in visits or visits.index(p) < visits.index(q) for p, q, _ in self.shipments)
+        return self._drive(kind, visits) if served and allowed and order else None
 
-    def _drive(self, vehicle: VehicleType, visits: tuple[int, ...]) -> Driven | None:
+    def _on_the_way(self, kind: int, visits: tuple[int, ...]) -> bool:
+        """Whether a route may begin so: none of these grows less by going on."""
+        vehicle = self.fleet[kind]
+        stops = (vehicle.start, *visits)
+        if any(last in visits and first not in visits[: visits.index(last)] for first, last, _ in self.shipments):
+            return False
+        tests = [(sum(self.d[kind][i][j] for i, j in itertools.pairwise(stops)), ints(vehicle.max_distance, self.unit), 0)]
+        if not vehicle.reloads:
+            tests.append((sum(self.demand[0][i] for i in visits if not self.depot[i]), ints(vehicle.capacity, self.unit), 0))
+        return all(nearly(test) for test in [*tests, *self._run(kind, stops, self._opening(vehicle))[1]])
+
+    def _opening(self, vehicle: VehicleType) -> int:
+        shift = ints(vehicle.shift[0], self.unit)
+        return self.ready[vehicle.start] if shift is None else max(self.ready[vehicle.start], shift)
+
+    def _run(self, kind: int, stops: tuple[int, ...], departure: int, home: bool = False) -> tuple[int, list[Any]]:
+        """Clock at the last stop, service not begun if it is the return, and what the times are compared with."""
+        tests: list[Any] = []
+        clock, largest = departure, abs(departure)
+        for k, (i, j) in enumerate(itertools.pairwise(stops)):
+            leaves = clock + (self.service[i] if k else 0)
+            largest = max(largest, abs(leaves))
+            if self.closes[kind] is not None:
+                tests.append((leaves, self.closes[kind][i][j], largest))
+            clock = leaves + self.t[kind][i][j]
+            largest = max(largest, abs(clock))
+            if home and k == len(stops) - 2:
+                shift = ints(self.fleet[kind].shift[1], self.unit)
+                tests += [(clock, self.due[j], largest), (clock, shift, largest)]
+                break
+            # The first window that is not over; where all are, the last one is missed.
+            opens, ends = next((w for w in self.windows[j] if nearly((clock, w[1], largest))), (None, self.windows[j][-1][1]))
+            tests.append((clock, ends, largest))
+            clock = clock if opens is None else max(clock, opens)
+            largest = max(largest, abs(clock))
+        self.clock = max(self.clock, largest)
+        return clock, tests
+
+    def _departures(self, kind: int, stops: tuple[int, ...], busy: list[int]) -> list[int]:
+        """Among them is one from which the route takes least time: the earliest, and those that meet an end of a window exactly."""
+        vehicle = self.fleet[kind]
+        opens, latest = self._opening(vehicle), self.due[vehicle.start]
+        found, before = {opens, latest}, 0
+        for k, j in enumerate(stops[:-1]):
+            ends = [t for w in self.windows[j] for t in w] if k else [self.due[j]]
+            if self.closes[kind] is not None:
+                close = self.closes[kind][j][stops[k + 1]]
+                ends.append(None if close is None else close - (self.service[j] if k else 0))
+            found |= {t - before for t in ends if t is not None}
+            before += busy[k]
+        ends = [self.due[stops[-1]], ints(vehicle.shift[1], self.unit)]
+        found |= {t - before for t in ends if t is not None}
+        return [t for t in found if t is not None and t >= opens and (latest is None or t <= latest)]
+
+    def _carried(self, kind: int, visits: tuple[int, ...]) -> list[list[int]]:
+        """What is on board on leaving the start and each stop, by load dimension."""
+        found = []
+        for dimension in range(len(self.demand)):
+            reloads = [k for k, i in enumerate(visits) if i in self.fleet[kind].reloads]
+            levels = []
+            for at in range(len(visits) + 1):
+                first = max([0, *(k + 1 for k in reloads if k < at)])
+                last = min([len(visits), *(k for k in reloads if k >= at)])
+                level = sum(self.demand[dimension][i] for i in visits[at:last] if not self.depot[i])
+                level += sum(self.pickup[dimension][i] for i in visits[first:at] if not self.depot[i])
+                level += sum(
+                    load[dimension] for p, q, load in self.shipments if dimension < len(load) and p in visits[:at] and q in visits[at:]
+                )
+                levels.append(level)
+            found.append(levels)
+        return found
+
+    def _drive(self, kind: int, visits: tuple[int, ...]) -> Driven | None:
+        vehicle, u = self.fleet[kind], self.unit
+        if any((p in visits) != (q in visits) for p, q, _ in self.shipments):
+            return None
         stops = (vehicle.start, *visits, vehicle.end)
         legs = list(itertools.pairwise(stops))
-        distance, moving = sum(self.d[i][j] for i, j in legs), [self.t[i][j] for i, j in legs]
+        distance, moving = sum(self.d[kind][i][j] for i, j in legs), [self.t[kind][i][j] for i, j in legs]
         busy = [m + (self.service[i] if k else 0) for k, ((i, _), m) in enumerate(zip(legs, moving, strict=True))]
-        tests = [(sum(self.demand[i] for i in visits), ints(vehicle.capacity, self.unit), 0)]
-        tests.append((distance, ints(vehicle.max_distance, self.unit), 0))
-        opens = clock = self.ready[vehicle.start]
-        largest = abs(opens)
-        for k, j in enumerate(stops[1:]):
-            clock += busy[k]
-            largest = max(largest, abs(clock))
-            tests.append((clock, self.due[j], largest))
-            if k < len(visits):
-                clock = max(clock, self.ready[j])
-                largest = max(largest, abs(clock))
-        self.clock = max(self.clock, largest)
-        # The latest departure that keeps the windows; a route that misses one leaves at once.
-        latest = self.due[vehicle.end]
-        for k in range(len(stops) - 2, -1, -1):
-            ends = [v for v in (self.due[stops[k]], None if latest is None else latest - busy[k]) if v is not None]
-            latest = min(ends) if ends else None
-        elapsed = clock - opens
-        shortest = sum(busy) if latest is None else max(clock - max(latest, opens), sum(busy))
-        tests.append((shortest, ints(vehicle.max_duration, self.unit), largest))
+        tests = [(max(levels), ints(limit, u), 0) for levels, limit in zip(self._carried(kind, visits), vehicle.capacities, strict=False)]
+        tests.append((distance, ints(vehicle.max_distance, u), 0))
+        opens = self._opening(vehicle)
+        finish, times = self._run(kind, stops, opens, home=True)
+        tests += times
+        largest = max(abs(v) for v, _, _ in times)
+        if vehicle.reloads and vehicle.max_reloads is not None and sum(i in vehicle.reloads for i in visits) > vehicle.max_reloads:
+            return None
+        elapsed = finish - opens
+        shortest = elapsed
+        if elapsed > sum(busy):  # somebody waits
+            runs = [(t, *self._run(kind, stops, t, home=True)) for t in self._departures(kind, stops, busy)]
+            shortest = min([elapsed, *(end - t for t, end, kept in runs if all(nearly(test) for test in kept))])
+        tests.append((shortest, ints(vehicle.max_duration, u), largest))
         if vehicle.energy is not None:
-            waits = [
-                b if k == len(visits) else max(b, self.ready[j] - self.ready[i])
-                for k, ((i, j), b) in enumerate(zip(legs, busy, strict=True))
-            ]
-            drawn = {"travel": sum(moving), "elapsed": shortest, "elapsed-fixed-start": elapsed, "windows": sum(waits)}[
-                vehicle.energy.charge
-            ]
-            rate = ints(vehicle.energy.rate, self.unit)
-            tests.append((rate * drawn, ints(vehicle.energy.capacity, self.unit) * self.unit, rate * largest))
+            tests += self._energy(kind, visits, moving, busy, shortest, elapsed, largest)
         if not all(nearly(test) for test in tests):
             return None
         strict = all(limit is None or value <= limit for value, limit, _ in tests)
-        cost = ints(vehicle.fixed_cost, self.unit) * self.unit + ints(vehicle.unit_cost, self.unit) * distance
-        return Driven(strict, cost, sum(self.reward[i] for i in visits), distance, shortest)
+        cost = ints(vehicle.fixed_cost, u) * u + ints(vehicle.unit_cost, u) * distance + ints(vehicle.unit_duration_cost, u) * shortest
+        if not math.isinf(vehicle.regular_duration):
+            cost += ints(vehicle.unit_overtime_cost, u) * max(0, shortest - ints(vehicle.regular_duration, u))
+        return Driven(strict, cost, sum(self.reward[i] for i in visits if not self.depot[i]), distance, shortest, finish)
+
+    def _energy(
+        self, kind: int, visits: tuple[int, ...], moving: list[int], busy: list[int], shortest: int, elapsed: int, largest: int
+    ) -> list[Any]:
+        vehicle, u = self.fleet[kind], self.unit
+        energy = vehicle.energy
+        assert energy is not None
+        rate, capacity, left = ints(energy.rate, u), ints(energy.capacity, u) * u, ints(energy.at_departure, u) * u
+        if energy.stations:
+            tests, drawn = [], 0
+            for k, m in enumerate(moving):
+                drawn += rate * m
+                tests.append((drawn, left, rate * largest))
+                if k < len(visits) and visits[k] in energy.stations:
+                    drawn, left = 0, capacity
+            return tests
+        opens = self._opening(vehicle)
+        ready = [opens, *(self.ready[i] for i in visits)]
+        waits = [b if k == len(visits) else max(b, ready[k + 1] - ready[k]) for k, b in enumerate(busy)]
+        drawn = {"travel": sum(moving), "elapsed": shortest, "elapsed-fixed-start": elapsed, "windows": sum(waits)}[energy.charge]
+        return [(rate * drawn, left, rate * largest)]
 
 
 class RoutingTruth(Truth):
@@ -148,52 +264,86 @@ class RoutingTruth(Truth):
         super().__init__(problem.senses)
         self.problem = problem
         terms = [(w, t.name) for level in problem.objective.levels() for w, t in level.terms]
-        timed = any(name == "makespan" for _, name in terms)
+        timed = any(name in ("makespan", "total-duration", "latest-return") for _, name in terms) or any(
+            v.unit_duration_cost or v.unit_overtime_cost for v in problem.fleet
+        )
         self.mixed = timed or any(w < 0 for w, _ in terms)
         roads, s, fleet = Roads(problem), problem.sites, problem.fleet
-        self.unit = roads.unit
-        self.driven = {(kind, visits): found for kind, vehicle in enumerate(fleet) for visits, found in roads.routes(vehicle)}
+        self.roads, self.unit = roads, roads.unit
+        self.driven: dict[tuple[int, tuple[int, ...]], Driven] = {}
+        same: set[Any] = set()  # of routes that serve the same sites and add up to the same, one will do
+        for kind, vehicle in enumerate(fleet):
+            for visits, found in roads.routes(kind):
+                served = frozenset(k for k in visits if not s.depot[k])
+                if not vehicle.stations or (kind, served, found) not in same:
+                    same.add((kind, served, found))
+                    self.driven[kind, visits] = found
         if timed:  # a duration is the difference of two clocks
             self.size = Fraction(roads.clock, self.unit)
         self._extend(frozenset(roads.customers), {c for c in roads.customers if s.required[c]}, [], [0] * len(fleet))
 
     def _extend(self, rest: frozenset[int], must: set[int], routes: list[tuple[int, tuple[int, ...]]], used: list[int]) -> None:
         if not rest:
-            if len(routes) >= self.problem.min_vehicles:
-                parts = [self.driven[r] for r in routes]
+            every = self._with_committed(routes)
+            if len(routes) >= self.problem.min_vehicles and every is not None and self._groups({k for _, v in routes for k in v}):
+                parts = [self.driven[r] for r in every]
                 answer = Routes(tuple(Route(visits, kind) for kind, visits in routes))
-                self.meet(self.values(parts), all(p.strict for p in parts), answer)
+                self.meet(self.values(every), all(p.strict for p in parts), answer)
             return
         first = min(rest)
         if first not in must:
             self._extend(rest - {first}, must, routes, used)
         for kind, visits in self.driven:
             limit = self.problem.fleet[kind].count
-            if first in visits and rest.issuperset(visits) and (limit is None or used[kind] < limit):
+            served = {k for k in visits if not self.problem.sites.depot[k]}
+            if first in served and rest.issuperset(served) and (limit is None or used[kind] < limit):
                 used[kind] += 1
-                self._extend(rest.difference(visits), must, [*routes, (kind, visits)], used)
+                self._extend(rest.difference(served), must, [*routes, (kind, visits)], used)
                 used[kind] -= 1
 
-    def values(self, parts: list[Driven]) -> Values:
-        u = self.unit
+    def _with_committed(self, routes: list[tuple[int, tuple[int, ...]]]) -> list[tuple[int, tuple[int, ...]]] | None:
+        """The routes, and those of committed vehicles that serve nobody; None where one of these cannot be driven."""
+        more = []
+        for kind, vehicle in enumerate(self.problem.fleet):
+            if vehicle.committed:
+                more += [(kind, ())] * ((vehicle.count or 0) - sum(k == kind for k, _ in routes))
+        return None if any(r not in self.driven for r in more) else [*routes, *more]
+
+    def _groups(self, visited: set[int]) -> bool:
+        counts = [(sum(k in visited for k in g.sites), g.required) for g in self.problem.sites.groups]
+        return all(n == 1 or (n == 0 and not required) for n, required in counts)
+
+    def values(self, routes: list[tuple[int, tuple[int, ...]]]) -> Values:
+        u, roads, parts = self.unit, self.roads, [self.driven[r] for r in routes]
+        visited = {k for _, visits in routes for k in visits}
+        opens = min(roads._opening(v) for v in self.problem.fleet)
         terms = {
-            "total-cost": sum(p.cost for p in parts), "reward": sum(p.reward for p in parts) * u, "vehicles": len(parts) * u * u,
+            "total-cost": sum(p.cost for p in parts), "reward": sum(p.reward for p in parts) * u,
+            "vehicles": sum(bool(visits) for _, visits in routes) * u * u,
             "longest-route": max((p.distance for p in parts), default=0) * u, "makespan": max((p.duration for p in parts), default=0) * u,
+            "total-duration": sum(p.duration for p in parts) * u, "latest-return": max([opens, *(p.finish for p in parts)]) * u,
+            "penalties": sum(roads.penalty[k] for k in roads.customers if k not in visited) * u,
         }  # fmt: skip
         levels = self.problem.objective.levels()
         return tuple(sum((Fraction(w) * Fraction(terms[t.name], u * u) for w, t in level.terms), Fraction(0)) for level in levels)
 
     def value(self, answer: Any) -> Values | None:
         routes = [(r.vehicle, tuple(r.visits)) for r in answer if r.visits]
-        visited = [i for _, visits in routes for i in visits]
         s, fleet = self.problem.sites, self.problem.fleet
+        visited = [i for _, visits in routes for i in visits if not s.depot[i]]
         must = {k for k in range(len(s)) if s.required[k] and not s.depot[k]}
-        if len(set(visited)) < len(visited) or must - set(visited) or any(r not in self.driven for r in routes):
+        if len(set(visited)) < len(visited) or must - set(visited):
             return None
+        for kind, visits in routes:
+            found = self.driven.get((kind, visits)) or self.roads.drive(kind, visits)
+            if found is None:
+                return None
+            self.driven[kind, visits] = found
         counts = [sum(kind == k for kind, _ in routes) for k in range(len(fleet))]
         if any(v.count is not None and c > v.count for v, c in zip(fleet, counts, strict=True)) or len(routes) < self.problem.min_vehicles:
             return None
-        return self.values([self.driven[r] for r in routes])
+        every = self._with_committed(routes)
+        return None if every is None or not self._groups(set(visited)) else self.values(every)
 
 
 def best_values(problem: RoutingProblem) -> tuple[float, ...] | None:
@@ -203,5 +353,6 @@ def best_values(problem: RoutingProblem) -> tuple[float, ...] | None:
 
 
 def routes(problem: RoutingProblem, vehicle: VehicleType) -> list[tuple[int, ...]]:
-    """The visits of every route that ``vehicle`` can drive."""
-    return [visits for visits, _ in Roads(problem).routes(vehicle)]
+    """The visits of every route that ``vehicle``, of the fleet of ``problem`` or of any other, can drive."""
+    roads = Roads(replace(problem, fleet=(vehicle,)))
+    return [visits for visits, _ in roads.routes(0)]

@@ -7,9 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from waybound.formulations.routing.objective import Composable, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.objective import (
+    Composable,
+    LatestReturn,
+    LongestRoute,
+    Makespan,
+    Penalties,
+    Reward,
+    TotalCost,
+    TotalDuration,
+    Vehicles,
+)
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 CUSTOMERS = 5
@@ -88,3 +98,97 @@ FEATURES = (
     "elapsed-fixed-start", "windows", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",
     "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost",
 )  # fmt: skip
+
+
+def varied(feature: str, seed: int, customers: int = 4) -> RoutingProblem:
+    """A problem of a few customers, whole numbers, in which a feature of the whole family matters, among others drawn at random."""
+    rng = np.random.default_rng([seed, *feature.encode()])
+    depots = 2 if feature in ("reloads", "recharging", "several-depots", "initial-energy") or rng.random() < 0.2 else 1
+    n = customers + depots
+    depot = np.arange(n) < depots
+    xy = rng.integers(0, 20, (n, 2)).astype(float)
+    matrix = np.abs(xy[:, None] - xy[None, :]).sum(axis=2)
+    if rng.random() < 0.3:  # no metric
+        matrix = matrix + rng.integers(0, 9, (n, n))
+    around = float(matrix.max()) * 2.0
+    timed = feature in ("several-windows", "shifts", "closing-moves") or rng.random() < 0.3
+    held: dict[str, object] = {
+        "demand": np.where(depot, 0, rng.integers(0, 6, n)), "service": rng.integers(0, 4, n), "reward": rng.integers(0, 9, n),
+        "ready": np.where(depot, 0, rng.integers(0, 25, n)) if timed else 0.0, "depot": depot, "coordinates": xy,
+    }  # fmt: skip
+    held["due"] = np.where(depot, math.inf, np.asarray(held["ready"]) + rng.integers(15, 60, n)) if timed else math.inf
+    limits: dict[str, object] = {"count": int(rng.integers(1, 3)), "capacity": float(rng.integers(8, 15)), "unit_cost": 1.0}
+    closing, required = None, ~depot & (rng.random(n) < 0.7)
+    where = (depots, depots + 1, depots + 2)
+    if feature == "several-loads":
+        held["demand"] = np.column_stack([np.asarray(held["demand"]), np.where(depot, 0, rng.integers(0, 4, n))])
+        limits["further_capacity"] = (float(rng.integers(4, 7)),)
+    if feature in ("pickups", "reloads") or rng.random() < 0.1:
+        held["pickup"] = np.where(depot, 0, rng.integers(0, 6, n))
+    if feature in ("shipments", "reloads") and (feature == "shipments" or rng.random() < 0.5):
+        load = (float(rng.integers(1, 7)), 2.0) if np.ndim(held["demand"]) > 1 else (float(rng.integers(1, 7)),)
+        held["shipments"] = [Shipment(where[0], where[1], load), *([Shipment(where[0], where[2], load)] if rng.random() < 0.3 else [])]
+        required[list(where)] = bool(rng.random() < 0.5)
+    if feature == "groups":
+        held["groups"] = [Group((where[0], where[1]), bool(rng.random() < 0.5))]
+        required[[where[0], where[1]]] = False
+    if feature == "several-windows":
+        opens = rng.integers(0, 15, n)
+        held["windows"] = {
+            k: [(opens[k], opens[k] + 4), (opens[k] + 12, opens[k] + 18), (opens[k] + 30, opens[k] + 45)][: int(rng.integers(2, 4))]
+            for k in range(depots, n) if rng.random() < 0.8
+        }  # fmt: skip
+        limits["max_duration"] = around * 1.5
+    if feature == "skills":
+        held["skills"] = {where[0]: ["cold"], where[1]: ["cold", "tall"]}
+    if feature == "penalties":
+        held["penalty"] = np.where(depot, 0, rng.integers(0, 30, n))
+        required[:] = False
+    if feature == "duration-cost":
+        limits |= {"unit_duration_cost": 0.5, "unit_cost": 0.0}
+    if feature == "overtime":
+        limits |= {"regular_duration": around * 0.4, "unit_overtime_cost": 3.0, "max_duration": around * 1.2}
+    if feature == "shifts":
+        limits["shift"] = (float(rng.integers(3, 12)), float(rng.integers(50, 90)))
+    if feature == "closing-moves":
+        closing = np.where(rng.random((n, n)) < 0.6, rng.integers(5, 40, (n, n)).astype(float), math.inf)
+    if feature in ("recharging", "initial-energy"):
+        room = float(rng.integers(12, 40))
+        limits["energy"] = Energy(room, 1.0, "travel", (0, 1), room // 2 if feature == "initial-energy" else None)
+    elif rng.random() < 0.15:
+        charges = ENERGY_CHARGES if feature != "several-windows" else ENERGY_CHARGES[:3]
+        limits["energy"] = Energy(around * 1.5, 1.0, str(rng.choice(charges)))
+    if feature == "reloads":
+        limits |= {
+            "reloads": (0, 1) if rng.random() < 0.5 else (1,),
+            "max_reloads": int(rng.integers(1, 3)) if rng.random() < 0.5 else None,
+        }
+    first = VehicleType(**limits, name="first")  # type: ignore[arg-type]
+    fleet = [first]
+    if feature in ("vehicle-speeds", "vehicle-travel", "skills", "committed-vehicles", "several-depots") or rng.random() < 0.3:
+        second = replace(first, count=1, name="second", end=depots - 1, fixed_cost=3.0)
+        if feature == "vehicle-speeds":
+            second = replace(second, speed=2.0, max_duration=around * 0.7)
+        if feature == "vehicle-travel":
+            second = replace(second, travel=Travel(EXPLICIT, matrix=rng.integers(1, 25, (n, n)).astype(float), closing=closing))
+        if feature == "skills":
+            second = replace(second, skills=frozenset({"cold"})), replace(second, skills=frozenset({"cold", "tall"}), name="third")
+        if feature == "committed-vehicles":
+            second = replace(second, committed=True)
+        fleet += list(second) if isinstance(second, tuple) else [second]
+    goals: list[Composable] = [
+        TotalCost(), Makespan(), TotalDuration(), LatestReturn(), LongestRoute(), Reward(), Reward().then(Makespan()),
+        TotalCost() - Reward(), Vehicles().then(TotalCost()), TotalCost() + Penalties(), Penalties().then(TotalDuration()),
+        Reward() - 0.25 * Makespan(),
+    ]  # fmt: skip
+    usual = {"penalties": 9, "duration-cost": 0, "overtime": 0}
+    objective = goals[usual[feature]] if feature in usual else goals[int(rng.integers(len(goals)))]
+    sites = Sites.of(range(n), required=required, **held)  # type: ignore[arg-type]
+    return RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix, closing=closing), fleet, objective, name=f"{feature}-{seed}")
+
+
+WHOLE_FAMILY = (
+    "several-depots", "duration-cost", "overtime", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments",
+    "groups", "several-windows", "skills", "penalties", "reloads", "recharging", "initial-energy", "closing-moves", "committed-vehicles",
+)  # fmt: skip
+"""What ``varied`` knows."""

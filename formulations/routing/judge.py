@@ -1,13 +1,13 @@
 """Evaluation of routes from the data alone: the independent judge of every routing answer.
 
-It walks each route visit by visit, knows no program and no solver, and shares no code with the forms.
+It knows no program and no solver, and shares no code with the forms.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,136 +16,55 @@ from numpy.typing import NDArray
 from ..evaluation import Checklist, Evaluation
 from ..tolerance import ROUNDING, allowance
 from .routes import Route, Routes
+from .schedule import Schedule as Schedule
+from .schedule import closing, opening
+from .schedule import schedule as schedule
 
 if TYPE_CHECKING:
+    from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
 Floats = NDArray[np.float64]
 
 CHECKS = ("visits", "fleet", "load", "time-windows", "duration", "distance", "energy")
+"""Of every answer."""
 
-
-@dataclass(frozen=True)
-class Schedule:
-    """Earliest schedule of one route; arrays have one entry a visit.
-
-    ``duration`` is the shortest possible: from the latest departure that delays nothing, to the return (Savelsbergh 1992).
-    ``charged`` holds the energy drawn under each of the four ways of charging.
-    """
-
-    arrival: Floats
-    begin: Floats
-    load: Floats
-    distance: Floats
-    departure: float
-    finish: float
-    total_distance: float
-    total_load: float
-    duration: float
-    waiting: float
-    charged: dict[str, float]
-
-
-def schedule(problem: RoutingProblem, route: Route) -> Schedule:
-    """Earliest schedule of ``route``; late visits begin on arrival, so that lateness is not forgiven further on."""
-    sites, travel, vehicle = problem.sites, problem.travel, problem.fleet[route.vehicle]
-    visits = np.array(route.visits, dtype=np.int64)
-    stops = np.concatenate([[vehicle.start], visits, [vehicle.end]])
-    leg = travel.distance(stops[:-1], stops[1:])
-    time = travel.duration(stops[:-1], stops[1:])
-    # A depot's window bounds departure and return; it asks for no service.
-    service = np.concatenate([[0.0], sites.service[visits], [0.0]])
-    ready, due = sites.ready[stops], sites.due[stops]
-
-    arrival, begin = np.empty(len(stops)), np.empty(len(stops))
-    arrival[0] = begin[0] = ready[0]
-    waiting, slack = 0.0, due[0] - ready[0]
-    for k in range(1, len(stops)):
-        arrival[k] = begin[k - 1] + service[k - 1] + time[k - 1]
-        # The return to a depot is the end of the route: nobody waits for the depot to open.
-        begin[k] = max(arrival[k], ready[k]) if k < len(stops) - 1 else arrival[k]
-        waiting += begin[k] - arrival[k]
-        slack = min(slack, waiting + max(0.0, due[k] - begin[k]))
-    finish = float(arrival[-1])
-    elapsed = finish - float(begin[0])
-    duration = elapsed - min(waiting, slack)
-    charge = np.maximum(service[:-1] + time, np.append(ready[1:-1], -math.inf) - ready[:-1])
-    load = np.cumsum(sites.demand[visits])
-    return Schedule(
-        arrival=arrival[1:-1],
-        begin=begin[1:-1],
-        load=load,
-        distance=np.cumsum(leg)[:-1],
-        departure=float(begin[0]),
-        finish=finish,
-        total_distance=float(math.fsum(leg)),
-        total_load=float(math.fsum(sites.demand[visits])),
-        duration=float(duration),
-        waiting=float(waiting),
-        charged={
-            "travel": float(math.fsum(time)),
-            "elapsed": float(duration),
-            "elapsed-fixed-start": float(elapsed),
-            "windows": float(math.fsum(charge)),
-        },
-    )
+FURTHER_CHECKS = {"skills": "skills", "shipments": "shipments", "groups": "groups", "reloads": "reloads", "closing-moves": "closing-moves",
+                  "forbidden-moves": "moves"}  # fmt: skip
+"""By feature: what is checked besides where the data have it."""
 
 
 def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     """Objective and violations of ``answer``; see ``RoutingProblem.evaluate``."""
-    sites, fleet = problem.sites, problem.fleet
-    judge = Checklist()
-    count = np.zeros(len(sites), dtype=np.int64)
-    used = np.zeros(len(fleet), dtype=np.int64)
-    cost, longest, makespan, distance, waiting = [], 0.0, 0.0, [], 0.0
+    sites, fleet, judge = problem.sites, problem.fleet, Checklist()
+    held = problem.features()
+    count, used = np.zeros(len(sites), dtype=np.int64), np.zeros(len(fleet), dtype=np.int64)
+    cost, durations, distance, overtime, waiting = [], [], [], [], 0.0
     rewards = sites.reward[sites.depots].tolist()  # collected by staying at home
+    returns = min(opening(problem, v) for v in fleet)
 
-    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
-        if not route.visits:
-            continue  # a vehicle that stays at home drives no route, costs nothing and does not count
+    for name, route in _driven(problem, answer):
         if not 0 <= route.vehicle < len(fleet) or any(not 0 <= i < len(sites) for i in route.visits):
             judge.test("visits", 1.0, f"{name} has a vehicle type or a site that does not exist", vehicle=name)
             continue
-        vehicle = fleet[route.vehicle]
-        used[route.vehicle] += 1
-        np.add.at(count, np.array(route.visits, dtype=np.int64), 1)
-        for site in route.visits:
-            if sites.depot[site]:
-                judge.test("visits", 1.0, f"{name} visits the depot {sites.ids[site]} on its way", vehicle=name, site=sites.ids[site])
-        if problem.forbidden is not None:
-            stops = [vehicle.start, *route.visits, vehicle.end]
-            for tail, head in itertools.pairwise(stops):
-                words = f"{name} goes from {sites.ids[tail]} to {sites.ids[head]}, which is forbidden"
-                judge.test("moves", float(problem.forbidden[tail, head]), words, vehicle=name, site=sites.ids[head])
-        plan = schedule(problem, route)
-
-        places = [*route.visits, vehicle.end]
-        reached, due = np.append(plan.arrival, plan.finish), sites.due[places]
-        allowed = allowance(due, reached, abs(float(sites.ready[vehicle.start])))
-        for site, at, end, slack in zip(places, reached.tolist(), due.tolist(), allowed.tolist(), strict=True):
-            late = f"{name} reaches {sites.ids[site]} at {at:.10g}, due {end:.10g}"
-            judge.test("time-windows", at - end, late, allowed=slack, vehicle=name, site=sites.ids[site])
-        limits = [
-            ("load", plan.total_load, vehicle.capacity, "carries {:.10g}, capacity {:.10g}"),
-            ("duration", plan.duration, vehicle.max_duration, "has duration {:.10g}, limit {:.10g}"),
-            ("distance", plan.total_distance, vehicle.max_distance, "has distance {:.10g}, limit {:.10g}"),
-        ]
-        if vehicle.energy is not None:
-            charge = vehicle.energy.charge
-            drawn = vehicle.energy.rate * plan.charged[charge]
-            limits.append(("energy", drawn, vehicle.energy.capacity, f"draws {{:.10g}} ({charge}), capacity {{:.10g}}"))
-        rounding = ROUNDING * (len(places) + 2) * float(np.abs(reached).max())
-        for check, value, limit, words in limits:
-            slack = float(allowance(limit, value))
-            if slack > 0 and check in ("duration", "energy"):  # differences of times
-                slack += rounding * (vehicle.energy.rate if vehicle.energy is not None and check == "energy" else 1.0)
-            judge.test(check, value - limit, f"{name} {words.format(value, limit)}", allowed=slack, vehicle=name)
-
-        cost.append(vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance)
+        vehicle, plan = fleet[route.vehicle], schedule(problem, route)
+        if route.visits:  # else a committed vehicle on its way home, which counts for nothing but its cost
+            used[route.vehicle] += 1
+            np.add.at(count, np.array(route.visits, dtype=np.int64), 1)
+            _check_stops(problem, name, route, judge)
+        _check_times(problem, name, route, plan, judge)
+        _check_limits(name, vehicle, plan, judge)
+        beyond = max(0.0, plan.duration - vehicle.regular_duration)
+        paid = vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance
+        if vehicle.unit_duration_cost or vehicle.unit_overtime_cost:
+            paid += vehicle.unit_duration_cost * plan.duration + vehicle.unit_overtime_cost * beyond
+        cost.append(paid)
         distance.append(plan.total_distance)
-        longest, makespan = max(longest, plan.total_distance), max(makespan, plan.duration)
+        durations.append(plan.duration)
+        overtime.append(beyond)
+        returns = max(returns, plan.finish)
         waiting += plan.waiting
-        rewards.extend(sites.reward[list(route.visits)].tolist())
+        rewards.extend(sites.reward[[i for i in route.visits if not sites.depot[i]]].tolist())
 
     for site in problem.customers.tolist():
         times = int(count[site])
@@ -156,14 +75,135 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         judge.test("fleet", float(used[kind] - limit), f"{used[kind]} routes use {vehicle.name}, of which there are {limit:g}")
     total = int(used.sum())
     judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
+    _check_shipments(problem, answer, judge)
+    left = _check_groups(problem, count, judge)
 
     terms = {
         "total-cost": math.fsum(cost), "reward": math.fsum(rewards), "vehicles": float(total),
-        "longest-route": longest, "makespan": makespan,
+        "longest-route": max(distance, default=0.0), "makespan": max(durations, default=0.0), "total-duration": math.fsum(durations),
+        "latest-return": returns, "penalties": math.fsum(sites.penalty[left]),
     }  # fmt: skip
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
     sizes = tuple(math.fsum(abs(w * terms[t.name]) for w, t in level.terms) for level in problem.objective.levels())
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
-    return Evaluation(
-        values, judge.checks(CHECKS if problem.forbidden is None else (*CHECKS, "moves")), tuple(judge.violations), quantities, sizes
-    )
+    if held & {"duration-cost", "overtime", "objective:total-duration"}:
+        quantities |= {"duration": terms["total-duration"], "overtime": math.fsum(overtime)}
+    if sites.penalty.any():
+        quantities["penalties"] = terms["penalties"]
+    names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))
+    return Evaluation(values, judge.checks(names), tuple(judge.violations), quantities, sizes)
+
+
+def _driven(problem: RoutingProblem, answer: Routes) -> Iterator[tuple[str, Route]]:
+    """All routes that are driven, with the names of their vehicles: those with stops, and those of committed vehicles without.
+
+    Any other vehicle that stays at home drives no route, costs nothing and does not count.
+    """
+    used = [0] * len(problem.fleet)
+    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
+        if route.visits:
+            yield name, route
+            if 0 <= route.vehicle < len(used):
+                used[route.vehicle] += 1
+    for kind, vehicle in enumerate(problem.fleet):
+        for number in range(used[kind], vehicle.count or 0) if vehicle.committed else ():
+            yield f"{vehicle.name} {number + 1}", Route((), kind)
+
+
+def _check_stops(problem: RoutingProblem, name: str, route: Route, judge: Checklist) -> None:
+    """Stops that this vehicle may not make at all."""
+    sites, vehicle = problem.sites, problem.fleet[route.vehicle]
+    pauses = {*vehicle.reloads, *vehicle.stations}
+    if problem.forbidden is not None:
+        for tail, head in itertools.pairwise([vehicle.start, *route.visits, vehicle.end]):
+            words = f"{name} goes from {sites.ids[tail]} to {sites.ids[head]}, which is forbidden"
+            judge.test("moves", float(problem.forbidden[tail, head]), words, vehicle=name, site=sites.ids[head])
+    for site in route.visits:
+        if sites.depot[site] and site not in pauses:
+            judge.test("visits", 1.0, f"{name} visits the depot {sites.ids[site]} on its way", vehicle=name, site=sites.ids[site])
+        if sites.skills:
+            lacking = sorted(sites.skills[site] - vehicle.skills)
+            words = f"{name} lacks {', '.join(lacking)}, which {sites.ids[site]} asks for"
+            judge.test("skills", float(len(lacking)), words, vehicle=name, site=sites.ids[site])
+    if pauses and all(sites.depot[site] for site in route.visits):
+        judge.test("visits", 1.0, f"{name} serves no site", vehicle=name)
+    if vehicle.reloads:
+        often = sum(site in vehicle.reloads for site in route.visits)
+        most = math.inf if vehicle.max_reloads is None else vehicle.max_reloads
+        judge.test("reloads", often - most, f"{name} reloads {often} times, {most:g} at most", vehicle=name)
+
+
+def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedule, judge: Checklist) -> None:
+    sites, vehicle = problem.sites, problem.fleet[route.vehicle]
+    opens = abs(opening(problem, vehicle))
+    places = [*route.visits, vehicle.end]
+    reached, due = np.append(plan.arrival, plan.finish), sites.due[places]
+    due[-1] = closing(problem, vehicle)
+    allowed = allowance(due, reached, opens)
+    for site, at, end, slack in zip(places, reached.tolist(), due.tolist(), allowed.tolist(), strict=True):
+        late = f"{name} reaches {sites.ids[site]} at {at:.10g}, due {end:.10g}"
+        judge.test("time-windows", at - end, late, allowed=slack, vehicle=name, site=sites.ids[site])
+    if not np.isfinite(plan.closing).any():
+        return
+    allowed = allowance(plan.closing, plan.leaves, opens)
+    tails = [vehicle.start, *route.visits]
+    for i, j, at, end, slack in zip(tails, places, plan.leaves.tolist(), plan.closing.tolist(), allowed.tolist(), strict=True):
+        late = f"{name} leaves {sites.ids[i]} for {sites.ids[j]} at {at:.10g}, the move closes at {end:.10g}"
+        judge.test("closing-moves", at - end, late, allowed=slack, vehicle=name, site=sites.ids[i])
+
+
+def _check_limits(name: str, vehicle: VehicleType, plan: Schedule, judge: Checklist) -> None:
+    """Load, duration, distance and energy of one route."""
+    carries = "carries {:.10g}, capacity {:.10g}"
+    limits = [("load", plan.peak[0], vehicle.capacity, carries)]
+    for k, capacity in enumerate(vehicle.further_capacity, start=1):
+        limits.append(("load", plan.peak[k], capacity, f"{carries} of load {k + 1}"))
+    limits += [
+        ("duration", plan.duration, vehicle.max_duration, "has duration {:.10g}, limit {:.10g}"),
+        ("distance", plan.total_distance, vehicle.max_distance, "has distance {:.10g}, limit {:.10g}"),
+    ]
+    energy = vehicle.energy
+    if energy is not None:
+        if energy.stations:
+            stores = [energy.at_departure, *(energy.capacity for _ in plan.stretches[1:])]
+            drawn = list(plan.stretches)
+        else:
+            stores, drawn = [energy.at_departure], [plan.charged[energy.charge]]
+        for part, store in zip(drawn, stores, strict=True):
+            limits.append(("energy", energy.rate * part, store, f"draws {{:.10g}} ({energy.charge}), capacity {{:.10g}}"))
+    reached = np.append(plan.arrival, plan.finish)
+    rounding = ROUNDING * (len(reached) + 2) * float(np.abs(reached).max())
+    for check, value, limit, words in limits:
+        slack = float(allowance(limit, value))
+        if slack > 0 and check in ("duration", "energy"):  # differences of times
+            slack += rounding * (energy.rate if energy is not None and check == "energy" else 1.0)
+        judge.test(check, value - limit, f"{name} {words.format(value, limit)}", allowed=slack, vehicle=name)
+
+
+def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) -> None:
+    if not problem.sites.shipments:
+        return
+    place = {site: (k, at) for k, route in enumerate(answer) for at, site in enumerate(route.visits)}
+    for shipment in problem.sites.shipments:
+        first, last = (problem.sites.ids[k] for k in (shipment.pickup, shipment.delivery))
+        begun, ended = place.get(shipment.pickup), place.get(shipment.delivery)
+        wrong = ""
+        if begun is None or ended is None:
+            wrong = "" if begun == ended else f"{first if ended is None else last} is visited without {last if ended is None else first}"
+        elif begun[0] != ended[0]:
+            wrong = f"{first} and {last} are on two routes"
+        elif begun[1] > ended[1]:
+            wrong = f"{last} is visited before {first}"
+        judge.test("shipments", float(bool(wrong)), f"the shipment from {first} to {last}: {wrong}", site=first)
+
+
+def _check_groups(problem: RoutingProblem, count: NDArray[np.int64], judge: Checklist) -> NDArray[np.int64]:
+    """Sites whose penalty is due."""
+    sites = problem.sites
+    for group in sites.groups:
+        times = int((count[list(group.sites)] > 0).sum())
+        names = ", ".join(sites.ids[k] for k in group.sites)
+        lacking = float(times - 1 if times or not group.required else 1)
+        judge.test("groups", lacking, f"{times} of these alternatives are visited: {names}", site=sites.ids[group.sites[0]])
+    left: NDArray[np.int64] = problem.customers[count[problem.customers] == 0]
+    return left

@@ -46,14 +46,14 @@ class Term(Composable):
 
 @dataclass(frozen=True)
 class TotalCost(Term):
-    """Sum over routes of fixed cost plus unit cost times distance."""
+    """Sum over routes of fixed cost, unit cost times distance, unit duration cost times duration, and the cost of overtime."""
 
     name: ClassVar[str] = "total-cost"
 
 
 @dataclass(frozen=True)
 class Makespan(Term):
-    """Longest duration of a route, from departure to return."""
+    """Longest duration of a route, from departure to return, departing as late as delays nothing."""
 
     name: ClassVar[str] = "makespan"
 
@@ -80,7 +80,33 @@ class Reward(Term):
     sense: ClassVar[str] = "max"
 
 
-TERMS: dict[str, type[Term]] = {t.name: t for t in (TotalCost, Makespan, LongestRoute, Vehicles, Reward)}
+@dataclass(frozen=True)
+class TotalDuration(Term):
+    """Sum of the durations of all routes, each from departure to return."""
+
+    name: ClassVar[str] = "total-duration"
+
+
+@dataclass(frozen=True)
+class LatestReturn(Term):
+    """Time at which the last vehicle returns, all departing as early as they may; the earliest departure where nobody drives.
+
+    Where all start at time 0 and nobody waits, it is the makespan; where vehicles are under way already, it is what ends the horizon.
+    """
+
+    name: ClassVar[str] = "latest-return"
+
+
+@dataclass(frozen=True)
+class Penalties(Term):
+    """Sum of the penalties of the sites left out."""
+
+    name: ClassVar[str] = "penalties"
+
+
+TERMS: dict[str, type[Term]] = {
+    t.name: t for t in (TotalCost, Makespan, LongestRoute, Vehicles, Reward, TotalDuration, LatestReturn, Penalties)
+}
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -23,11 +22,13 @@ from ...instances.routing.solution_files import routes_from_text, sol_text, tour
 from ...instances.routing.travel import EXPLICIT, Travel, convention_named
 from ..evaluation import Evaluation
 from ..evidence import Evidence, Reason
-from ..problem import PROBLEMS, Decision, Problem
+from ..problem import Decision, Problem
 from ..references import indices_of
+from .answers import routes_from_json, routes_to_frame, routes_to_json
+from .facts import facts
 from .fleet_need import fleet_conflicts, none
-from .judge import evaluate_routes, schedule
-from .objective import Composable, LongestRoute, Objective, Reward, TotalCost
+from .judge import evaluate_routes
+from .objective import Composable, Objective, Reward
 from .reachability import unreachable
 from .routes import Route, Routes
 
@@ -110,27 +111,47 @@ class RoutingProblem(Problem):
         convention: str = "",
         objective: Composable | None = None,
         name: str = "frame",
+        closing: Any = None,
+        fleet: Any = None,
+        min_vehicles: int = 0,
+        windows: Mapping[Any, Sequence[tuple[float, float]]] | None = None,
+        shipments: Iterable[Sequence[Any]] = (),
+        groups: Iterable[Any] = (),
+        problem: str | None = None,
     ) -> RoutingProblem:
         """A problem from a pandas frame, one row a site.
 
         Parameters
         ----------
         sites : DataFrame
-            Columns ``id`` (or the index), ``x, y, demand, ready, due, service, reward, required, depot``, all but the
-            coordinates (or ``travel``) optional. Without ``depot`` the first row is the depot.
-        travel, durations : array or DataFrame of shape (sites, sites), or scipy.sparse (CSR) of that shape, optional
-            Distances and durations; Euclidean from ``x, y`` without them. A sparse matrix stands for a road graph:
-            its shortest paths are the distances.
+            Columns ``id`` (or the index), ``x, y, demand, pickup, ready, due, service, reward, required, penalty, depot, skills``, all
+            but the coordinates (or ``travel``) optional; ``demand2, pickup2, ...`` are further load dimensions. Without ``depot`` the
+            first row is the depot.
+        travel, durations, closing : array or DataFrame of shape (sites, sites), or (the first two) scipy.sparse (CSR), optional
+            Distances, durations, and latest times at which moves may begin; Euclidean from ``x, y`` without them. A sparse matrix stands
+            for a road graph: its shortest paths are the distances.
         vehicles, capacity, max_duration
             The fleet, all alike.
+        fleet : DataFrame or sequence of mappings, optional
+            In their place: one entry a vehicle type, with the keys of waybound's JSON (docs/formats.md).
+        min_vehicles : int
+            Routes that must be used at least.
+        windows : mapping from id to a list of pairs, optional
+            Sites with several time windows.
+        shipments : iterable of (pickup id, delivery id) or (pickup id, delivery id, load)
+        groups : iterable of iterables of ids
+            Alternatives, of which exactly one is visited; ``{"sites": [...], "required": False}`` for at most one.
+        problem : str, optional
+            Name of the member of the family.
         """
         from ...instances.routing.frames import instance_from_frame
 
         instance = instance_from_frame(
-            sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity,
-            max_duration=max_duration, convention=convention, name=name,
+            sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity, max_duration=max_duration,
+            convention=convention, name=name, closing=closing, fleet=fleet, min_vehicles=min_vehicles, windows=windows,
+            shipments=shipments, groups=groups,
         )  # fmt: skip
-        made = cls.from_instance(instance)
+        made = cls.from_instance(instance, problem)
         return made if objective is None else replace(made, objective=Objective.of(objective))
 
     @classmethod
@@ -152,9 +173,11 @@ class RoutingProblem(Problem):
         if customers is not None:
             instance = instance.with_customers(_whole("customers", customers))
         travel = instance.travel
-        if convention is not None:
-            travel = travel.with_convention(convention_named(convention))
         fleet, least, notes = instance.fleet, instance.min_vehicles, instance.notes
+        if convention is not None:
+            known = convention_named(convention)
+            travel = travel.with_convention(known)
+            fleet = tuple(v if v.travel is None else replace(v, travel=v.travel.with_convention(known)) for v in fleet)
         if "capacity" in given:
             fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
             del given["capacity"]
@@ -173,7 +196,11 @@ class RoutingProblem(Problem):
             raise UsageError(
                 f"unknown setting {', '.join(sorted(given))}; routing problems take vehicles, vehicles-exactly, capacity, customers"
             )
-        objective = Objective.named(instance.objective) if instance.objective else DEFAULT_OBJECTIVE.get(name, Objective())
+        from .members import DEFAULT_OBJECTIVE
+
+        objective = DEFAULT_OBJECTIVE.get(name, Objective())
+        if instance.objective and (name == instance.problem or objective == Objective()):
+            objective = Objective.named(instance.objective)
         return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes)
 
     # -- what it is --------------------------------------------------------------------------------------------------
@@ -196,6 +223,14 @@ class RoutingProblem(Problem):
         """Indices of the sites that may be visited."""
         return self.sites.customers
 
+    def travel_of(self, kind: int) -> Travel:
+        """Travel of the vehicles of a type: their own, at their speed, or the common one."""
+        return self._travels[kind]
+
+    @cached_property
+    def _travels(self) -> tuple[Travel, ...]:
+        return tuple((self.travel if v.travel is None else v.travel).at_speed(v.speed) for v in self.fleet)
+
     def __repr__(self) -> str:
         limit = self.vehicle_limit
         fleet = "any number of vehicles" if limit is None else f"at most {limit} vehicle{'s' if limit != 1 else ''}"
@@ -203,11 +238,21 @@ class RoutingProblem(Problem):
         return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}>"
 
     def digest(self) -> str:
-        s, t = self.sites, self.travel
+        s, own = self.sites, [v.travel for v in self.fleet if v.travel is not None]
+        further: list[Any] = []  # what is not there leaves the digest as it was before there was such a thing
+        for name in ("penalty", "pickup", "further_demand", "further_pickup"):
+            values = getattr(s, name)
+            further += [name, values] if values.any() or (name == "further_demand" and values.size) else []
+        for name in ("windows", "shipments", "groups"):
+            further += [name, getattr(s, name)] if getattr(s, name) else []
+        further += ["skills", [sorted(needs) for needs in s.skills]] if any(s.skills) else []
+        for travel in own:
+            further += _digested(travel)
+        further += [self.travel.closing] if self.travel.closing is not None else []
+        further += [self.forbidden] if self.forbidden is not None else []
         return digest(
-            "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, t.metric,
-            t.matrix if t.metric == EXPLICIT else t.coordinates, t.duration_matrix, t.convention, self.fleet,
-            self.min_vehicles, str(self.objective), *(() if self.forbidden is None else (self.forbidden,)),
+            "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, *_digested(self.travel)[:4],
+            tuple(v if v.travel is None else replace(v, travel=None) for v in self.fleet), self.min_vehicles, str(self.objective), *further,
         )  # fmt: skip
 
     def features(self) -> frozenset[str]:
@@ -238,33 +283,8 @@ class RoutingProblem(Problem):
         return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
 
     def facts(self) -> dict[str, Any]:
-        """Objective, sites, demand, service, windows, travel and fleet."""
-        s, at = self.sites, self.customers
-        due = s.due[at][np.isfinite(s.due[at])]
-        return {
-            "objective": str(self.objective),
-            "sites": {
-                "depots": [s.ids[i] for i in s.depots],
-                "customers": len(at),
-                "optional": int((~s.required[at]).sum()),
-                "unreachable": len(unreachable(self)),
-            },
-            "demand": _spread(s.demand[at]),
-            "service": _spread(s.service[at]),
-            "windows": {
-                "sites": int(((s.ready[at] > 0) | np.isfinite(s.due[at])).sum()),
-                "earliest": float(s.ready[at].min(initial=math.inf)),
-                "latest": float(due.max()) if len(due) else None,
-                "depot": [[float(s.ready[i]), float(s.due[i])] for i in s.depots],
-            },
-            "travel": {
-                "metric": self.travel.metric,
-                "coordinates": s.coordinates is not None,
-                "own_durations": self.travel.duration_matrix is not None,
-            },
-            "fleet": [{"name": v.name, **dataclasses.asdict(v), "start": s.ids[v.start], "end": s.ids[v.end]} for v in self.fleet],
-            "min_vehicles": self.min_vehicles,
-        }
+        """Objective, sites, demand, service, windows, travel and fleet, and what else there is."""
+        return facts(self)
 
     # -- parts of all answers ----------------------------------------------------------------------------------------
 
@@ -309,6 +329,31 @@ class RoutingProblem(Problem):
             raise UsageError(f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one")
         return evaluate_routes(self, answer)
 
+    def continue_from(self, plan: Any, time: float) -> RoutingProblem:
+        """The problem of the next horizon, where ``plan`` has been driven until ``time``.
+
+        Parameters
+        ----------
+        plan : Solution or Routes
+            A feasible answer. Each route is driven on its earliest schedule, departing as late as delays nothing.
+        time : float
+            Sites begun before it are done. A vehicle under way then is committed to the next stop of its route and starts a route of its
+            own there, when it has served it, with the energy, load, distance and duration it has left; it drives home from there even
+            where it serves nobody. Vehicles that are back are ready again.
+
+        Raises
+        ------
+        UsageError
+            If the plan breaks a constraint, nothing is left to plan, or vehicles reload or carry shipments, pickups or several loads.
+
+        Notes
+        -----
+        Source: Mitchell (2020), sections 3.2 and 5, virtual nodes; docs/formulations/routing.md#horizons.
+        """
+        from .horizon import continued
+
+        return continued(self, self.answer_of(getattr(plan, "answer", plan)), float(time))
+
     def vehicle_names(self, answer: Routes) -> list[str]:
         """Name of the vehicle of each route: that of its type, and a number from 1 within the type."""
         numbers = [itertools.count(1) for _ in self.fleet]
@@ -328,31 +373,10 @@ class RoutingProblem(Problem):
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Routes) -> dict[str, Any]:
-        ids = self.sites.ids
-        routes = []
-        for route in answer:
-            entry: dict[str, Any] = {"visits": [ids[i] for i in route.visits]}
-            if len(self.fleet) > 1:
-                entry["vehicle"] = self.fleet[route.vehicle].name
-            routes.append(entry)
-        return {"kind": "routes", "routes": routes}
+        return routes_to_json(self, answer)
 
     def answer_from_json(self, data: Any) -> Routes:
-        if not isinstance(data, Mapping) or data.get("kind") != "routes" or not isinstance(data.get("routes"), list):
-            raise InputError("not an answer to a routing problem", expected='an object {"kind": "routes", "routes": [...]}')
-        index, types = self.sites.index(), {v.name: k for k, v in enumerate(self.fleet)}
-        routes = []
-        for number, entry in enumerate(data["routes"], start=1):
-            if not isinstance(entry, Mapping) or not isinstance(entry.get("visits"), Sequence) or isinstance(entry["visits"], str):
-                raise InputError(f"route {number} has no list of visits")
-            vehicle = entry.get("vehicle", self.fleet[0].name)
-            if not isinstance(vehicle, str) or vehicle not in types:
-                raise InputError(f"route {number} names an unknown vehicle {printable(vehicle, 80)!r}", expected=", ".join(types))
-            for site in entry["visits"]:
-                if str(site) not in index:
-                    raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}")
-            routes.append(Route(tuple(index[str(s)] for s in entry["visits"]), types[vehicle]))
-        return Routes.of(routes)
+        return routes_from_json(self, data)
 
     def answer_of(self, given: Any) -> Routes:
         """``Routes``; or a list of routes, each a ``Route`` or, where all vehicles are alike, a list of site indices or ids."""
@@ -368,22 +392,10 @@ class RoutingProblem(Problem):
         return Routes.of(sites[first:last] for first, last in itertools.pairwise(ends))
 
     def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
-        """One row a visit: vehicle, position, site, arrival, begin, departure, load, distance (cumulated)."""
-        import pandas as pd
-
-        rows = []
-        for name, route in zip(self.vehicle_names(answer), answer, strict=True):
-            plan = schedule(self, route)
-            for k, site in enumerate(route.visits):
-                rows.append(
-                    {
-                        "vehicle": name, "position": k + 1, "site": self.sites.ids[site],
-                        "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.begin[k] + self.sites.service[site],
-                        "load": float(plan.load[k]), "distance": float(plan.distance[k]),
-                    }
-                )  # fmt: skip
-        columns = ["vehicle", "position", "site", "arrival", "begin", "departure", "load", "distance"]
-        return pd.DataFrame(rows, columns=columns)
+        """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated); ``on_board`` where loads are
+        collected or shipped, ``energy`` where stores are filled on the way.
+        """
+        return routes_to_frame(self, answer)
 
     def check_answer_suffix(self, suffix: str) -> None:
         super().check_answer_suffix(suffix)
@@ -408,9 +420,9 @@ class RoutingProblem(Problem):
             raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
 
 
-def _spread(values: NDArray[np.float64]) -> dict[str, float]:
-    some = values if len(values) else np.zeros(1)
-    return {"total": math.fsum(some), "least": float(some.min()), "largest": float(some.max())}
+def _digested(travel: Travel) -> list[Any]:
+    raw = travel.matrix if travel.metric == EXPLICIT else travel.coordinates
+    return [travel.metric, raw, travel.duration_matrix, travel.convention, travel.closing]
 
 
 def _whole(name: str, value: Any) -> int:
@@ -431,29 +443,3 @@ def _positive(name: str, value: Any) -> float:
     if not number > 0:
         raise UsageError(f"{name} must be positive, not {value!r}")
     return number
-
-
-DEFAULT_OBJECTIVE: dict[str, Objective] = {
-    "vrptw": Objective.of(TotalCost()),
-    "cvrp": Objective.of(TotalCost()),
-    "tsp": Objective.of(TotalCost()),
-    "min-cost-vrp": Objective.of(TotalCost()),
-    "mdvrp": Objective.of(TotalCost()),
-    "min-makespan-vrp": Objective.of(LongestRoute()),
-    "orienteering": Objective.of(Reward()),
-    "team-orienteering": Objective.of(Reward()),
-}
-
-
-@PROBLEMS.register("vrptw")
-@PROBLEMS.register("cvrp")
-@PROBLEMS.register("tsp")
-@PROBLEMS.register("min-cost-vrp")
-@PROBLEMS.register("min-makespan-vrp")
-@PROBLEMS.register("mdvrp")
-@PROBLEMS.register("orienteering")
-@PROBLEMS.register("team-orienteering")
-def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RoutingProblem:
-    if not isinstance(instance, RoutingInstance):
-        raise UsageError(f"{instance.name} holds no routing data, so it cannot be read as {problem}")
-    return RoutingProblem.from_instance(instance, problem, settings)

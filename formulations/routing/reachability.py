@@ -13,7 +13,6 @@ from ...instances.routing.reach import Use, least_use, ways_alone
 from ..tolerance import LIMIT, widened
 
 if TYPE_CHECKING:
-    from ...instances.routing.instance import VehicleType
     from .problem import RoutingProblem
 
 Flags = NDArray[np.bool_]
@@ -50,7 +49,7 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
     The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # sums that overflow are for the checker to judge
-        verdicts = [_reasons(problem, kind) for kind in problem.fleet]
+        verdicts = [_reasons(problem, kind) for kind in range(len(problem.fleet))]
     customers = problem.customers
     found = {}
     for k, site in enumerate(customers.tolist()):
@@ -70,7 +69,7 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
     """A lower bound on the number of routes of any feasible answer.
 
     The largest vehicles together must carry all required demands, rounding and the checker's tolerance granted; every answer
-    has at least ``min_vehicles`` routes, and one if any customer is required.
+    has at least ``min_vehicles`` routes, and one if any customer is required. Where vehicles reload, loads tell nothing.
 
     Returns
     -------
@@ -81,6 +80,8 @@ def minimum_vehicles(problem: RoutingProblem) -> int:
     must = customers[sites.required[customers]]
     if len(must) == 0:
         return problem.min_vehicles
+    if any(v.reloads for v in problem.fleet):
+        return max(problem.min_vehicles, 1)
     with np.errstate(over="ignore"):
         if not math.isfinite(float(sites.demand[must].sum())):
             return max(problem.min_vehicles, 1)
@@ -104,23 +105,23 @@ def servable_alone(problem: RoutingProblem) -> Flags:
     """Customers that some vehicle can serve on a direct route of their own, limits compared exactly; shape (customers,)."""
     good = np.zeros(len(problem.customers), dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"):
-        for kind in problem.fleet:
+        for kind in range(len(problem.fleet)):
             good |= np.all([use.least <= use.most for use in _uses(problem, kind, detours=False)], axis=0)
     return good
 
 
-def _uses(problem: RoutingProblem, kind: VehicleType, *, detours: bool) -> Iterator[Use]:
-    sites, travel, at = problem.sites, problem.travel, problem.customers
-    return least_use(sites, kind, [at], ways_alone(kind, at, travel.duration, travel.distance, sites.service[at], detours=detours))
+def _uses(problem: RoutingProblem, kind: int, *, detours: bool) -> Iterator[Use]:
+    sites, travel, at, vehicle = problem.sites, problem.travel_of(kind), problem.customers, problem.fleet[kind]
+    return least_use(sites, vehicle, [at], ways_alone(vehicle, at, travel.duration, travel.distance, sites.service[at], detours=detours))
 
 
-def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
+def _reasons(problem: RoutingProblem, kind: int) -> list[str | None]:
     """Why a vehicle of this type cannot serve each customer; None where nothing forbids it.
 
     No detour is longer than the direct way, so that shortest ways need not be known where the direct ones do.
     """
     reasons = _broken(problem, kind, detours=False)
-    too_large = problem.sites.demand[problem.customers] > widened(kind.capacity)
+    too_large = problem.sites.demand[problem.customers] > widened(problem.fleet[kind].capacity)
     if not any(reason is not None and not large for reason, large in zip(reasons, too_large, strict=True)):
         return reasons
     if len(reasons) > MOST_DETOURS:
@@ -128,9 +129,10 @@ def _reasons(problem: RoutingProblem, kind: VehicleType) -> list[str | None]:
     return _broken(problem, kind, detours=True)
 
 
-def _broken(problem: RoutingProblem, kind: VehicleType, *, detours: bool) -> list[str | None]:
+def _broken(problem: RoutingProblem, kind: int, *, detours: bool) -> list[str | None]:
     reasons: list[str | None] = [None] * len(problem.customers)
-    charge = "" if kind.energy is None else kind.energy.charge
+    energy = problem.fleet[kind].energy
+    charge = "" if energy is None else energy.charge
     for use in _uses(problem, kind, detours=detours):
         most = np.broadcast_to(np.asarray(use.most, dtype=np.float64), len(reasons))
         for k in np.nonzero(use.least > widened(most) + LIMIT * np.abs(use.least))[0].tolist():

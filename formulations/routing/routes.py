@@ -13,7 +13,8 @@ class Route:
     Parameters
     ----------
     visits : tuple of int
-        Site indices in order, without the depots.
+        Site indices in order, without the depots at both ends. Depots between are stops to reload or to recharge: a route of several
+        trips is one list, and of alternatives the list holds the one that is chosen.
     vehicle : int
         Index of the vehicle type in the fleet.
     """

@@ -38,6 +38,15 @@ def _limited(data: Data, limit: str) -> bool:
     return any(math.isfinite(getattr(v, limit)) for v in data.fleet)
 
 
+def _any(data: Data, of: Callable[[VehicleType], Any]) -> bool:
+    return any(of(v) for v in data.fleet)
+
+
+def _closing(data: Data) -> bool:
+    ways = (data.travel, *(v.travel for v in data.fleet if v.travel is not None))
+    return any(t.closing is not None and bool(np.isfinite(t.closing).any()) for t in ways)
+
+
 def _charged(data: Data, charge: str) -> bool:
     return any(v.energy is not None and v.energy.charge == charge for v in data.fleet)
 
@@ -64,11 +73,31 @@ FEATURES: dict[str, Callable[[Any], bool]] = {
     "fixed-cost": lambda d: any(v.fixed_cost > 0 for v in d.fleet),
     "unit-cost": lambda d: any(v.unit_cost != 1 for v in d.fleet),
     "separate-durations": lambda d: d.travel.duration_matrix is not None,
+    "duration-cost": partial(_any, of=lambda v: v.unit_duration_cost > 0),
+    "overtime": partial(_any, of=lambda v: v.unit_overtime_cost > 0 and v.regular_duration < math.inf),
+    "shifts": partial(_any, of=lambda v: v.shift != (-math.inf, math.inf)),
+    "vehicle-speeds": partial(_any, of=lambda v: v.speed != 1),
+    "vehicle-travel": partial(_any, of=lambda v: v.travel is not None),
+    "several-loads": lambda d: d.sites.dimensions > 1,
+    "pickups": lambda d: bool(d.sites.pickup.any() or d.sites.further_pickup.any()),
+    "shipments": lambda d: bool(d.sites.shipments),
+    "groups": lambda d: bool(d.sites.groups),
+    "several-windows": lambda d: any(d.sites.windows),
+    "skills": lambda d: any(d.sites.skills),
+    "penalties": lambda d: bool(d.sites.penalty.any()),
+    "reloads": partial(_any, of=lambda v: v.reloads),
+    "recharging": partial(_any, of=lambda v: v.stations),
+    "initial-energy": partial(_any, of=lambda v: v.energy is not None and v.energy.at_departure < v.energy.capacity),
+    "closing-moves": _closing,
+    "committed-vehicles": partial(_any, of=lambda v: v.committed),
 }
 """By name: whether data hold it. What everything can express (asymmetric distances, any number of equal vehicles at one depot) has none."""
 
-UNASKED = frozenset({"demands", "demand-or-service-of-depots", "rewards", "unit-cost"})
-"""What asks nothing of a solver by itself."""
+UNASKED = frozenset({"demands", "demand-or-service-of-depots", "rewards", "unit-cost", "penalties"})
+"""What asks nothing of a solver by itself: rewards and penalties count where the objective has a term for them."""
+
+LOADS = frozenset({"demands", "pickups", "shipments"})
+"""Without any of them a capacity limits nothing."""
 
 
 def features(data: Data) -> frozenset[str]:
@@ -77,6 +106,6 @@ def features(data: Data) -> frozenset[str]:
 
 
 def restrictions(data: Data) -> frozenset[str]:
-    """Those that a solver must be able to express: a capacity only where there are demands."""
+    """Those that a solver must be able to express: a capacity only where there are loads."""
     held = features(data)
-    return held - UNASKED if "demands" in held else held - UNASKED - {"capacity"}
+    return held - UNASKED if held & LOADS else held - UNASKED - {"capacity"}

@@ -8,6 +8,9 @@ from typing import Any
 from .features import ENERGY, Data, features
 from .instance import RoutingInstance, Sites, VehicleType
 
+BEYOND_TOURS = frozenset({"shipments", "pickups", "reloads", "recharging", "closing-moves", "shifts", "committed-vehicles"})
+"""What makes one vehicle's route more than a tour."""
+
 
 def equal_fleet(sites: Sites, *, count: int | None = None, **limits: Any) -> tuple[VehicleType, ...]:
     """One type of vehicle for each depot, all alike: ``count`` vehicles at each, with ``limits`` as in ``VehicleType``."""
@@ -20,18 +23,37 @@ def problems_of(data: Data) -> tuple[str, ...]:
     """Problems that may be asked of sites and a fleet, the one that is meant first.
 
     ``vrptw`` where there are time windows; without them ``cvrp`` where vehicles are limited in load, or ``tsp`` for
-    one vehicle that is not limited at all. ``min-cost-vrp`` always.
+    one vehicle that is not limited at all. ``min-cost-vrp`` always. Shipments make it a ``pdptw`` in the first place, stations a
+    ``recharging-vrp``; a limited fleet may be asked for a short makespan, optional sites with rewards for the best choice of them.
     """
     held = features(data)
+    return (*_special(held), *_plain(data, held), *_other(data, held))
+
+
+def _special(held: frozenset[str]) -> tuple[str, ...]:
+    return tuple(name for feature, name in (("shipments", "pdptw"), ("recharging", "recharging-vrp")) if feature in held)
+
+
+def _plain(data: Data, held: frozenset[str]) -> tuple[str, ...]:
     if "multiple-depots" not in held:
         if held & {"time-windows", "depot-windows"}:
             return "vrptw", "min-cost-vrp"
         if "capacity" in held:
             return "cvrp", "min-cost-vrp"
-        limits = {"max-duration", "max-distance", "heterogeneous-fleet", "optional-sites", *ENERGY}
+        limits = {"max-duration", "max-distance", "heterogeneous-fleet", "optional-sites", *ENERGY, *BEYOND_TOURS}
         if not held & limits and data.fleet[0].count == 1:
             return "tsp", "min-cost-vrp"
     return ("min-cost-vrp",)
+
+
+def _other(data: Data, held: frozenset[str]) -> tuple[str, ...]:
+    found = ["mdvrp"] if "multiple-depots" in held and "recharging" not in held else []
+    if "limited-fleet" in held:
+        found.append("min-makespan-vrp")
+        if {"rewards", "optional-sites"} <= held:
+            alone = len(data.fleet) == 1 and data.fleet[0].count == 1
+            found += [*(["orienteering"] if alone else []), "team-orienteering", "makespan-orienteering"]
+    return tuple(found)
 
 
 def with_problems(instance: RoutingInstance) -> RoutingInstance:

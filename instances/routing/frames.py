@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +13,8 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..text import label
 from .fleet import equal_fleet, with_problems
-from .instance import RoutingInstance, Sites
+from .instance import Group, RoutingInstance, Shipment, Sites, VehicleType
+from .json_vehicles import decode_vehicle
 from .travel import EXPLICIT, Travel
 
 if TYPE_CHECKING:
@@ -19,7 +22,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-COLUMNS = ("id", "x", "y", "demand", "ready", "due", "service", "reward", "required", "depot")
+COLUMNS = ("id", "x", "y", "demand", "pickup", "ready", "due", "service", "reward", "required", "penalty", "depot", "skills")
+
+_NUMBERED = re.compile(r"(demand|pickup)[2-9]")
 
 
 def instance_from_frame(
@@ -32,15 +37,21 @@ def instance_from_frame(
     max_duration: float = math.inf,
     convention: str = "",
     name: str = "frame",
+    closing: Any = None,
+    fleet: Any = None,
+    min_vehicles: int = 0,
+    windows: Mapping[Any, Sequence[tuple[float, float]]] | None = None,
+    shipments: Iterable[Sequence[Any]] = (),
+    groups: Iterable[Any] = (),
 ) -> RoutingInstance:
     """An instance from a pandas frame, one row a site.
 
     Parameters
     ----------
     sites : DataFrame
-        Columns ``id`` (else the index), ``x, y, demand, ready, due, service, reward, required, depot``, all but the
-        coordinates (or ``travel``) optional. Without ``depot`` the first row is the depot. Others are refused, so that
-        a misspelt one is not dropped.
+        Columns ``id`` (else the index), ``x, y, demand, pickup, ready, due, service, reward, required, penalty, depot, skills``, all but
+        the coordinates (or ``travel``) optional; ``demand2, pickup2, ...`` are further load dimensions, ``skills`` words with commas
+        between. Without ``depot`` the first row is the depot. Others are refused, so that a misspelt one is not dropped.
     travel, durations : array, DataFrame or scipy.sparse of shape (sites, sites), optional
         Distances and durations; Euclidean from ``x, y`` without them. A frame whose labels are the ids is put in the order
         of the sites. A sparse matrix is a road graph with one entry a road, and its shortest paths are taken.
@@ -51,6 +62,19 @@ def instance_from_frame(
     convention : str
         Distance convention, ``exact`` by default.
     name : str
+    closing : array or DataFrame of shape (sites, sites), optional
+        Latest times at which moves may begin.
+    fleet : DataFrame or sequence of mappings or VehicleType, optional
+        One entry a vehicle type, with the keys of waybound's JSON (docs/formats.md), sites by id; in place of ``vehicles, capacity,
+        max_duration``.
+    min_vehicles : int
+        Routes that must be used at least.
+    windows : mapping from id to a list of pairs, optional
+        Sites with several time windows.
+    shipments : iterable of (pickup id, delivery id) or (pickup id, delivery id, load)
+        Pairs of sites that one vehicle visits in this order.
+    groups : iterable of iterables of ids
+        Alternatives, of which exactly one is visited; ``{"sites": [...], "required": False}`` for at most one.
 
     Returns
     -------
@@ -66,28 +90,149 @@ def instance_from_frame(
         raise InputError("the frame has no rows")
     titles = [str(column) for column in sites.columns]
     for title in titles:
-        if title not in COLUMNS:
+        if title not in COLUMNS and not _NUMBERED.fullmatch(title):
             raise InputError(f"column {title!r} is unknown", expected=", ".join(COLUMNS))
         if titles.count(title) > 1:
             raise InputError(f"column {title!r} stands twice")
     ids = tuple(str(v) for v in (sites["id"] if "id" in titles else sites.index).tolist())
-    reals = {key: _reals(sites, key) for key in ("demand", "ready", "due", "service", "reward") if key in titles}
+    index = {site: k for k, site in enumerate(ids)}
+    reals: dict[str, Floats] = {key: _reals(sites, key) for key in ("ready", "due", "service", "reward", "penalty") if key in titles}
+    reals |= {key: _loads(sites, key, titles) for key in ("demand", "pickup")}
     flags = {key: _flags(sites, key) for key in ("required", "depot") if key in titles}
     if ("x" in titles) != ("y" in titles):
         raise InputError("coordinates need two columns", expected="x and y", found="one of them")
     xy = np.column_stack([_reals(sites, "x"), _reals(sites, "y")]) if "x" in titles else None
-    made = Sites.of(ids, coordinates=xy, **reals, **flags)
+    made = Sites.of(
+        ids, coordinates=xy, windows={_at(site, index, "windows"): w for site, w in (windows or {}).items()},
+        skills=_skills(sites) if "skills" in titles else None, shipments=[_shipment(s, index) for s in shipments],
+        groups=[_group(g, index) for g in groups], **reals, **flags,
+    )  # fmt: skip
     times = None if durations is None else _matrix(durations, ids, "duration")
+    closes = None if closing is None else _closing(closing, ids)
     if travel is not None:
-        moves = Travel(EXPLICIT, matrix=_matrix(travel, ids, "distance"), duration_matrix=times, convention=convention)
+        matrix = _matrix(travel, ids, "distance")
+        moves = Travel(EXPLICIT, matrix=matrix, duration_matrix=times, convention=convention, closing=closes)
     elif xy is None:
         raise InputError("there are neither coordinates nor distances", expected="columns x and y, or travel=matrix")
     else:
-        moves = Travel("euclidean", coordinates=xy, duration_matrix=times, convention=convention)
+        moves = Travel("euclidean", coordinates=xy, duration_matrix=times, convention=convention, closing=closes)
     if vehicles is not None and (isinstance(vehicles, bool) or int(vehicles) != vehicles):
         raise InputError("the number of vehicles must be whole", found=str(vehicles))
-    fleet = equal_fleet(made, count=None if vehicles is None else int(vehicles), capacity=float(capacity), max_duration=float(max_duration))
-    return with_problems(RoutingInstance(label(name), "frame", made, moves, fleet))
+    kinds: tuple[VehicleType, ...]
+    if fleet is None:
+        kinds = equal_fleet(
+            made, count=None if vehicles is None else int(vehicles), capacity=float(capacity), max_duration=float(max_duration)
+        )
+    elif vehicles is not None or capacity < math.inf or max_duration < math.inf:
+        raise InputError("fleet tells the vehicles already", expected="fleet, or vehicles, capacity and max_duration")
+    else:
+        kinds = _fleet(fleet, made)
+    problem = RoutingInstance(label(name), "frame", made, moves, kinds, min_vehicles=min_vehicles)
+    _refuse_powerless(problem)
+    return with_problems(problem)
+
+
+def _fleet(given: Any, sites: Sites) -> tuple[VehicleType, ...]:
+    rows = given.to_dict("records") if hasattr(given, "columns") else list(given)
+    index, kinds = sites.index(), []
+    for k, row in enumerate(rows):
+        if isinstance(row, VehicleType):
+            kinds.append(row)
+            continue
+        if not isinstance(row, Mapping):
+            raise InputError(f"fleet[{k}] must be a mapping or a VehicleType", found=type(row).__name__)
+        held = {str(key): _plain(value) for key, value in row.items()}
+        held = {key: value for key, value in held.items() if value is not None}
+        for key in ("count", "max_reloads"):
+            if isinstance(held.get(key), float) and held[key].is_integer():
+                held[key] = int(held[key])
+        for key in ("start", "end"):
+            if key in held:
+                held[key] = str(held[key])
+        for key in ("reloads",):
+            if key in held:
+                held[key] = [str(site) for site in held[key]]
+        held.setdefault("name", f"vehicle {k + 1}" if len(rows) > 1 else "vehicle")
+        kinds.append(decode_vehicle(held, f"fleet[{k}]", index, sites))
+    names = [v.name for v in kinds]
+    if len(set(names)) < len(names):
+        raise InputError("vehicle types must have different names", found=", ".join(names))
+    return tuple(kinds)
+
+
+def _plain(value: Any) -> Any:
+    """A value of a frame as one of JSON; None where it is missing or no limit."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, float) and not -math.inf < value < math.inf:
+        if value == -math.inf:
+            raise InputError("a number of the fleet is minus infinity", expected="a number of at least 0")
+        return None
+    if isinstance(value, tuple | set | frozenset):
+        value = sorted(value) if not isinstance(value, tuple) else list(value)
+    return [_plain(v) for v in value] if isinstance(value, list) else value
+
+
+def _at(site: Any, index: dict[str, int], what: str) -> int:
+    if str(site) not in index:
+        raise InputError(f"{what} name the unknown site {str(site)!r}", expected="an id of the frame")
+    return index[str(site)]
+
+
+def _shipment(given: Sequence[Any], index: dict[str, int]) -> Shipment:
+    if isinstance(given, str) or len(given) not in (2, 3):
+        raise InputError("a shipment has a pickup, a delivery and perhaps a load", found=str(given)[:80])
+    return Shipment(_at(given[0], index, "shipments"), _at(given[1], index, "shipments"), given[2] if len(given) == 3 else (0.0,))
+
+
+def _group(given: Any, index: dict[str, int]) -> Group:
+    members = given["sites"] if isinstance(given, Mapping) else given
+    required = given.get("required", True) if isinstance(given, Mapping) else True
+    return Group(tuple(_at(site, index, "groups") for site in members), bool(required))
+
+
+def _skills(sites: pd.DataFrame) -> dict[int, list[str]]:
+    found = {}
+    for k, value in enumerate(sites["skills"].tolist()):
+        if isinstance(value, str):
+            found[k] = [word.strip() for word in value.split(",") if word.strip()]
+        elif isinstance(value, Iterable):
+            found[k] = [str(word) for word in value]
+        elif value is not None and value == value:
+            raise InputError("column skills must hold words with commas between", found=str(value))
+    return found
+
+
+def _loads(sites: pd.DataFrame, title: str, titles: list[str]) -> Floats:
+    """All load dimensions of a column, shape (sites, dimensions); a dimension that is not there has no load."""
+    last = max([1, *(int(t[-1]) for t in titles if t[:-1] == title)])
+    columns = [title, *(f"{title}{k}" for k in range(2, last + 1))]
+    return np.column_stack([_reals(sites, c) if c in titles else np.zeros(len(sites)) for c in columns])
+
+
+def _closing(values: Any, ids: tuple[str, ...]) -> Floats:
+    if hasattr(values, "columns"):
+        values = _in_order(values, ids, "closing")
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError("closing times must be numbers", found=str(error)) from None
+
+
+def _refuse_powerless(instance: RoutingInstance) -> None:
+    """Raise InputError if no vehicle has the energy for a first and a last move."""
+    at = instance.sites.customers
+    if not len(at):
+        return
+    for v in instance.fleet:
+        if v.energy is None or v.stations:
+            return
+        moves = (v.travel or instance.travel).at_speed(v.speed)
+        least = v.energy.rate * float(moves.duration(v.start, at).min() + moves.duration(at, v.end).min())
+        if least <= v.energy.at_departure * (1.0 + 1e-9):
+            return
+    raise InputError("the energy of no vehicle lasts to any site and back", expected=f"at least {least:g}",
+                     found=f"{max(v.energy.at_departure for v in instance.fleet if v.energy):g}")  # fmt: skip
 
 
 def _reals(sites: pd.DataFrame, title: str) -> Floats:

@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from ..document import array, fields, flags, integer, json_number, json_numbers, real, reals, square, string, strings
+from ..document import array, fields, flags, integer, json_number, json_numbers, real, reals, string, strings
 from ..errors import InputError
 from ..kinds import KINDS, Kind
-from .instance import Energy, RoutingInstance, Sites, VehicleType
+from .instance import Group, RoutingInstance, Shipment, Sites
+from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle
 from .reach import refuse_unreachable
-from .travel import EXPLICIT, METRICS, Travel
 
 KEYS = ("name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "objective", "notes")
-SITE_KEYS = ("id", "depot", "x", "y", "demand", "ready", "due", "service", "reward", "required")
-TRAVEL_KEYS = ("metric", "x", "y", "matrix", "durations")
-VEHICLE_KEYS = ("name", "count", "capacity", "start", "end", "max_duration", "max_distance", "energy", "fixed_cost", "unit_cost")
-ENERGY_KEYS = ("capacity", "rate", "charge")
+SITE_KEYS = (
+    "id", "depot", "x", "y", "demand", "pickup", "ready", "due", "windows", "service", "reward", "required", "penalty", "skills",
+    "shipments", "groups",
+)  # fmt: skip
 
 
 def encode(instance: RoutingInstance) -> dict[str, Any]:
@@ -28,8 +28,8 @@ def encode(instance: RoutingInstance) -> dict[str, Any]:
         data["problems"] = list(instance.problems)
     data["convention"] = instance.travel.convention
     data["sites"] = _encode_sites(instance.sites)
-    data["travel"] = _encode_travel(instance.travel, instance.sites)
-    data["fleet"] = [_encode_vehicle(vehicle, instance.sites) for vehicle in instance.fleet]
+    data["travel"] = encode_travel(instance.travel, instance.sites)
+    data["fleet"] = [encode_vehicle(vehicle, instance.sites) for vehicle in instance.fleet]
     if instance.min_vehicles:
         data["min_vehicles"] = instance.min_vehicles
     if instance.objective:
@@ -43,45 +43,31 @@ def _encode_sites(sites: Sites) -> dict[str, Any]:
     data: dict[str, Any] = {"id": list(sites.ids), "depot": sites.depot.tolist()}
     if sites.coordinates is not None:
         data["x"], data["y"] = (json_numbers(column) for column in sites.coordinates.T)
-    plain = {"demand": 0.0, "ready": 0.0, "due": math.inf, "service": 0.0, "reward": 0.0}
+    for name in ("demand", "pickup"):
+        loads = np.column_stack([getattr(sites, name), getattr(sites, f"further_{name}")])
+        if loads.any() or (name == "demand" and sites.dimensions > 1):
+            data[name] = json_numbers(loads[:, 0]) if sites.dimensions == 1 else [json_numbers(row) for row in loads]
+    plain = {"ready": 0.0, "due": math.inf, "service": 0.0, "reward": 0.0, "penalty": 0.0}
     for name, default in plain.items():
         values = getattr(sites, name)
         if (values != default).any():
             data[name] = json_numbers(values)
     if (sites.required != ~sites.depot).any():
         data["required"] = sites.required.tolist()
+    if any(sites.windows):
+        data["windows"] = {sites.ids[k]: [[json_number(a), json_number(b)] for a, b in w] for k, w in enumerate(sites.windows) if w}
+    if any(sites.skills):
+        data["skills"] = {sites.ids[k]: sorted(names) for k, names in enumerate(sites.skills) if names}
+    if sites.shipments:
+        data["shipments"] = [_encode_shipment(shipment, sites) for shipment in sites.shipments]
+    if sites.groups:
+        data["groups"] = [{"sites": [sites.ids[k] for k in group.sites], "required": group.required} for group in sites.groups]
     return data
 
 
-def _encode_travel(travel: Travel, sites: Sites) -> dict[str, Any]:
-    data: dict[str, Any] = {"metric": travel.metric}
-    same = travel.metric != EXPLICIT and sites.coordinates is not None and np.array_equal(travel.coordinates, sites.coordinates)  # type: ignore[arg-type]
-    if travel.coordinates is not None and not same:
-        data["x"], data["y"] = (json_numbers(column) for column in travel.coordinates.T)
-    if travel.matrix is not None:
-        data["matrix"] = json_numbers(travel.matrix)
-    if travel.duration_matrix is not None:
-        data["durations"] = json_numbers(travel.duration_matrix)
-    return data
-
-
-def _encode_vehicle(vehicle: VehicleType, sites: Sites) -> dict[str, Any]:
-    data: dict[str, Any] = {
-        "name": vehicle.name, "count": vehicle.count, "capacity": json_number(vehicle.capacity),
-        "start": sites.ids[vehicle.start], "end": sites.ids[vehicle.end],
-    }  # fmt: skip
-    for key in ("max_duration", "max_distance"):
-        if math.isfinite(getattr(vehicle, key)):
-            data[key] = json_number(getattr(vehicle, key))
-    if vehicle.energy is not None:
-        data["energy"] = {
-            "capacity": json_number(vehicle.energy.capacity), "rate": json_number(vehicle.energy.rate), "charge": vehicle.energy.charge
-        }  # fmt: skip
-    if vehicle.fixed_cost:
-        data["fixed_cost"] = json_number(vehicle.fixed_cost)
-    if vehicle.unit_cost != 1.0:
-        data["unit_cost"] = json_number(vehicle.unit_cost)
-    return data
+def _encode_shipment(shipment: Shipment, sites: Sites) -> dict[str, Any]:
+    load = [json_number(v) for v in shipment.load]
+    return {"pickup": sites.ids[shipment.pickup], "delivery": sites.ids[shipment.delivery], "load": load if len(load) > 1 else load[0]}
 
 
 def decode(data: dict[str, Any]) -> RoutingInstance:
@@ -93,9 +79,9 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
         raise InputError("problems must hold problem", expected=problem, found=", ".join(problems))
     sites = _decode_sites(data["sites"])
     convention = string(data["convention"], "convention") if "convention" in data else ""
-    travel = _decode_travel(data["travel"], sites, convention)
+    travel = decode_travel(data["travel"], sites, convention)
     index = sites.index()
-    fleet = [_decode_vehicle(item, f"fleet[{k}]", index, sites) for k, item in enumerate(array(data["fleet"], "fleet"))]
+    fleet = [decode_vehicle(item, f"fleet[{k}]", index, sites) for k, item in enumerate(array(data["fleet"], "fleet"))]
     names = [vehicle.name for vehicle in fleet]
     if len(set(names)) != len(names):
         raise InputError("vehicle types must have different names", found=", ".join(names))
@@ -113,7 +99,10 @@ def _decode_sites(data: Any) -> Sites:
     ids = strings(data["id"], "sites.id")
     n = len(ids)
     columns: dict[str, Any] = {}
-    for key in ("demand", "ready", "service", "reward"):
+    for key in ("demand", "pickup"):
+        if key in data:
+            columns[key] = _loads(data[key], f"sites.{key}", n)
+    for key in ("ready", "service", "reward", "penalty"):
         if key in data:
             columns[key] = reals(data[key], f"sites.{key}", n)
     if "due" in data:
@@ -121,64 +110,65 @@ def _decode_sites(data: Any) -> Sites:
     for key in ("depot", "required"):
         if key in data:
             columns[key] = flags(data[key], f"sites.{key}", n)
+    index = {site: k for k, site in enumerate(ids)}
+    listed: Any
+    if "windows" in data:
+        columns["windows"] = {k: _windows(w, f"sites.windows.{ids[k]}") for k, w in _by_site(data["windows"], "sites.windows", index)}
+    if "skills" in data:
+        columns["skills"] = {k: strings(names, f"sites.skills.{ids[k]}") for k, names in _by_site(data["skills"], "sites.skills", index)}
+    if "shipments" in data:
+        listed = enumerate(array(data["shipments"], "sites.shipments"))
+        columns["shipments"] = [_shipment(item, f"sites.shipments[{k}]", index) for k, item in listed]
+    if "groups" in data:
+        listed = enumerate(array(data["groups"], "sites.groups"))
+        columns["groups"] = [_group(item, f"sites.groups[{k}]", index) for k, item in listed]
     at_depot = columns.get("depot", np.arange(n) == 0) & columns.get("required", np.zeros(n, dtype=bool))
     if at_depot.any():
         k = int(np.argmax(at_depot))
         raise InputError(f"sites.required[{k}] asks for a visit to a depot", expected="false", found="true")
-    return Sites.of(ids, coordinates=_coordinates(data, "sites", n), **columns)
+    return Sites.of(ids, coordinates=decode_coordinates(data, "sites", n), **columns)
 
 
-def _coordinates(data: Any, path: str, n: int) -> Any:
-    given = [key for key in ("x", "y") if key in data]
-    if len(given) == 1:
-        raise InputError(f"{path} has {given[0]} alone", expected="x and y")
-    return np.column_stack([reals(data[key], f"{path}.{key}", n) for key in given]) if given else None
+def _loads(data: Any, path: str, n: int) -> Any:
+    """One number a site, or one list of numbers a site with several load dimensions."""
+    rows = array(data, path, n)
+    if not any(isinstance(row, list) for row in rows):
+        return reals(rows, path, n)
+    width = len(rows[0]) if isinstance(rows[0], list) else 1
+    return np.array([reals(row, f"{path}[{k}]", width) for k, row in enumerate(rows)])
 
 
-def _decode_travel(data: Any, sites: Sites, convention: str) -> Travel:
-    fields(data, "travel", TRAVEL_KEYS, ("metric",))
-    metric, n = string(data["metric"], "travel.metric"), len(sites)
-    if metric not in (*METRICS, EXPLICIT):
-        raise InputError("travel.metric is unknown", expected=", ".join((*METRICS, EXPLICIT)), found=metric)
-    if (metric == EXPLICIT) != ("matrix" in data):
-        raise InputError(f"travel by {metric} {'needs' if metric == EXPLICIT else 'has no'} matrix")
-    own = _coordinates(data, "travel", n)
-    if own is None and metric != EXPLICIT:
-        own = sites.coordinates
-    matrix = square(data["matrix"], "travel.matrix", n) if "matrix" in data else None
-    durations = square(data["durations"], "travel.durations", n) if "durations" in data else None
-    return Travel(metric, coordinates=own, matrix=matrix, duration_matrix=durations, convention=convention)
+def _site(data: Any, path: str, index: dict[str, int]) -> int:
+    name = string(data, path)
+    if name not in index:
+        raise InputError(f"{path} names no site", expected="an id of sites.id", found=name)
+    return index[name]
 
 
-def _decode_vehicle(data: Any, path: str, index: dict[str, int], sites: Sites) -> VehicleType:
-    fields(data, path, VEHICLE_KEYS)
-    first = sites.ids[int(sites.depots[0])]
-    ends = []
-    for key in ("start", "end"):
-        site = string(data.get(key, first), f"{path}.{key}")
-        if site not in index:
-            raise InputError(f"{path}.{key} names no site", expected="an id of sites.id", found=site)
-        ends.append(index[site])
-    energy = None
-    if data.get("energy") is not None:
-        store = fields(data["energy"], f"{path}.energy", ENERGY_KEYS, ("capacity",))
-        energy = Energy(
-            real(store["capacity"], f"{path}.energy.capacity"), real(store.get("rate", 1.0), f"{path}.energy.rate"),
-            string(store.get("charge", "travel"), f"{path}.energy.charge"),
-        )  # fmt: skip
-    count = data.get("count")
-    return VehicleType(
-        count=None if count is None else integer(count, f"{path}.count", 1),
-        capacity=real(data.get("capacity"), f"{path}.capacity", null=math.inf),
-        start=ends[0],
-        end=ends[1],
-        max_duration=real(data.get("max_duration"), f"{path}.max_duration", null=math.inf),
-        max_distance=real(data.get("max_distance"), f"{path}.max_distance", null=math.inf),
-        energy=energy,
-        fixed_cost=real(data.get("fixed_cost", 0.0), f"{path}.fixed_cost"),
-        unit_cost=real(data.get("unit_cost", 1.0), f"{path}.unit_cost"),
-        name=string(data.get("name", "vehicle"), f"{path}.name"),
-    )
+def _by_site(data: Any, path: str, index: dict[str, int]) -> list[tuple[int, Any]]:
+    """The values of an object with one key a site."""
+    given = fields(data, path, data if isinstance(data, dict) else ())
+    return [(_site(name, f"a key of {path}", index), value) for name, value in given.items()]
+
+
+def _windows(data: Any, path: str) -> list[tuple[float, float]]:
+    pairs = [array(pair, f"{path}[{k}]", 2) for k, pair in enumerate(array(data, path))]
+    return [(real(a, f"{path}[{k}][0]"), real(b, f"{path}[{k}][1]", null=math.inf)) for k, (a, b) in enumerate(pairs)]
+
+
+def _shipment(data: Any, path: str, index: dict[str, int]) -> Shipment:
+    fields(data, path, ("pickup", "delivery", "load"), ("pickup", "delivery"))
+    given = data.get("load", 0)
+    loads = [real(v, f"{path}.load") for v in (given if isinstance(given, list) else [given])]
+    return Shipment(_site(data["pickup"], f"{path}.pickup", index), _site(data["delivery"], f"{path}.delivery", index), tuple(loads))
+
+
+def _group(data: Any, path: str, index: dict[str, int]) -> Group:
+    fields(data, path, ("sites", "required"), ("sites",))
+    required = data.get("required", True)
+    if not isinstance(required, bool):
+        raise InputError(f"{path}.required must be true or false")
+    return Group(tuple(_site(name, f"{path}.sites", index) for name in strings(data["sites"], f"{path}.sites")), required)
 
 
 KINDS.add("routing", Kind("routing", encode, decode))

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from ..text import plain
 from .instance import RoutingInstance, Sites, VehicleType
+from .travel import Travel
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -142,14 +143,14 @@ def least_use(sites: Sites, vehicle: VehicleType, stops: Sequence[Indices], legs
     """
     yield Use("load", _sum(sites.demand[k] for k in stops), vehicle.capacity)
     *ways, home = legs("time")
-    opens = float(sites.ready[vehicle.start])
+    opens = max(float(sites.ready[vehicle.start]), vehicle.shift[0])
     clock: Floats = np.asarray(opens)
     for stop, way in zip(stops, ways, strict=True):
         arrival = clock + way
         yield Use("arrival", arrival, sites.due[stop])
         clock = np.maximum(arrival, sites.ready[stop]) + sites.service[stop]
     finish = clock + home
-    yield Use("return", finish, float(sites.due[vehicle.end]))
+    yield Use("return", finish, min(float(sites.due[vehicle.end]), vehicle.shift[1]))
     busy = _sum(ways) + home + _sum(sites.service[k] for k in stops)
     elapsed = np.maximum(busy, finish - float(sites.due[vehicle.start]))
     yield Use("duration", elapsed, vehicle.max_duration)
@@ -195,15 +196,20 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
     InputError
         Naming the first such customer, the limit and what exceeds it.
     """
-    sites, travel = instance.sites, instance.travel
+    sites = instance.sites
+    if any(v.reloads or v.stations for v in instance.fleet):
+        return  # ways through these depots are not looked at
     fleet = [replace(v, capacity=math.inf, energy=None) for v in instance.fleet]
-    if not np.isfinite(sites.due).any() and all(math.isinf(v.max_duration) and math.isinf(v.max_distance) for v in fleet):
+    if not np.isfinite(sites.due).any() and all(
+        math.isinf(v.max_duration) and math.isinf(v.max_distance) and math.isinf(v.shift[1]) for v in fleet
+    ):
         return
     at, size = sites.customers, float(np.abs(sites.ready).max())
     for detours in (False, True):  # the direct way settles nearly all; only where it fails is another looked for
         found = []
         for vehicle in fleet:
-            legs = ways_alone(vehicle, at, travel.least_duration, travel.least_distance, detours=detours)
+            travel = instance.travel if vehicle.travel is None else vehicle.travel
+            legs = ways_alone(vehicle, at, _at_speed(travel, vehicle.speed), travel.least_distance, detours=detours)
             found.append(list(least_use(sites, vehicle, [at], legs)))
         beyond = np.all([np.any([_exceeds(use, size) for use in uses], axis=0) for uses in found], axis=0) & sites.required[at]
         if not beyond.any():
@@ -215,6 +221,10 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
         f"no vehicle can reach customer {sites.ids[at[k]]}: {WORDS[use.limit]}", line=None if lines is None else int(lines[at[k]]),
         expected=f"at most {plain(most)}", found=f"at least {plain(float(use.least[k]))}",
     )  # fmt: skip
+
+
+def _at_speed(travel: Travel, speed: float) -> Move:
+    return travel.least_duration if speed == 1.0 else lambda i, j: travel.least_duration(i, j) / speed
 
 
 def _exceeds(use: Use, size: float) -> Flags:

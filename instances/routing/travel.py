@@ -136,6 +136,8 @@ class Travel:
         Distances of an EXPLICIT metric, in the file's units.
     duration_matrix : array of shape (sites, sites), optional
         Durations, where they differ from the distances. Taken as they are: a convention rounds distances.
+    closing : array of shape (sites, sites), optional
+        Latest time at which a direct move may begin, infinite where it never closes: roads and cells that close with time.
     convention : str
         ``file, exact, trunc1, trunc2, round`` or ``ceil``; ``dimacs`` is ``trunc1``. The default is ``file`` where the
         metric prescribes a rounding and ``exact`` elsewhere.
@@ -158,6 +160,7 @@ class Travel:
     matrix: Floats | None = None
     duration_matrix: Floats | None = None
     convention: str = ""
+    closing: Floats | None = None
     _rounding: Callable[[Floats], Floats] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -183,6 +186,8 @@ class Travel:
             put("duration_matrix", _square(self.duration_matrix, "duration"))
             if len(self.duration_matrix) != len(self):
                 raise InputError("the duration matrix has another size than the sites", found=str(len(self.duration_matrix)))
+        if self.closing is not None:
+            put("closing", self._closing(self.closing))
         file_rounding = METRICS[self.metric].file_rounding if self.metric in METRICS else _ROUNDING["exact"]
         convention = convention_named(self.convention or ("file" if file_rounding is not None else "exact"))
         if convention == "file":
@@ -208,7 +213,22 @@ class Travel:
         keep = np.asarray(sites, dtype=np.int64)
         cut: Callable[[Floats | None], Floats | None] = lambda m: None if m is None else m[np.ix_(keep, keep)]  # noqa: E731
         xy = None if self.coordinates is None else self.coordinates[keep]
-        return replace(self, coordinates=xy, matrix=cut(self.matrix), duration_matrix=cut(self.duration_matrix))
+        return replace(self, coordinates=xy, matrix=cut(self.matrix), duration_matrix=cut(self.duration_matrix), closing=cut(self.closing))
+
+    def at_speed(self, speed: float) -> Travel:
+        """The same distances, in durations divided by ``speed``."""
+        return self if speed == 1.0 else replace(self, duration_matrix=self.durations / speed)
+
+    def _closing(self, values: ArrayLike) -> Floats:
+        times = np.array(values, dtype=np.float64)
+        if times.shape != (len(self), len(self)):
+            raise InputError("closing times must have one entry a move", expected=f"({len(self)}, {len(self)})", found=str(times.shape))
+        np.fill_diagonal(times, np.inf)
+        if np.isnan(times).any():
+            i, j = np.argwhere(np.isnan(times))[0].tolist()
+            raise InputError(f"closing time of the move from site {i} to site {j} must be a number", found="nan")
+        times.setflags(write=False)
+        return times
 
     def distance(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
         """Distances of the moves ``origin[k] -> destination[k]``; broadcasts like numpy."""

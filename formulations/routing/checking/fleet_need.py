@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
 from .infeasible_site import out_of_reach, verdict
+from .known_features import least_moves
 from .route_limits import Limits, Nodes, allowed, clocks, limits_of, named_customers, servable_sets, summable, within_reach
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def _types(problem: RoutingProblem) -> dict[VehicleType, int]:
     n = len(problem.sites.customers)
     found: dict[VehicleType, int] = {}
     for v in problem.fleet:
-        kind = replace(v, count=None, name="", fixed_cost=0.0, unit_cost=1.0)
+        kind = replace(v, count=None, name="", fixed_cost=0.0, unit_cost=1.0, committed=False)
         found[kind] = min(n, found.get(kind, 0) + (n if v.count is None else v.count))
     return found
 
@@ -116,7 +117,7 @@ def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> 
     sites, customers = problem.sites, problem.sites.customers
     if not summable(problem) or not sites.required.any():
         return verdict(problem, proved=False)
-    moves = (problem.travel.distances if resource == "distance" else problem.travel.durations).copy()
+    moves = least_moves(problem)[0 if resource == "distance" else 1].copy()
     np.fill_diagonal(moves, math.inf)
     must = np.nonzero(sites.required)[0]
     tails = np.union1d(customers, np.array([v.start for v in problem.fleet], dtype=np.int64))
@@ -165,7 +166,7 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
         size, rounding = max(size, limits.horizon), max(rounding, limits.rounding)
     if not (sites.required[at] & (earliest >= low) & (latest <= high))[named].all():
         return verdict(problem, proved=False)
-    moves = problem.travel.durations[np.ix_(at, at)].copy()
+    moves = least_moves(problem)[1][np.ix_(at, at)].copy()
     np.fill_diagonal(moves, math.inf)
     vehicles = min(sum(_types(problem).values()), len(named))
     service, reach = np.sort(sites.service[at[named]]), np.sort(moves[:, named].min(axis=0))

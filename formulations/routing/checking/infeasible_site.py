@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
+from .known_features import unknown_features
 from .route_limits import allowed, limits_of, named_customers, servable_sets, summable, within_reach
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> f
 def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
     """Sites that are shown here to be on no route of any vehicle, required or not; shape (sites,)."""
     found, customers = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers
+    if unknown_features(problem):
+        return found
     if len(customers) > MOST_DETOURS:  # no matrix of moves: the demand alone tells
         found[customers] = problem.sites.demand[customers] > max(allowed(v.capacity) for v in problem.fleet)
     elif summable(problem):

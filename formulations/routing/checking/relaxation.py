@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from ...checking.granularity import Grain, grain, is_decimal
 from ...tolerance import widening
+from .known_features import departure, last_return, least_moves, unknown_features
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -96,14 +98,14 @@ class Relaxation:
 
 
 def relax(problem: RoutingProblem) -> Relaxation | None:
-    """The relaxation of ``problem``; None where its objective is no sum over arcs, or where sites may be left out."""
-    weights = _term_weights(problem)
+    """The relaxation of ``problem``; None where its objective is no sum over arcs, where sites may be left out, or for unknown features."""
+    weights = None if unknown_features(problem) else _term_weights(problem)
     customers = problem.sites.customers
     if weights is None or len(customers) == 0 or not problem.sites.required[customers].all():
         return None
     per_cost, per_vehicle = weights
     nodes = len(customers) + 1
-    between = problem.travel.distances
+    between, _ = least_moves(problem)
     cost = per_cost * min(v.unit_cost for v in problem.fleet) * _merged(problem, between)
     cost[0] = _first_move(problem, lambda v: per_cost * (v.fixed_cost + v.unit_cost * between[v.start, customers]) + per_vehicle)
     cost[1:, 0] = per_cost * np.min([v.unit_cost * between[customers, v.end] for v in problem.fleet], axis=0)
@@ -118,7 +120,9 @@ def relax(problem: RoutingProblem) -> Relaxation | None:
     cost[~allowed] = math.inf
     grains = [per_cost * v.unit_cost * between for v in problem.fleet]
     fixed = [per_cost * v.fixed_cost + per_vehicle for v in problem.fleet]
-    size = grain(np.concatenate([*(g.ravel() for g in grains), fixed]))
+    # Costs of time, and moves of which each vehicle has its own, are no multiples of anything that is looked for.
+    whole = not per_cost or not problem.features() & {"duration-cost", "overtime", "vehicle-travel", "committed-vehicles"}
+    size = grain(np.concatenate([*(g.ravel() for g in grains), fixed])) if whole else None
     fewest, most = _fleet(problem)
     inner = allowed[1:, 1:]
     first, last = (np.logical_not(np.asarray(inner.any(axis=axis))) for axis in (0, 1))
@@ -168,34 +172,37 @@ def _resources(problem: RoutingProblem) -> dict[str, Resource]:
     sites, fleet = problem.sites, problem.fleet
     at = sites.customers
     zeros, free = np.zeros(len(at) + 1), np.full(len(at) + 1, math.inf)
-    distances, durations = problem.travel.distances, problem.travel.durations
+    distances, durations = least_moves(problem)
     moving, driven = _with_depot(problem, durations, zeros), _with_depot(problem, distances, zeros)
     service = np.concatenate([[0.0], sites.service[at]])
     busy = _with_depot(problem, durations, service)
 
-    start = min(float(sites.ready[v.start]) for v in fleet)
+    start = min(departure(problem, v) for v in fleet)
     ready, due = np.concatenate([[start], sites.ready[at]]), np.concatenate([[0.0], sites.due[at]])
     ends = []
     for v in fleet:
-        end = float(sites.due[v.end])
+        end = last_return(problem, v)
         if v.energy is not None and v.energy.charge == "elapsed-fixed-start":
             store = v.energy.capacity + float(widening(v.energy.capacity))
-            end = min(end, float(sites.ready[v.start]) + store / v.energy.rate)
+            end = min(end, departure(problem, v) + store / v.energy.rate)
         ends.append(end)
     due[0] = max(ends)
-    clock = max(abs(float(sites.ready[v.start])) for v in fleet)
-    found = {"time": _resource(busy, start, ready, due, clock, rounded=clock)}
+    clock = max(abs(departure(problem, v)) for v in fleet)
+    # Where vehicles or windows that are merged differ, levels need not be sums of what is looked at here.
+    alike = not problem.features() & {"vehicle-travel", "vehicle-speeds", "shifts", "several-windows"}
+    widened = partial(_widened_resource, alike=alike)
+    found = {"time": widened(busy, start, ready, due, clock, rounded=clock)}
     clock = found["time"].size  # what the judge computes elapsed time from
 
     demand = np.concatenate([[0.0], sites.demand[at]])
     limits = {name: max(getattr(v, name) for v in fleet) for name in ("capacity", "max_distance", "max_duration")}
     if math.isfinite(limits["capacity"]):
         weight = np.tile(demand, (len(demand), 1))
-        found["load"] = _resource(weight, 0.0, zeros, np.minimum(free, limits["capacity"]))
+        found["load"] = widened(weight, 0.0, zeros, np.minimum(free, limits["capacity"]))
     if math.isfinite(limits["max_distance"]):
-        found["distance"] = _resource(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
+        found["distance"] = widened(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
     if math.isfinite(limits["max_duration"]):
-        found["duration"] = _resource(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
+        found["duration"] = widened(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
     stores = [v.energy for v in fleet if v.energy is not None]
     if len(stores) == len(fleet):
         charges = {e.charge for e in stores}
@@ -205,10 +212,10 @@ def _resources(problem: RoutingProblem) -> dict[str, Resource]:
         if charges == {"windows"}:
             weight = busy.copy()
             # From a depot the judge counts from that depot's own opening, so only a common opening can be used.
-            first = 0 if len({float(sites.ready[v.start]) for v in fleet}) == 1 else 1
+            first = 0 if len({departure(problem, v) for v in fleet}) == 1 else 1
             weight[first:, 1:] = np.maximum(busy[first:, 1:], ready[None, 1:] - ready[first:, None])
         rate, capacity = min(e.rate for e in stores), max(e.capacity for e in stores)
-        found["energy"] = _resource(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
+        found["energy"] = widened(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
     return found
 
 
@@ -223,15 +230,22 @@ def _with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floa
     return made
 
 
-def _resource(weight: Floats, start: float, lower: Floats, upper: Floats, clock: float = 0.0, rounded: float = 0.0) -> Resource:
+def _widened_resource(
+    weight: Floats, start: float, lower: Floats, upper: Floats, clock: float = 0.0, rounded: float = 0.0, *, alike: bool
+) -> Resource:
     """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds.
 
     ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels.
-    Where all data are multiples of 0.001, levels are, and none can exceed a limit by as little as what is let pass.
+    Where all data are multiples of 0.001 (and all that counts is looked at: ``alike``), levels are, and none can exceed a limit by as
+    little as what is let pass.
     """
     top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
     wider = widening(upper, clock)
-    if float(wider.max()) < _LEAST_STEP and all(is_decimal(values) for values in (weight, start, lower, upper[np.isfinite(upper)])):
+    if (
+        alike
+        and float(wider.max()) < _LEAST_STEP
+        and all(is_decimal(values) for values in (weight, start, lower, upper[np.isfinite(upper)]))
+    ):
         wider = np.zeros(len(upper))
     upper = np.minimum(upper + wider, max(top, start))
     size = max(rounded, abs(start), float(np.abs(lower).max()), float(np.abs(upper).max()), float(weight.max()))

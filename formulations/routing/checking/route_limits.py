@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...tolerance import widening
+from .known_features import departure, last_return, own_moves, unknown_features
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -34,8 +35,8 @@ def allowed(limit: float, size: float = 0.0, rounding: float = 0.0) -> float:
 
 
 def summable(problem: RoutingProblem) -> bool:
-    """Whether no sum along a route can overflow: an instance bounds all numbers that are added up but rates of energy."""
-    return all(v.energy is None or v.energy.rate <= LARGEST_RATE for v in problem.fleet)
+    """Whether all features are known, and no sum along a route can overflow: an instance bounds all numbers but rates of energy."""
+    return not unknown_features(problem) and all(v.energy is None or v.energy.rate <= LARGEST_RATE for v in problem.fleet)
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,9 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
     sites = problem.sites
     at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
     grid = np.ix_(at, at)
-    move, far = problem.travel.durations[grid], problem.travel.distances[grid]
+    far, move = (matrix[grid] for matrix in own_moves(problem, vehicle))
     ready, due = sites.ready[at].astype(np.float64), sites.due[at].astype(np.float64)
+    ready[0], due[-1] = departure(problem, vehicle), last_return(problem, vehicle)
     service, demand = sites.service[at].copy(), sites.demand[at].copy()
     service[[0, -1]] = demand[[0, -1]] = 0.0
     busy = service[:, None] + move

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.preparation import every_move, limited_resources, tightened
 from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
@@ -54,10 +55,11 @@ class Arcs:
 
 
 def lacks_arc_costs(problem: Problem) -> frozenset[str]:
-    """Features for which the arc bounds prove nothing: other families, optional sites, objectives that are no sum over arcs."""
+    """Features for which the arc bounds prove nothing: other families, optional sites, objectives that are no sum over arcs, and what
+    their checkers do not know."""
     if problem.family != "routing":
         return frozenset({f"{problem.family} problems"})
-    missing = {"optional-sites"} & problem.features()
+    missing = ({"optional-sites"} & problem.features()) | unknown_features(problem)  # type: ignore[arg-type]
     for weight, term in problem.objective.levels()[0].terms:  # type: ignore[attr-defined]
         if term.name not in ARC_TERMS or weight < 0:
             missing = missing | {f"objective:{term.name}"}
@@ -74,7 +76,8 @@ def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
     """Arcs, costs and limits on the number of routes of a problem that ``lacks_arc_costs`` finds nothing against; None if too many."""
     if too_many_arcs(problem, stop.seconds_left):
         return None
-    sites, travel, fleet = problem.sites, problem.travel, problem.fleet
+    sites, fleet = problem.sites, problem.fleet
+    own = list({id(t): t for t in map(problem.travel_of, range(len(fleet)))}.values())
     at = problem.customers
     weights = dict.fromkeys(ARC_TERMS, 0.0)
     for weight, term in problem.objective.levels()[0].terms:
@@ -93,16 +96,19 @@ def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
     def at_nodes(values: Floats, start: float = 0.0, end: float = 0.0) -> Floats:
         return np.concatenate([[start], values[at], [end]])
 
-    distance, share = between(travel.distances), weights["total-cost"]
-    duration = distance if travel.duration_matrix is None else between(travel.durations)
+    lengths = own[0].distances if len(own) == 1 else np.minimum.reduce([t.distances for t in own])
+    times = own[0].durations if len(own) == 1 else np.minimum.reduce([t.durations for t in own])
+    distance, share = between(lengths), weights["total-cost"]
+    duration = distance if times is lengths else between(times)
     cost = share * min(v.unit_cost for v in fleet) * distance[:-1, :-1]
-    first = [share * (v.fixed_cost + v.unit_cost * travel.distances[v.start, at]) for v in fleet]
+    first = [share * (v.fixed_cost + v.unit_cost * lengths[v.start, at]) for v in fleet]
     cost[0, 1:] = np.min(first, axis=0) + weights["vehicles"]
-    cost[1:, 0] = share * np.min([v.unit_cost * travel.distances[at, v.end] for v in fleet], axis=0)
+    cost[1:, 0] = share * np.min([v.unit_cost * lengths[at, v.end] for v in fleet], axis=0)
     limits = {name: max(getattr(v, name) for v in fleet) for name in ("capacity", "max_duration", "max_distance")}
-    best = VehicleType(**limits, energy=fleet[0].energy if len({v.energy for v in fleet}) == 1 else None)
+    opens = {max(float(sites.ready[v.start]), v.shift[0]) for v in fleet}
+    best = VehicleType(**limits, energy=fleet[0].energy if len({v.energy for v in fleet}) == len(opens) == 1 else None)
     resources = limited_resources(
-        best, at_nodes(sites.ready, float(sites.ready[starts].min())), at_nodes(sites.due, math.inf, float(sites.due[ends].max())),
+        best, at_nodes(sites.ready, min(opens)), at_nodes(sites.due, math.inf, float(sites.due[ends].max())),
         distance, duration, at_nodes(sites.service), at_nodes(sites.demand),
     )  # fmt: skip
     allowed = every_move(n + 2)

@@ -11,7 +11,7 @@ import pytest
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.features import FEATURES, features, restrictions
 from waybound.instances.routing.fleet import problems_of
-from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
+from waybound.instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 
 XY = np.array([[0.0, 0], [0, 3], [4, 0], [4, 3]])
@@ -44,7 +44,31 @@ CASES: dict[str, tuple[dict[str, Any], set[str]]] = {
     "fixed-cost": ({"fleet": [VehicleType(fixed_cost=1)]}, {"fixed-cost"}),
     "unit-cost": ({"fleet": [VehicleType(unit_cost=2)]}, set()),
     "separate-durations": ({"travel": Travel("euclidean", XY, duration_matrix=np.ones((4, 4)))}, {"separate-durations"}),
+    "duration-cost": ({"fleet": [VehicleType(unit_duration_cost=2)]}, {"duration-cost"}),
+    "overtime": ({"fleet": [VehicleType(regular_duration=9, unit_overtime_cost=2)]}, {"overtime"}),
+    "shifts": ({"fleet": [VehicleType(shift=(2, math.inf))]}, {"shifts"}),
+    "vehicle-speeds": ({"fleet": [VehicleType(speed=2)]}, {"vehicle-speeds"}),
+    "vehicle-travel": ({"fleet": [VehicleType(travel=Travel("manhattan", XY))]}, {"vehicle-travel"}),
+    "several-loads": ({"sites": {"demand": np.zeros((4, 2))}}, {"several-loads"}),
+    "pickups": ({"sites": {"pickup": [0, 1, 0, 0]}}, {"pickups"}),
+    "shipments": ({"sites": {"shipments": [Shipment(1, 2)]}}, {"shipments"}),
+    "penalties": ({"sites": {"penalty": [0, 1, 0, 0]}}, set()),
+    "skills": ({"sites": {"skills": {1: ["cold"]}}, "fleet": [VehicleType(skills=frozenset(["cold"]))]}, {"skills"}),
+    "closing-moves": ({"travel": Travel("euclidean", XY, closing=np.full((4, 4), 9.0))}, {"closing-moves"}),
+    "reloads": ({"fleet": [VehicleType(reloads=(0,))]}, {"reloads"}),
 }
+
+IN_COMPANY: dict[str, tuple[dict[str, Any], set[str]]] = {
+    "open-routes": (
+        {"sites": {"depot": [True, True, False, False]}, "fleet": [VehicleType(end=1)]}, {"open-routes", "multiple-depots"}
+    ),
+    "groups": ({"sites": {"groups": [Group((1, 2))]}}, {"groups", "optional-sites"}),
+    "several-windows": ({"sites": {"windows": {1: [(0, 2), (5, 9)]}}}, {"several-windows", "time-windows"}),
+    "recharging": ({"fleet": [VehicleType(energy=Energy(9, stations=(0,)))]}, {"recharging", "energy:travel"}),
+    "initial-energy": ({"fleet": [VehicleType(energy=Energy(9, initial=5))]}, {"initial-energy", "energy:travel"}),
+    "committed-vehicles": ({"fleet": [VehicleType(2, committed=True)]}, {"committed-vehicles", "limited-fleet"}),
+}  # fmt: skip
+"""Features that do not come alone."""
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -56,10 +80,14 @@ def test_each_feature_is_named_by_itself_and_asked_of_solvers_where_it_restricts
     assert RoutingProblem.from_instance(instance, "cvrp").features() == restricting | {"objective:total-cost"}
 
 
+@pytest.mark.parametrize("name", IN_COMPANY)
+def test_a_feature_that_brings_others_names_all_of_them(name: str) -> None:
+    parts, held = IN_COMPANY[name]
+    assert features(holding(**parts)) == restrictions(holding(**parts)) == held
+
+
 def test_every_feature_has_a_case() -> None:
-    assert FEATURES.keys() - CASES.keys() == {"open-routes"}
-    open_routes = holding(sites={"depot": [True, True, False, False]}, fleet=[VehicleType(end=1)])
-    assert features(open_routes) == restrictions(open_routes) == {"open-routes", "multiple-depots"}
+    assert FEATURES.keys() == CASES.keys() | IN_COMPANY.keys()
 
 
 def test_plain_data_hold_none() -> None:
@@ -86,9 +114,25 @@ def test_one_limited_type_of_several_is_a_limited_fleet() -> None:
         ({"fleet": [VehicleType(1)], "sites": {"required": [False, True, False, True]}}, "min-cost-vrp"),
         ({"fleet": [VehicleType(1, energy=Energy(9))]}, "min-cost-vrp"),
         ({"sites": {"depot": [True, True, False, False], "due": 99}}, "min-cost-vrp"),
+        ({"sites": {"shipments": [Shipment(1, 2)], "due": 99}}, "pdptw"),
+        ({"fleet": [VehicleType(1, energy=Energy(9, stations=(0,)))]}, "recharging-vrp"),
+        ({"fleet": [VehicleType(1, shift=(0, 9))]}, "min-cost-vrp"),
     ],
 )
 def test_the_problem_that_is_meant_follows_from_the_features(parts: dict[str, Any], meant: str) -> None:
     found = problems_of(holding(**parts))
     assert found[0] == meant
-    assert found[-1] == "min-cost-vrp"
+    assert "min-cost-vrp" in found
+
+
+def test_what_else_may_be_asked_follows_from_the_data() -> None:
+    assert "min-makespan-vrp" in problems_of(holding(fleet=[VehicleType(2)])) and "min-makespan-vrp" not in problems_of(holding())
+    assert "mdvrp" in problems_of(holding({"depot": [True, True, False, False]}))
+    chosen = {"reward": [0, 1, 2, 3], "required": False}
+    assert {"orienteering", "team-orienteering", "makespan-orienteering"} <= set(problems_of(holding(chosen, [VehicleType(1)])))
+    assert "orienteering" not in problems_of(holding(chosen, [VehicleType(2)]))
+
+
+@pytest.mark.parametrize("sites", [{"pickup": [0, 1, 0, 0]}, {"shipments": [Shipment(1, 2, (3.0,))]}])
+def test_a_capacity_restricts_where_anything_is_carried(sites: dict[str, Any]) -> None:
+    assert "capacity" in restrictions(holding(sites, [VehicleType(capacity=5)]))

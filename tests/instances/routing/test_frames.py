@@ -18,7 +18,7 @@ SITES = pd.DataFrame({"id": ["yard", "a", "b"], "x": [0, 3, 6], "y": [0, 4, 8], 
 
 def test_columns_become_sites() -> None:
     made = instance_from_frame(SITES, vehicles=2, capacity=4, name="f")
-    assert (made.name, made.format, made.problem, made.problems) == ("f", "frame", "cvrp", ("cvrp", "min-cost-vrp"))
+    assert (made.name, made.format, made.problem, made.problems) == ("f", "frame", "cvrp", ("cvrp", "min-cost-vrp", "min-makespan-vrp"))
     assert made.sites.ids == ("yard", "a", "b")
     assert made.sites.depots.tolist() == [0]
     assert (made.fleet[0].count, made.fleet[0].capacity) == (2, 4)

@@ -34,7 +34,12 @@ def csv(old: str, new: str) -> str:
 
 def test_everything_in_the_file_is_read(read_text_as: Callable[..., Any]) -> None:
     made = read_text_as(GOOD, "monday.csv")
-    assert (made.name, made.format, made.problem, made.problems) == ("monday", "csv", "vrptw", ("vrptw", "min-cost-vrp"))
+    assert (made.name, made.format, made.problem, made.problems) == (
+        "monday",
+        "csv",
+        "vrptw",
+        ("vrptw", "min-cost-vrp", "min-makespan-vrp"),
+    )
     assert made.fleet == (VehicleType(2, 10.0),)
     assert made.sites.ids == ("yard", "a, b", "c")
     assert made.sites.demand.tolist() == [0, 5, 0]
@@ -82,7 +87,7 @@ def test_several_depots_have_a_fleet_each(read_text_as: Callable[..., Any]) -> N
     made = read_text_as("# vehicles: 2\nid,x,y,depot\nd,0,0,1\na,1,1,0\ne,2,2,1\n")
     assert [(v.name, v.count, v.start, v.end) for v in made.fleet] == [("vehicle at d", 2, 0, 0), ("vehicle at e", 2, 2, 2)]
     assert made.notes == ("2 vehicles at each of 2 depots",)
-    assert made.problems == ("min-cost-vrp",)
+    assert made.problems == ("min-cost-vrp", "mdvrp", "min-makespan-vrp")
 
 
 def test_a_matrix_comes_from_a_file_beside_it(tmp_path: Path, read_text_as: Callable[..., Any]) -> None:

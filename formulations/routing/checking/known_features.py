@@ -1,0 +1,68 @@
+"""Features of a problem for which the checkers of this family know that what they prove still holds.
+
+Whatever is not named here proves nothing: a checker that ignores a feature may only ever be too modest. Of those named:
+
+``skills, several-windows, closing-moves, several-loads, pickups, shipments, initial-energy``
+    Forbid routes that would be possible without them, and are left out. Several windows are one from the first opening to the last close;
+    a vehicle leaves with all that it delivers, whatever it picks up, so that the demands on a route are within the capacity.
+``groups, penalties, rewards``
+    Members of groups and sites with a penalty are optional: what is proved of required sites holds, sums over all sites prove nothing.
+``duration-cost, overtime, committed-vehicles``
+    Add costs that are not negative. Vehicles that serve no site are no routes and do not count.
+``shifts``
+    Taken up: the earliest departure and the latest return are those of vehicle and depot together.
+``vehicle-speeds, vehicle-travel``
+    Taken up where one vehicle is looked at; where vehicles are merged, a move is the shortest of any of them.
+
+``reloads`` and ``recharging`` are missing: loads and energy start anew at depots on the way, and ways lead through them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ....instances.routing.vehicle_type import VehicleType
+    from ..problem import RoutingProblem
+
+KNOWN = frozenset(
+    {
+        "capacity", "demands", "time-windows", "depot-windows", "service-times", "demand-or-service-of-depots", "rewards", "optional-sites",
+        "limited-fleet", "min-vehicles", "heterogeneous-fleet", "multiple-depots", "open-routes", "max-duration", "max-distance",
+        "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "fixed-cost", "unit-cost", "separate-durations",
+        "duration-cost", "overtime", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
+        "several-windows", "skills", "penalties", "initial-energy", "closing-moves", "committed-vehicles",
+    }
+)  # fmt: skip
+
+
+def unknown_features(problem: RoutingProblem) -> frozenset[str]:
+    """Features of the data under which nothing is proved; those of the objective are for each checker to say."""
+    return frozenset(name for name in problem.features() - KNOWN if not name.startswith("objective:"))
+
+
+def own_moves(problem: RoutingProblem, vehicle: VehicleType) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Distances and durations of all moves of a vehicle, shape (sites, sites)."""
+    travel = problem.travel if vehicle.travel is None else vehicle.travel
+    return travel.distances, travel.durations if vehicle.speed == 1.0 else travel.durations / vehicle.speed
+
+
+def least_moves(problem: RoutingProblem) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The shortest distance and duration of each move over all vehicles, shape (sites, sites)."""
+    if all(v.travel is None and v.speed == 1.0 for v in problem.fleet):
+        return problem.travel.distances, problem.travel.durations
+    pairs = [own_moves(problem, v) for v in problem.fleet]
+    return np.minimum.reduce([d for d, _ in pairs]), np.minimum.reduce([t for _, t in pairs])
+
+
+def departure(problem: RoutingProblem, vehicle: VehicleType) -> float:
+    """Earliest departure of a vehicle."""
+    return max(float(problem.sites.ready[vehicle.start]), vehicle.shift[0])
+
+
+def last_return(problem: RoutingProblem, vehicle: VehicleType) -> float:
+    """Latest return of a vehicle."""
+    return min(float(problem.sites.due[vehicle.end]), vehicle.shift[1])

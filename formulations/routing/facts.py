@@ -1,0 +1,108 @@
+"""What ``waybound info`` shows of a routing problem."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...instances.routing.features import features
+from .reachability import unreachable
+
+if TYPE_CHECKING:
+    from ...instances.routing.sites import Sites
+    from ...instances.routing.travel import Travel
+    from ...instances.routing.vehicle_type import VehicleType
+    from .problem import RoutingProblem
+
+FIRST = 10
+"""Fields of a vehicle type that are always shown; the others where they differ from what is usual."""
+
+
+def facts(problem: RoutingProblem) -> dict[str, Any]:
+    """Objective, sites, demand, service, windows, travel and fleet; loads, relations of sites and the like where there are any."""
+    s, at = problem.sites, problem.customers
+    due = s.due[at][np.isfinite(s.due[at])]
+    return {
+        "objective": str(problem.objective),
+        "sites": {
+            "depots": [s.ids[i] for i in s.depots],
+            "customers": len(at),
+            "optional": int((~s.required[at]).sum()),
+            "unreachable": len(unreachable(problem)),
+        },
+        "demand": _spread(s.demand[at]),
+        "service": _spread(s.service[at]),
+        "windows": {
+            "sites": int(((s.ready[at] > 0) | np.isfinite(s.due[at])).sum()),
+            "earliest": float(s.ready[at].min(initial=math.inf)),
+            "latest": float(due.max()) if len(due) else None,
+            "depot": [[float(s.ready[i]), float(s.due[i])] for i in s.depots],
+        },
+        "travel": _travel(problem.travel, s),
+        "fleet": [_vehicle(v, s) for v in problem.fleet],
+        "min_vehicles": problem.min_vehicles,
+        **_further(problem),
+    }
+
+
+def _further(problem: RoutingProblem) -> dict[str, Any]:
+    """What most problems do not have."""
+    s, at, held = problem.sites, problem.customers, features(problem)
+    found: dict[str, Any] = {}
+    if "several-loads" in held:
+        found["further_demand"] = [_spread(column) for column in s.further_demand[at].T]
+    if "pickups" in held:
+        found["pickup"] = _spread(s.pickup[at])
+    if "rewards" in held:
+        found["reward"] = _spread(s.reward[at])
+    if "penalties" in held:
+        found["penalty"] = _spread(s.penalty[at])
+    if "several-windows" in held:
+        found["several_windows"] = {"sites": sum(1 for w in s.windows if w), "most": max(len(w) for w in s.windows)}
+    if "skills" in held:
+        found["skills"] = {"sites": sum(1 for names in s.skills if names), "names": sorted(frozenset().union(*s.skills))}
+    if "shipments" in held:
+        found["shipments"] = {"count": len(s.shipments), "load": math.fsum(x.load[0] for x in s.shipments)}
+    if "groups" in held:
+        found["groups"] = {"count": len(s.groups), "required": sum(g.required for g in s.groups)}
+    return found
+
+
+def _travel(travel: Travel, sites: Sites) -> dict[str, Any]:
+    made = {
+        "metric": travel.metric, "coordinates": sites.coordinates is not None, "own_durations": travel.duration_matrix is not None
+    }  # fmt: skip
+    if travel.closing is not None:
+        made["closing_moves"] = int(np.isfinite(travel.closing).sum())
+    return made
+
+
+def _vehicle(vehicle: VehicleType, sites: Sites) -> dict[str, Any]:
+    made: dict[str, Any] = {"name": vehicle.name}
+    for number, field in enumerate(dataclasses.fields(vehicle)):
+        value = getattr(vehicle, field.name)
+        if number < FIRST or value != field.default:
+            made[field.name] = sorted(value) if isinstance(value, frozenset) else list(value) if isinstance(value, tuple) else value
+    made |= {"start": sites.ids[vehicle.start], "end": sites.ids[vehicle.end]}
+    if vehicle.reloads:
+        made["reloads"] = [sites.ids[k] for k in vehicle.reloads]
+    if vehicle.travel is not None:
+        made["travel"] = _travel(vehicle.travel, sites)
+    if vehicle.energy is not None:
+        store = dataclasses.asdict(vehicle.energy)
+        for key in ("stations", "initial"):
+            if not store[key] and store[key] != 0.0:
+                del store[key]
+        if vehicle.energy.stations:
+            store["stations"] = [sites.ids[k] for k in vehicle.energy.stations]
+        made["energy"] = store
+    return made
+
+
+def _spread(values: NDArray[np.float64]) -> dict[str, float]:
+    some = values if len(values) else np.zeros(1)
+    return {"total": math.fsum(some), "least": float(some.min()), "largest": float(some.max())}

@@ -1,0 +1,122 @@
+"""No feature makes a checker prove too much: whatever evidence is claimed, what is proved holds for the optimum of brute force."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from exact_routing import RoutingTruth
+from small_routing import WHOLE_FAMILY, varied
+
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.routing.checking.known_features import KNOWN, unknown_features
+from waybound.formulations.routing.fleet_need import none
+from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
+from waybound.formulations.stop import Stop
+from waybound.instances.routing.features import FEATURES
+from waybound.solvers.bounds import BOUNDS
+
+INFEASIBLE = (
+    "infeasible-site", "too-few-vehicles", "bin-packing", "too-little-range", "too-little-time", "sites-apart", "sites-beyond-fleet",
+    "too-few-sites",
+)  # fmt: skip
+
+
+def drawn(feature, seed):
+    """A problem at least cost, all sites required where they can be, so that there is as much to prove as may be."""
+    problem = varied(feature, seed, 3 if feature in ("reloads", "recharging", "initial-energy") else 4)
+    sites = problem.sites
+    if not sites.groups and seed % 3:
+        sites = replace(sites, required=~sites.depot)
+    weight = 7.0 * Vehicles() if seed % 2 else None
+    goal = TotalCost() if weight is None else TotalCost() + weight
+    return replace(problem, sites=sites, objective=Objective.of(goal), min_vehicles=int(seed % 5 == 0))
+
+
+def multipliers(problem, rng):
+    n, size = len(problem.sites), float(problem.travel.distances.max())
+    for scale in (0.2, 0.5, 1.0):
+        prices = [rng.uniform(-scale, scale, n) * size for _ in range(2)]
+        yield "spanning-tree", {"multipliers": prices[0].tolist(), "depot": float(rng.uniform(-1, 1) * size)}
+        resources = {name: (rng.uniform(0, scale, n)).tolist() for name in ("time", "load", "energy", "duration") if rng.random() < 0.5}
+        # Near the shares that customers have in the cost, bounds are good.
+        share = problem.travel.distances.max(axis=0) * scale
+        data = {
+            "out": (share + 0.1 * prices[0]).tolist(),
+            "in": prices[1].tolist(),
+            "fleet": float(rng.uniform(-1, 1)),
+            "resources": resources,
+        }
+        yield "arc-multipliers", data
+
+
+def claims(problem, rng):
+    """Evidence of each kind that there is no answer, for all sites and choices of them."""
+    ids = problem.sites.ids
+    customers = [ids[k] for k in problem.customers]
+    for site in customers:
+        yield "infeasible-site", {"site": site}
+    yield "too-few-vehicles", {}
+    yield "too-few-sites", {}
+    for threshold in (0.0, 2.0, 4.0):
+        yield "bin-packing", {"threshold": threshold}
+    for resource in ("travel", "duration", "distance"):
+        yield "too-little-range", {"resource": resource}
+    for size in range(1, len(customers) + 1):
+        for chosen in itertools.combinations(customers, size):
+            yield "sites-beyond-fleet", {"sites": list(chosen)}
+            yield "sites-apart", {"sites": list(chosen)}
+            low = float(rng.integers(0, 20))
+            yield "too-little-time", {"sites": list(chosen), "from": low, "until": low + float(rng.integers(0, 40))}
+
+
+@pytest.mark.parametrize("feature", WHOLE_FAMILY)
+def test_no_evidence_proves_more_than_is_true(feature):
+    rng, judged = np.random.default_rng(9), 0
+    for seed in range(10):
+        problem = drawn(feature, seed)
+        best = RoutingTruth(problem).lenient
+        if best is None:
+            continue
+        judged += 1
+        value = float(best[0])
+        for kind, data in multipliers(problem, rng):
+            assert verified_bound(problem, Evidence(kind, "", 0.0, data)) <= value + 1e-9 * abs(value), (seed, kind)
+        for kind, data in claims(problem, rng):
+            assert verified_bound(problem, Evidence(kind, "", none(problem), data)) != none(problem), (seed, kind, data)
+    assert judged >= 3
+
+
+@pytest.mark.parametrize("feature", WHOLE_FAMILY)
+def test_no_bound_method_finds_more_than_is_true(feature):
+    methods = [m for m in BOUNDS.values() if m.name in ("spanning-tree", "infeasible-site", "too-few-vehicles", "too-small-fleet")]
+    assert len(methods) == 4
+    for seed in range(6):
+        problem = drawn(feature, seed)
+        best = RoutingTruth(problem).lenient
+        value = math.inf if best is None else float(best[0])
+        for method in methods:
+            if not method.missing(problem):
+                found = method.compute(problem, Stop(2.0), None)
+                assert found is None or found.value <= value + 1e-9 * abs(value), (seed, method.name, found)
+
+
+def test_every_feature_is_known_or_proves_nothing():
+    assert FEATURES.keys() - KNOWN == {"reloads", "recharging"}
+    for feature in ("reloads", "recharging"):
+        problem = drawn(feature, 1)
+        assert feature in unknown_features(problem)
+        assert "infeasible-site" in CHECKERS and verified_bound(problem, Evidence("spanning-tree", "", 0.0, {
+            "multipliers": [0.0] * len(problem.sites)})) == -math.inf  # fmt: skip
+
+
+def test_a_feature_of_another_package_proves_nothing(monkeypatch):
+    problem = drawn("pickups", 1)
+    evidence = Evidence("spanning-tree", "", 0.0, {"multipliers": [0.0] * len(problem.sites)})
+    assert verified_bound(problem, evidence) > 0
+    monkeypatch.setitem(FEATURES, "towing", lambda data: True)
+    assert verified_bound(problem, evidence) == -math.inf

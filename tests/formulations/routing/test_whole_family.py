@@ -1,0 +1,61 @@
+"""The judge against brute force, and what the checkers prove against it, for every feature of the family."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from exact_routing import RoutingTruth
+from small_routing import WHOLE_FAMILY, varied
+
+from waybound.formulations.routing.routes import Route, Routes
+
+SEEDS = range(10)
+
+
+def drawn(feature, seed):
+    return varied(feature, seed, 3 if feature in ("reloads", "recharging", "initial-energy") else 4)
+
+
+def answers(problem, truth, rng):
+    """The optimum and other answers of brute force, and these spoilt in many ways."""
+    n, kinds = len(problem.sites), len(problem.fleet)
+    found = [*truth.samples[:6]]
+    for _ in range(40):
+        if found and rng.random() < 0.6:
+            routes = [list(r.visits) for r in found[int(rng.integers(len(found)))]]
+        else:
+            routes = [list(part) for part in np.array_split(rng.permutation(n), int(rng.integers(1, 4)))]
+        for route in routes:
+            change = rng.integers(4)
+            if change == 0 and route:
+                del route[int(rng.integers(len(route)))]
+            elif change == 1:
+                route.insert(int(rng.integers(len(route) + 1)), int(rng.integers(n)))
+            elif change == 2:
+                rng.shuffle(route)
+        found.append(Routes.of(Route(tuple(int(k) for k in r), int(rng.integers(kinds))) for r in routes))
+    return found
+
+
+@pytest.mark.parametrize("feature", WHOLE_FAMILY)
+def test_the_judge_says_what_brute_force_says(feature):
+    rng, feasible, infeasible = np.random.default_rng(3), 0, 0
+    for seed in SEEDS:
+        problem = drawn(feature, seed)
+        truth = RoutingTruth(problem)
+        for answer in answers(problem, truth, rng):
+            verdict, exact = problem.evaluate(answer), truth.value(answer)
+            assert verdict.feasible == (exact is not None), (seed, answer, verdict.violations)
+            if exact is None:
+                infeasible += 1
+            else:
+                feasible += 1
+                assert np.allclose(verdict.values, [float(v) for v in exact], rtol=1e-9, atol=1e-9), (seed, answer)
+    assert feasible > 20 and infeasible > 20
+
+
+@pytest.mark.parametrize("feature", WHOLE_FAMILY)
+def test_the_feature_is_declared_where_it_matters(feature):
+    asked = {"several-depots": "multiple-depots", "penalties": "objective:penalties"}
+    assert all(asked.get(feature, feature) in drawn(feature, seed).features() for seed in SEEDS if feature != "pickups")
+    assert any(RoutingTruth(drawn(feature, seed)).lenient is not None for seed in SEEDS)
