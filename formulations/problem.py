@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..instances.errors import InputError, UsageError
@@ -150,6 +150,10 @@ class Problem(ABC):
         known = (".json", *self.answer_suffixes)
         if suffix not in known:
             raise UsageError(f"answers to {self.problem} problems are written as {', '.join(known)}, not under the suffix {suffix!r}")
+
+    def foreign_answer(self, data: Mapping[str, Any]) -> Any | None:
+        """The answer in a JSON document of another tool, None where it is no such document; raises InputError where it is broken."""
+        return None
 
     def answer_to_text(self, answer: Any, suffix: str, objective: float | None = None) -> str:
         """Text of a solution file of ``suffix``, one of ``answer_suffixes``; ``objective`` is for formats that state it."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.document import dump_json
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
 from ...instances.printable import printable
@@ -31,6 +32,7 @@ from .judge import evaluate_routes
 from .objective import Composable, Objective, Reward
 from .reachability import unreachable
 from .routes import Route, Routes
+from .vroom_answers import is_vroom_output, routes_from_vroom, vroom_output
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,7 +64,7 @@ class RoutingProblem(Problem):
     """
 
     family: ClassVar[str] = "routing"
-    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour")
+    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour", ".vroom")
     sites: Sites
     travel: Travel
     fleet: tuple[VehicleType, ...]
@@ -399,13 +401,19 @@ class RoutingProblem(Problem):
 
     def check_answer_suffix(self, suffix: str) -> None:
         super().check_answer_suffix(suffix)
-        if suffix != ".json":
+        if suffix not in (".json", ".vroom"):
             self._need_one_type()
         if suffix == ".tour" and self.vehicle_limit != 1:
             raise UsageError("a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
 
+    def foreign_answer(self, data: Mapping[str, Any]) -> Routes | None:
+        """VROOM's output."""
+        return routes_from_vroom(self, data) if is_vroom_output(data) else None
+
     def answer_to_text(self, answer: Routes, suffix: str, objective: float | None = None) -> str:
-        """CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        """CVRPLIB's ``.sol``, TSPLIB's ``.tour``, or ``.vroom``, VROOM's output."""
+        if suffix == ".vroom":
+            return dump_json(vroom_output(self, answer))
         routes = [route.visits for route in answer]
         return sol_text(self.sites, routes, objective) if suffix == ".sol" else tour_text(self.sites, routes, objective, self.name)
 

@@ -111,6 +111,44 @@ TOPTW = """\
 2 3 5 7 8 4 1 15 234 401
 3 2 5 1 9 1 2 1 2 0 401
 """
+LI_LIM = (
+    "25\t200\t1\n0\t40\t50\t0\t0\t1236\t0\t0\t0\n1\t45\t68\t-10\t0\t967\t90\t3\t0\n"
+    "2\t42.5\t66\t10\t65\t146\t90\t0\t4\n3\t42\t68\t10\t0\t782\t90\t0\t1\n4\t40\t69\t-10\t15\t367\t90\t2\t0\n"
+)
+VRPSPD = """\
+NAME : both
+TYPE : VRPSPD
+DIMENSION : 3
+VEHICLES : 2
+CAPACITY : 10
+EDGE_WEIGHT_TYPE : EXACT_2D
+NODE_COORD_SECTION
+1 0 0
+2 1 1
+3 0 4
+PICKUP_AND_DELIVERY_SECTION
+1 0 0 10000000 0 0 0
+2 0 0 10000000 0 3 7
+3 0 0 10000000 5 2 8
+DEPOT_SECTION
+1
+-1
+EOF
+"""
+SQUARE = [[0, 210, 19, 129], [213, 0, 225, 315], [19, 225, 0, 110], [129, 315, 110, 0]]
+VROOM = {
+    "vehicles": [
+        {"id": 1, "start_index": 0, "end_index": 0, "capacity": [4, 9], "skills": [1], "time_window": [0, 4320]},
+        {"id": 7, "profile": "bike", "start_index": 3, "capacity": [2, 1], "costs": {"fixed": 5, "per_hour": 0, "per_km": 200},
+         "max_travel_time": 5000, "max_distance": 9000},
+    ],
+    "jobs": [
+        {"id": 1, "service": 30, "delivery": [1, 0], "location_index": 1, "skills": [1], "time_windows": [[324, 3600]]},
+        {"id": 2, "pickup": [1, 2], "location_index": 2, "priority": 10, "time_windows": [[324, 360], [370, 380]]},
+    ],
+    "shipments": [{"amount": [1, 3], "pickup": {"id": 2, "location_index": 2}, "delivery": {"id": 6, "location_index": 3}}],
+    "matrices": {"car": {"durations": SQUARE}, "bike": {"durations": SQUARE, "distances": SQUARE}},
+}  # fmt: skip
 DOCUMENTS: dict[str, Any] = {
     "sensing": SensingGraph(
         np.array([0, 1, 0], np.int32), np.array([0, 2, 3, 3], np.int32), np.array([0, 2, 1], np.int32), np.array([0.5, 2, 3]), 3, 4,
@@ -139,6 +177,9 @@ BASES = {
     "mtsp": MTSP.split("\n"),
     "cordeau": CORDEAU.split("\n"),
     "toptw": TOPTW.split("\n"),
+    "li-lim": LI_LIM.split("\n"),
+    "vrplib-vrpspd": VRPSPD.split("\n"),
+    "vroom": json.dumps(VROOM, indent=1).split("\n"),
     **{kind: waybound_json.write(made).split("\n") for kind, made in DOCUMENTS.items()},
 }
 TOKENS = [
@@ -241,7 +282,7 @@ def _paths(data: Any, above: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return [above, *(path for key, value in items for path in _paths(value, (*above, key)))]
 
 
-PARSED = {base: json.loads("\n".join(BASES[base])) for base in ("json", *DOCUMENTS)}
+PARSED = {base: json.loads("\n".join(BASES[base])) for base in ("json", "vroom", *DOCUMENTS)}
 PLACES = [(base, path) for base, document in PARSED.items() for path in _paths(document)[1:]]
 
 

@@ -27,7 +27,7 @@ FAMILIES_READ = {
     "op/tsiligirides3": (".txt", "orienteering"),
     "op/chao64": (".txt", "orienteering"), "op/chao66": (".txt", "orienteering"), "op": (".oplib", "orienteering"),
     "top": (".txt", "team-orienteering"), "toptw": (".txt", "team-orienteering"), "mdvrp-cordeau": (".txt", "mdvrp"),
-    "minmax-mtsp": (".txt", "min-makespan-vrp"),
+    "minmax-mtsp": (".txt", "min-makespan-vrp"), "pdptw-lilim": (".txt", "pdptw"), "vrpspd-salhi": (".vrpspd", "cvrp"),
 }  # fmt: skip
 """Below a folder: suffix of the instances, and the problem that is meant."""
 
