@@ -52,6 +52,9 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
     try:
         if text.lstrip().startswith("{"):
             data = parse_json(text)
+            foreign = problem.foreign_answer(data) if isinstance(data, dict) else None
+            if foreign is not None:
+                return ReadAnswer(foreign)
             if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
                 raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
             return answer_in_json(problem, data)

@@ -163,6 +163,10 @@ class Problem(ABC):
         if suffix not in known:
             raise UsageError(f"answers to {self.problem} problems are written as {', '.join(known)}, not under the suffix {suffix!r}")
 
+    def foreign_answer(self, data: Mapping[str, Any]) -> Any | None:
+        """The answer in a JSON document of another tool, None where it is no such document; raises InputError where it is broken."""
+        return None
+
     def answer_to_text(self, answer: Any, suffix: str, objective: float | None = None) -> str:
         """Text of a solution file of ``suffix``, one of ``answer_suffixes``; ``objective`` is for formats that state it."""
         raise NotImplementedError(f"{type(self).__name__} does not say how {suffix} files are written")

@@ -12,7 +12,7 @@ from .instance import Instance
 from .text import read_text, shown
 
 
-def read_instance(path: str | PathLike[str], format: str | None = None) -> Instance:  # noqa: A002
+def read_instance(path: str | PathLike[str], format: str | None = None, problem: str | None = None) -> Instance:  # noqa: A002
     """The instance that a file holds.
 
     Parameters
@@ -20,6 +20,8 @@ def read_instance(path: str | PathLike[str], format: str | None = None) -> Insta
     path : path-like
     format : str, optional
         A name of ``FORMATS``; recognised from the content by default.
+    problem : str, optional
+        What is to be asked of it, which settles the format where the content allows more than one, and nothing else.
 
     Returns
     -------
@@ -36,7 +38,7 @@ def read_instance(path: str | PathLike[str], format: str | None = None) -> Insta
     """
     chosen = FORMATS[format] if format is not None else None
     text = read_text(path)
-    chosen = chosen or recognise(text, path)
+    chosen = chosen or recognise(text, path, problem)
     try:
         return chosen.read(text, Path(path))
     except InputError as error:
@@ -45,14 +47,15 @@ def read_instance(path: str | PathLike[str], format: str | None = None) -> Insta
         raise InputError(str(error), file=path) from None
 
 
-def recognise(text: str, path: str | PathLike[str] = "input") -> Format:
-    """The one format whose marks ``text`` bears."""
+def recognise(text: str, path: str | PathLike[str] = "input", problem: str | None = None) -> Format:
+    """The one format whose marks ``text`` bears, and in which ``problem`` may be asked if it bears those of several."""
     found = [entry for entry in FORMATS.values() if entry.recognises(text)]
-    if len(found) == 1:
-        return found[0]
+    able = [entry for entry in found if problem in entry.problems] if len(found) > 1 else found
+    if len(able) == 1:
+        return able[0]
     if found:
-        choices = ", ".join(entry.name for entry in found)
-        raise UsageError(f"{path}: the content allows more than one format; choose with --format from {choices}")
+        choices = "; ".join(f"{entry.name} ({', '.join(entry.problems)})" for entry in found)
+        raise UsageError(f"{path}: the content allows more than one format; choose with --format, or --problem, from {choices}")
     if re.search(r"^\s*route\s*#?\s*\d+\s*:|^\s*TOUR_SECTION", text, re.I | re.M):
         raise InputError("is a solution file, not an instance", file=path)
     first = next(line for line in text.split("\n") if line.strip())

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 Source = str | PathLike[str]
 
 
-def read_source(path: Source, format: str | None = None) -> Instance:  # noqa: A002
-    """The instance in a file, or the bundled one of that name where there is no such file."""
+def read_source(path: Source, format: str | None = None, problem: str | None = None) -> Instance:  # noqa: A002
+    """The instance in a file, or the bundled one of that name where there is no such file; see ``read_instance``."""
     from .instances.bundled import bundled_names, bundled_path
     from .instances.reading import read_instance
 
     if isinstance(path, str) and not Path(path).exists() and path in bundled_names():
-        return read_instance(bundled_path(path), format)
-    return read_instance(path, format)
+        return read_instance(bundled_path(path), format, problem)
+    return read_instance(path, format, problem)
 
 
 def read(
@@ -72,7 +72,7 @@ def read(
     >>> problem.problem
     'vrptw'
     """
-    return problem_of(read_source(path, format), problem, convention, settings)
+    return problem_of(read_source(path, format, problem), problem, convention, settings)
 
 
 def problem_of(instance: Instance, problem: str | None, convention: str | None, settings: Mapping[str, Any]) -> Problem:

@@ -74,7 +74,7 @@ class Vehicles(Term):
 
 @dataclass(frozen=True)
 class Reward(Term):
-    """Sum of the rewards of the visited sites."""
+    """Sum of the rewards of the visited sites, and of the depots, which need no visit."""
 
     name: ClassVar[str] = "reward"
     sense: ClassVar[str] = "max"

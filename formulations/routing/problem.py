@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.document import dump_json
 from ...instances.errors import InputError, UsageError
 from ...instances.printable import printable
 from ...instances.routing.features import restrictions
@@ -27,9 +28,10 @@ from .answers import routes_from_json, routes_to_frame, routes_to_json
 from .facts import digested, facts
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes
-from .objective import Composable, Objective
+from .objective import Composable, Objective, Reward
 from .reachability import unreachable
 from .routes import Route, Routes
+from .vroom_answers import is_vroom_output, routes_from_vroom, vroom_output
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +63,7 @@ class RoutingProblem(Problem):
     """
 
     family: ClassVar[str] = "routing"
-    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour")
+    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour", ".vroom")
     sites: Sites
     travel: Travel
     fleet: tuple[VehicleType, ...]
@@ -257,6 +259,12 @@ class RoutingProblem(Problem):
     def size(self) -> int:
         return len(self.sites)
 
+    @property
+    def constant(self) -> float:
+        """What the first level of the objective holds whatever is visited: the rewards of depots, which forms have no variable for."""
+        depots = math.fsum(self.sites.reward[self.sites.depots])
+        return math.fsum(w * depots for w, term in self.objective.levels()[0].terms if isinstance(term, Reward))
+
     def linear_entries(self) -> int:
         return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
 
@@ -386,13 +394,19 @@ class RoutingProblem(Problem):
 
     def check_answer_suffix(self, suffix: str) -> None:
         super().check_answer_suffix(suffix)
-        if suffix != ".json":
+        if suffix not in (".json", ".vroom"):
             self._need_one_type()
         if suffix == ".tour" and self.vehicle_limit != 1:
             raise UsageError("a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
 
+    def foreign_answer(self, data: Mapping[str, Any]) -> Routes | None:
+        """VROOM's output."""
+        return routes_from_vroom(self, data) if is_vroom_output(data) else None
+
     def answer_to_text(self, answer: Routes, suffix: str, objective: float | None = None) -> str:
-        """CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        """CVRPLIB's ``.sol``, TSPLIB's ``.tour``, or ``.vroom``, VROOM's output."""
+        if suffix == ".vroom":
+            return dump_json(vroom_output(self, answer))
         routes = [route.visits for route in answer]
         return sol_text(self.sites, routes, objective) if suffix == ".sol" else tour_text(self.sites, routes, objective, self.name)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,12 @@ from . import FORMATS, Format
 VERSION = 1
 
 
+_VERSION, _VEHICLES = re.compile(r'"waybound"\s*:'), re.compile(r'"vehicles"\s*:')
+
+
 def recognises(text: str) -> bool:
-    """Whether the text is meant as a JSON object."""
-    return text.lstrip().startswith("{")
+    """Whether the text is meant as a JSON object, and not as VROOM's, which has vehicles."""
+    return text.lstrip().startswith("{") and (_VERSION.search(text) is not None or _VEHICLES.search(text) is None)
 
 
 def read(text: str, path: Path) -> Instance:

@@ -1,8 +1,9 @@
-"""Solution files of routes: CVRPLIB ``.sol`` and TSPLIB ``.tour``.
+"""Solution files of routes: CVRPLIB ``.sol``, TSPLIB ``.tour``, and OPLib's ``.sol``.
 
 Numbering: a ``.sol`` counts customers from 1 in the order of the instance's file, depots left out, and 0 is the depot. Where
 the depot comes first, as in all common benchmark files, that is the row number counted from 0; it is not the node number of a
-``.vrp`` file, which is one more. A ``.tour`` uses node numbers: sites counted from 1 in the file's order, depots included.
+``.vrp`` file, which is one more. A ``.tour`` and OPLib's sequences use node numbers: sites counted from 1 in the file's order, depots
+included.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ _COST = re.compile(r"cost\s*:?\s*(.*)\Z", re.I)
 # What stands beside the routes in the files of CVRPLIB and SINTEF, and what common solvers add.
 _REMARK = re.compile(r"(?:comment|time|date|authors?|reference|source|instance(?:\s+name)?|name|solution|vehicles|gap|status)\b|#", re.I)
 _TOUR_HEADER = re.compile(r"(?:NAME|COMMENT|TYPE|DIMENSION)\b", re.I)
+_SEQUENCE_HEADER = re.compile(r"(NAME|COMMENT|TYPE|DIMENSION|COST_LIMIT|ROUTE_NODES|ROUTE_SCORE|ROUTE_COST)\s*:\s*(.*)\Z", re.I)
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,8 @@ class SolutionFile:
 def routes_from_text(text: str, sites: Sites) -> SolutionFile:
     """The routes in the text of a ``.sol`` or ``.tour`` file, recognised by its content.
 
+    What OPLib's form claims is the score.
+
     Parameters
     ----------
     text : str
@@ -55,6 +59,8 @@ def routes_from_text(text: str, sites: Sites) -> SolutionFile:
     """
     if re.search(r"^[ \t]*TOUR_SECTION", text, re.I | re.M):
         return _read_tour(text, sites)
+    if re.search(r"^[ \t]*NODE_SEQUENCE_SECTION", text, re.I | re.M):
+        return _read_sequence(text, sites)
     if not re.search(r"^[ \t]*route\s*#?\s*\d*\s*:", text, re.I | re.M):
         found = text.split("\n")[0].strip()
         raise InputError("is no solution file", line=1, expected="Route #1: ..., TOUR_SECTION, or JSON", found=shown(found))
@@ -112,11 +118,58 @@ def _read_tour(text: str, sites: Sites) -> SolutionFile:
             nodes.append(node - 1)
     if not ended:
         raise InputError("TOUR_SECTION ends early", line=last, expected="-1", found="the end of the file")
+    return SolutionFile(_turned(nodes, sites, last), None)
+
+
+def _turned(nodes: list[int], sites: Sites, line: int) -> tuple[tuple[int, ...], ...]:
+    """A cycle as a route from the depot."""
     at = [k for k, node in enumerate(nodes) if sites.depot[node]]
     if len(at) != 1:
-        raise InputError("a tour must visit the depot once", line=last, expected="1", found=f"{len(at)} visits")
+        raise InputError("a tour must visit the depot once", line=line, expected="1", found=f"{len(at)} visits")
     rotated = nodes[at[0] + 1 :] + nodes[: at[0]]
-    return SolutionFile((tuple(rotated),) if rotated else (), None)
+    return (tuple(rotated),) if rotated else ()
+
+
+def _read_sequence(text: str, sites: Sites) -> SolutionFile:
+    """``NODE_SEQUENCE_SECTION``, ``DEPOT_SECTION``, and headers that say what the sequence collects."""
+    claims: dict[str, tuple[int, str]] = {}
+    lists: dict[str, list[int]] = {}
+    inside, last = "", 1
+    for line, row in lines_of(text):
+        last, title = line, row.upper().rstrip(" :")
+        if title == "EOF":
+            break
+        if inside:
+            for token in row.split():
+                if token == "-1":
+                    inside = ""
+                    continue
+                node = whole(token, line, "node", least=1)
+                if not inside or node > len(sites):
+                    expected = f"1 to {len(sites)}" if inside else "a section or EOF"
+                    raise InputError("sequence names a node that does not exist", line=line, expected=expected, found=token)
+                lists[inside].append(node - 1)
+        elif title in ("NODE_SEQUENCE_SECTION", "DEPOT_SECTION"):
+            if title in lists:
+                raise InputError(f"{title} stands twice", line=line)
+            inside = title
+            lists[inside] = []
+        elif match := _SEQUENCE_HEADER.match(row):
+            claims[match[1].upper()] = line, match[2]
+        else:
+            raise InputError(
+                "line is not understood", line=line, expected="a header, NODE_SEQUENCE_SECTION or DEPOT_SECTION", found=shown(row)
+            )
+    if inside:
+        raise InputError(f"{inside} ends early", line=last, expected="-1", found="the end of the file")
+    nodes = lists.get("NODE_SEQUENCE_SECTION", [])
+    for key, count in (("DIMENSION", len(sites)), ("ROUTE_NODES", len(nodes))):
+        if key in claims and whole(claims[key][1], claims[key][0], key, least=0) != count:
+            raise InputError(f"{key} is another number", line=claims[key][0], expected=str(count), found=shown(claims[key][1]))
+    if any(not sites.depot[node] for node in lists.get("DEPOT_SECTION", [])):
+        raise InputError("DEPOT_SECTION names another node", line=last, expected=", ".join(str(k + 1) for k in sites.depots))
+    score = number(claims["ROUTE_SCORE"][1], claims["ROUTE_SCORE"][0], "ROUTE_SCORE") if "ROUTE_SCORE" in claims else None
+    return SolutionFile(_turned(nodes, sites, last), score)
 
 
 def sol_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None = None) -> str:

@@ -116,4 +116,4 @@ def _step(prize: Floats) -> float:
 def claimed_objective(problem: RoutingProblem, value: float) -> float | None:
     """What an engine's minimised sum says about the objective; None for objectives in order of priority."""
     levels = problem.objective.levels()
-    return _sign(levels[0]) * value if len(levels) == 1 else None
+    return _sign(levels[0]) * value + problem.constant if len(levels) == 1 else None

@@ -96,8 +96,19 @@ def files() -> dict[str, list[tuple[str, str]]]:
                 certificates.append((name, json_text(certify(problem, judged, [piece]).to_json(with_evidence=True))))
         certificates.append((name, json_text(certify(problem, judged).to_json(with_evidence=True))))
     routes = "\n".join(f"Route #{k}: {k}" for k in range(1, 7)) + "\nCost 12.5\nComment x\n"
+    plan = json.dumps(
+        {"code": 0, "summary": {"cost": 5}, "unassigned": [],
+         "routes": [{"vehicle": 1, "cost": 5, "steps": [{"type": "start"}, {"type": "job", "id": 1}, {"type": "end"}]}]}
+    )  # fmt: skip
+    sequence = (
+        "NAME : t\nTYPE : OP\nDIMENSION : 3\nROUTE_NODES : 2\nROUTE_SCORE : 8\nNODE_SEQUENCE_SECTION\n1\n2\n-1\nDEPOT_SECTION\n1\n-1\nEOF\n"
+    )
     tour = "NAME : t\nTYPE : TOUR\nDIMENSION : 4\nTOUR_SECTION\n1\n2\n4\n3\n-1\nEOF\n"
-    return {"instance": instances, "solution": [*solutions, ("csv", routes), ("vrplib-tsp", tour)], "certificate": certificates}
+    return {
+        "instance": instances,
+        "solution": [*solutions, ("csv", routes), ("vrplib-tsp", tour), ("vrplib-op", sequence), ("vroom", plan)],
+        "certificate": certificates,
+    }
 
 
 # -- mutations -------------------------------------------------------------------------------------------------------------

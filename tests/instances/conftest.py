@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ import pytest
 from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.instance import RoutingInstance
+from waybound.instances.routing.travel import Travel
 
-SITE_ARRAYS = ("depot", "demand", "ready", "due", "service", "reward", "required")
+SITE_ARRAYS = ("depot", "demand", "ready", "due", "service", "reward", "required", "penalty", "pickup", "further_demand", "further_pickup")
 
 
 NAMES = ("robot_names", "action_names", "target_names", "element_names", "variable_names")
@@ -34,23 +36,30 @@ def _differences(a: Any, b: Any) -> list[str]:
 
 
 def _routing_differences(a: RoutingInstance, b: RoutingInstance) -> list[str]:
-    found = [key for key in ("name", "problem", "problems", "fleet", "min_vehicles", "objective") if getattr(a, key) != getattr(b, key)]
+    found = [key for key in ("name", "problem", "problems", "min_vehicles", "objective") if getattr(a, key) != getattr(b, key)]
     found += [key for key in SITE_ARRAYS if not np.array_equal(getattr(a.sites, key), getattr(b.sites, key))]
+    found += [key for key in ("windows", "skills", "shipments", "groups") if getattr(a.sites, key) != getattr(b.sites, key)]
     if a.sites.ids != b.sites.ids:
         found.append("ids")
-    here, there = (np.empty(0) if i.sites.coordinates is None else i.sites.coordinates for i in (a, b))
-    if not np.array_equal(here, there):
+    if not np.array_equal(*(np.empty(0) if i.sites.coordinates is None else i.sites.coordinates for i in (a, b))):
         found.append("coordinates")
-    if (a.travel.metric, a.travel.convention) != (b.travel.metric, b.travel.convention):
-        found.append("metric or convention")
-    every = np.arange(len(a.sites))
+    if [replace(v, travel=None) for v in a.fleet] != [replace(v, travel=None) for v in b.fleet]:
+        return [*found, "fleet"]
+    for here, there in ((a.travel, b.travel), *((v.travel, w.travel) for v, w in zip(a.fleet, b.fleet, strict=True))):
+        if here is None or there is None:
+            found += ["travel"] * (here is not there)
+        else:
+            found += _travel_differences(here, there)
+    return found
+
+
+def _travel_differences(a: Travel, b: Travel) -> list[str]:
+    every = np.arange(len(a))
     step = max(1, len(every) // 50)
     pick = every[::step], every[None, :].T
-    if not np.array_equal(a.travel.distance(*pick), b.travel.distance(*pick)):
-        found.append("distances")
-    if not np.array_equal(a.travel.duration(*pick), b.travel.duration(*pick)):
-        found.append("durations")
-    return found
+    found = ["metric or convention"] * ((a.metric, a.convention) != (b.metric, b.convention))
+    found += ["distances"] * (not np.array_equal(a.distance(*pick), b.distance(*pick)))
+    return found + ["durations"] * (not np.array_equal(a.duration(*pick), b.duration(*pick)))
 
 
 @pytest.fixture(scope="session")

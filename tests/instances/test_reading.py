@@ -11,6 +11,8 @@ from waybound.instances.errors import InputError, UsageError
 from waybound.instances.formats import FORMATS
 from waybound.instances.reading import read_instance, recognise
 
+from .test_reading_fuzz import BASES
+
 
 def test_the_content_decides_and_not_the_name(tmp_path: Path) -> None:
     for name, expected in (("demo-c25", "solomon"), ("demo-x40", "vrplib"), ("demo-tiny", "json"), ("figure-3-3", "edges")):
@@ -22,23 +24,24 @@ def test_the_content_decides_and_not_the_name(tmp_path: Path) -> None:
 def test_a_format_can_be_forced(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="heading is missing"):
         read_instance(bundled_path("demo-x40"), format="solomon")
-    with pytest.raises(UsageError, match="unknown format 'excel'; choose from csv, edges, json, solomon, vrplib"):
+    with pytest.raises(UsageError, match="unknown format 'excel'; choose from chao, cordeau, csv, edges, json, "):
         read_instance(tmp_path / "does-not-matter", format="excel")
 
 
 def test_two_possible_formats_are_named(tmp_path: Path) -> None:
     path = tmp_path / "both.txt"
     path.write_text("VEHICLE\nNUMBER CAPACITY\n3 5\nDIMENSION: 5\n")
-    with pytest.raises(UsageError, match=r"both.txt: the content allows more than one format; choose with --format from solomon, vrplib"):
+    with pytest.raises(
+        UsageError, match=r"both.txt: the content allows more than one format; choose with --format, or --problem, from solomon "
+    ):
         read_instance(path)
 
 
 def test_no_known_format_lists_them_all(tmp_path: Path) -> None:
     path = tmp_path / "letter.txt"
     path.write_text("\nDear customer,\n")
-    with pytest.raises(
-        InputError, match=r"letter.txt:1: is of no known format; expected csv, edges, json, solomon, vrplib; found 'Dear customer,'"
-    ):
+    names = ", ".join(FORMATS.names())
+    with pytest.raises(InputError, match=f"letter.txt:1: is of no known format; expected {names}; found 'Dear customer,'"):
         read_instance(path)
 
 
@@ -57,6 +60,7 @@ def test_every_format_recognises_what_it_writes_and_nothing_else_does() -> None:
     written["solomon"] = bundled_path("demo-c25").read_text()
     written["vrplib"] = bundled_path("demo-x40").read_text()
     written["edges"] = bundled_path("figure-3-3").read_text()
+    written |= {name: "\n".join(BASES[name]) for name in FORMATS if name in BASES}
     assert set(written) == set(FORMATS)
     for name, text in written.items():
         assert recognise(text).name == name

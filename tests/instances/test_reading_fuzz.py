@@ -71,6 +71,84 @@ robot,action,target,weight
 2,b,1,3
 ,,9,
 """
+OPLIB = """\
+NAME : t
+TYPE : OP
+DIMENSION : 3
+COST_LIMIT : 9
+EDGE_WEIGHT_TYPE : EUC_2D
+NODE_COORD_SECTION
+1 0 0
+2 3 0
+3 0 4
+NODE_SCORE_SECTION
+1 1
+2 7
+3 5
+DEPOT_SECTION
+1
+-1
+EOF
+"""
+TSILIGIRIDES = "15\t1\n10.5\t14.4\t0\n11.2\t14.1\t0\n18\t15.9\t10\n18.3\t13.3\t15\n"
+CHAO = "n 4\nm 2\ntmax 22.5\n10.5\t14.4\t0\n18\t15.9\t10\n18.3\t13.3\t12\n11.2\t14.1\t0\n"
+MTSP = "four EUC_2D 2\n1 0 0\n2 1 1\n3 3 4.5\n4 0 -2\n"
+CORDEAU = """\
+2 2 3 2
+60 80
+0 90
+1 3 5 0 7 1 2 1 2
+2 4 4 5 30 1 2 1 2
+3 5 6 0 16 1 2 1 2
+4 2 2 0 0 0 0
+5 6 5 0 0 0 0
+"""
+TOPTW = """\
+5 3 3 4
+500 200
+0 1.5 2 0 0 0 0 0 1000
+1 3 4 2 12 4 1 15 354 509
+2 3 5 7 8 4 1 15 234 401
+3 2 5 1 9 1 2 1 2 0 401
+"""
+LI_LIM = (
+    "25\t200\t1\n0\t40\t50\t0\t0\t1236\t0\t0\t0\n1\t45\t68\t-10\t0\t967\t90\t3\t0\n"
+    "2\t42.5\t66\t10\t65\t146\t90\t0\t4\n3\t42\t68\t10\t0\t782\t90\t0\t1\n4\t40\t69\t-10\t15\t367\t90\t2\t0\n"
+)
+VRPSPD = """\
+NAME : both
+TYPE : VRPSPD
+DIMENSION : 3
+VEHICLES : 2
+CAPACITY : 10
+EDGE_WEIGHT_TYPE : EXACT_2D
+NODE_COORD_SECTION
+1 0 0
+2 1 1
+3 0 4
+PICKUP_AND_DELIVERY_SECTION
+1 0 0 10000000 0 0 0
+2 0 0 10000000 0 3 7
+3 0 0 10000000 5 2 8
+DEPOT_SECTION
+1
+-1
+EOF
+"""
+SQUARE = [[0, 210, 19, 129], [213, 0, 225, 315], [19, 225, 0, 110], [129, 315, 110, 0]]
+VROOM = {
+    "vehicles": [
+        {"id": 1, "start_index": 0, "end_index": 0, "capacity": [4, 9], "skills": [1], "time_window": [0, 4320]},
+        {"id": 7, "profile": "bike", "start_index": 3, "capacity": [2, 1], "costs": {"fixed": 5, "per_hour": 0, "per_km": 200},
+         "max_travel_time": 5000, "max_distance": 9000},
+    ],
+    "jobs": [
+        {"id": 1, "service": 30, "delivery": [1, 0], "location_index": 1, "skills": [1], "time_windows": [[324, 3600]]},
+        {"id": 2, "pickup": [1, 2], "location_index": 2, "priority": 10, "time_windows": [[324, 360], [370, 380]]},
+    ],
+    "shipments": [{"amount": [1, 3], "pickup": {"id": 2, "location_index": 2}, "delivery": {"id": 6, "location_index": 3}}],
+    "matrices": {"car": {"durations": SQUARE}, "bike": {"durations": SQUARE, "distances": SQUARE}},
+}  # fmt: skip
 DOCUMENTS: dict[str, Any] = {
     "sensing": SensingGraph(
         np.array([0, 1, 0], np.int32), np.array([0, 2, 3, 3], np.int32), np.array([0, 2, 1], np.int32), np.array([0.5, 2, 3]), 3, 4,
@@ -93,6 +171,15 @@ BASES = {
     "csv": sites_csv.write(generate("random", 1, windows=True)).split("\n"),  # type: ignore[arg-type]
     "json": waybound_json.write(generate("random", 2, windows=True, metric="explicit", customers=3)).split("\n"),
     "edges": EDGES.split("\n"),
+    "vrplib-op": OPLIB.split("\n"),
+    "tsiligirides": TSILIGIRIDES.split("\n"),
+    "chao": CHAO.split("\n"),
+    "mtsp": MTSP.split("\n"),
+    "cordeau": CORDEAU.split("\n"),
+    "toptw": TOPTW.split("\n"),
+    "li-lim": LI_LIM.split("\n"),
+    "vrplib-vrpspd": VRPSPD.split("\n"),
+    "vroom": json.dumps(VROOM, indent=1).split("\n"),
     **{kind: waybound_json.write(made).split("\n") for kind, made in DOCUMENTS.items()},
 }
 TOKENS = [
@@ -100,6 +187,7 @@ TOKENS = [
     "1_000", "1,5", "--5", "½", "٣", "é", "\u2028", "\x0b", "\x00", "\ud7ff", '"', "{", "[[[[", "null", "true", "EOF", ":", "#",
     "# vehicles: 0", "TYPE: TOUR", "DIMENSION : 3", "DEPOT_SECTION", "EDGE_WEIGHT_SECTION", "FIXED_EDGES_SECTION", "VEHICLE",
     "CUSTOMER", "EXPLICIT", "ATT", "FULL_MATRIX", "LOWER_DIAG_ROW", "VRPTW", "", " ", "\t",
+    "n 4", "m 0", "tmax", "TYPE : OP", "NODE_SCORE_SECTION", "COST_LIMIT : -1", "NODE_SEQUENCE_SECTION", "2 4 3 2", "0 0", "GEO",
     "# order: rows", "# duplicates: error", "robot,action,target", "robot", "sum", "coverage", "99999999999", "[[0]]",
 ]  # fmt: skip
 
@@ -194,7 +282,7 @@ def _paths(data: Any, above: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return [above, *(path for key, value in items for path in _paths(value, (*above, key)))]
 
 
-PARSED = {base: json.loads("\n".join(BASES[base])) for base in ("json", *DOCUMENTS)}
+PARSED = {base: json.loads("\n".join(BASES[base])) for base in ("json", "vroom", *DOCUMENTS)}
 PLACES = [(base, path) for base, document in PARSED.items() for path in _paths(document)[1:]]
 
 
@@ -215,6 +303,7 @@ def test_any_value_anywhere_in_json_is_read_or_refused(
 SOLUTIONS = [
     "Route #1: 1 2 3\nRoute #2: 4 5 6\nCost 12\nComment x\n",
     "NAME : t\nTYPE : TOUR\nTOUR_SECTION\n1\n2\n3\n4\n5\n6\n7\n-1\nEOF\n",
+    "NAME : t\nTYPE : OP\nDIMENSION : 7\nROUTE_NODES : 3\nROUTE_SCORE : 4\nNODE_SEQUENCE_SECTION\n1\n2\n3\n-1\nDEPOT_SECTION\n1\n-1\nEOF\n",
 ]
 
 

@@ -16,10 +16,20 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import InputError
-from waybound.instances.formats import waybound_json
+from waybound.instances.formats import FORMATS, waybound_json
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.solution_files import routes_from_text
 from waybound.instances.text import read_text
+
+FAMILIES_READ = {
+    "vrptw-solomon": (".txt", "vrptw"), "vrptw-homberger": (".txt", "vrptw"), "cvrp": (".vrp", "cvrp"), "tsplib": (".tsp", "tsp"),
+    "op/tsiligirides1": (".txt", "orienteering"), "op/tsiligirides2": (".txt", "orienteering"),
+    "op/tsiligirides3": (".txt", "orienteering"),
+    "op/chao64": (".txt", "orienteering"), "op/chao66": (".txt", "orienteering"), "op": (".oplib", "orienteering"),
+    "top": (".txt", "team-orienteering"), "toptw": (".txt", "team-orienteering"), "mdvrp-cordeau": (".txt", "mdvrp"),
+    "minmax-mtsp": (".txt", "min-makespan-vrp"), "pdptw-lilim": (".txt", "pdptw"), "vrpspd-salhi": (".vrpspd", "cvrp"),
+}  # fmt: skip
+"""Below a folder: suffix of the instances, and the problem that is meant."""
 
 FAMILIES = {"vrptw-solomon": ".txt", "vrptw-homberger": ".txt", "cvrp": ".vrp", "tsplib": ".tsp"}
 CONVENTIONS = {"tsplib": "file", "tsplib-nint": "file", "euclidean-double": "exact", "dimacs-trunc1": "trunc1"}
@@ -42,17 +52,26 @@ def files_of(folder: Path, suffix: str) -> list[Path]:
     return found
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-def test_every_benchmark_file_is_read_and_survives_json(family: str, benchmarks: Path, differences: Callable[..., list[str]]) -> None:
-    for path in files_of(benchmarks / family, FAMILIES[family]):
+@pytest.mark.parametrize("family", FAMILIES_READ)
+def test_every_benchmark_file_is_read_and_survives_json_and_its_own_format(
+    family: str, benchmarks: Path, differences: Callable[..., list[str]]
+) -> None:
+    suffix, problem = FAMILIES_READ[family]
+    for path in files_of(benchmarks / family, suffix):
+        if path.stem.endswith("_format"):
+            continue
         if path.stem == "linhp318":
             with pytest.raises(InputError, match="FIXED_EDGES_SECTION is not supported; fixed edges make it another problem"):
                 read_instance(path)
             continue
-        made: Any = read_instance(path)
-        assert made.problem == {"vrptw": "vrptw", "cvrp": "cvrp", "tsplib": "tsp"}[family.split("-")[0]]
+        made: Any = read_instance(path, problem=problem if family == "toptw" else None)
+        assert made.problem == problem
         again = waybound_json.read(waybound_json.write(made), path)
         assert differences(made, again) == [], path
+        own = FORMATS[made.format]
+        assert own.write is not None
+        if family not in ("cvrp", "tsplib"):  # a .vrp file names its fleet otherwise, and a .tsp file its matrix
+            assert differences(made, own.read(own.write(made), path)) == [], path
 
 
 @pytest.mark.parametrize(("family", "size"), [("CVRPTW", 116), ("CVRP", 114)])
@@ -150,6 +169,21 @@ def test_every_cut_of_a_real_file_is_refused(name: str, benchmarks: Path, tmp_pa
         path.write_text(text[:length])
         with pytest.raises(InputError):
             read_instance(path)
+
+
+@pytest.mark.parametrize(
+    ("path", "format_name"),
+    [("top/set1/p1.2.c.txt", None), ("mdvrp-cordeau/p01.txt", None), ("toptw/c101.txt", "toptw"), ("toptw/pr01.txt", None),
+     ("op/chao64/set_64_1_15.txt", None), ("op/oplib-gen1/att48-gen1-50.oplib", None)],
+)  # fmt: skip
+def test_every_cut_between_two_numbers_of_a_file_is_refused(path: str, format_name: str | None, benchmarks: Path, tmp_path: Path) -> None:
+    text = (benchmarks / path).read_text().replace("\r", "")
+    end = text.index("-1", text.index("DEPOT_SECTION")) if "DEPOT_SECTION" in text else len(text.rstrip()) - len(text.rstrip().split()[-1])
+    cut = tmp_path / Path(path).name
+    for length in [*range(1, end, 97), end]:
+        cut.write_text(text[:length])
+        with pytest.raises(InputError):
+            read_instance(cut, format_name)
 
 
 def test_every_cut_of_a_solomon_file_is_refused(benchmarks: Path, tmp_path: Path) -> None:

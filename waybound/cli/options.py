@@ -103,7 +103,7 @@ def read_both(
     for key in ("format", "problem", "convention", "path"):
         if key in given:
             raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
-    instance = read_source(file, format)
+    instance = read_source(file, format, problem)
     return instance, problem_of(instance, problem, convention, given)
 
 

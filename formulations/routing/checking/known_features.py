@@ -2,7 +2,7 @@
 
 Whatever is not named here proves nothing: a checker that ignores a feature may only ever be too modest. Of those named:
 
-``skills, several-windows, closing-moves, several-loads, pickups, shipments, initial-energy``
+``skills, several-windows, closing-moves, several-loads, pickups, shipments, initial-energy, forbidden-moves``
     Forbid routes that would be possible without them, and are left out. Several windows are one from the first opening to the last close;
     a vehicle leaves with all that it delivers, whatever it picks up, so that the demands on a route are within the capacity.
 ``groups, penalties, rewards``
@@ -34,8 +34,7 @@ KNOWN = frozenset(
         "limited-fleet", "min-vehicles", "heterogeneous-fleet", "multiple-depots", "open-routes", "max-duration", "max-distance",
         "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "fixed-cost", "unit-cost", "separate-durations",
         "duration-cost", "overtime", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
-        "several-windows", "skills", "penalties", "initial-energy", "closing-moves", "committed-vehicles",
-        "forbidden-moves",
+        "several-windows", "skills", "penalties", "initial-energy", "closing-moves", "committed-vehicles", "forbidden-moves",
     }
 )  # fmt: skip
 

@@ -126,7 +126,7 @@ def build(problem: RoutingProblem) -> Compiled:
         variables.append(Variables("u", (customers,), (types[0].names,), lower=np.ones(n), upper=np.full(n, float(n)), cost=np.zeros(n)))
         blocks.extend(_order(kind, first) for kind, cyclic in zip(types, orders, strict=True) if cyclic)
         first += n
-    bare = Program("three-index", problem.sense, tuple(variables), tuple(b for b in blocks if b.size))
+    bare = Program("three-index", problem.sense, tuple(variables), tuple(b for b in blocks if b.size), offset=problem.constant)
     return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, problem, types, bare))
 
 

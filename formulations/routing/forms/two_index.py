@@ -287,7 +287,7 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
         ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
         return {"arc": [names[site] for site in ends]}, most >= 1
 
-    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows))
+    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), offset=problem.constant)
     proofs = (partial(_evidence, made, bare), partial(_ray_evidence, made), at_most) if _has_evidence(problem, form) else (None, None, None)
     return Compiled(
         bare, problem, decode, encode, proofs[0], Exactness.EXACT if prep.whole else Exactness.RESTRICTION, ray_evidence=proofs[1],

@@ -10,31 +10,40 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...text import plain
 from ..instance import RoutingInstance
-from ..travel import EXPLICIT, METRICS
-from ._limits import refuse_inexpressible
+from ..travel import EXPLICIT, METRICS, Travel
+from ._limits import cannot, refuse_inexpressible
 from ._tsplib import FLEET_IN_NAME, SET_X
 
 Floats = NDArray[np.float64]
 
+EXACT_2D = "EXACT_2D"
+"""LKH-3's word for Euclidean distances that are not rounded."""
+
+SERVED = frozenset({"capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet", "max-duration", "pickups"})
+SCORED = frozenset({"rewards", "optional-sites", "limited-fleet", "max-distance"})
+"""Features that the format has a place for, but for orienteering, and there."""
+
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    expressible = {"capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet", "max-duration"}
-    held = refuse_inexpressible(instance, "vrplib", expressible)
+    tours = isinstance(instance, RoutingInstance) and instance.problem == "orienteering"
+    held = refuse_inexpressible(instance, "vrplib", SCORED if tours else SERVED)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     n = len(sites)
 
     def refused(why: str) -> UsageError:
-        return UsageError(f"{instance.name} cannot be written as vrplib: {why}; use json")
+        return cannot(instance, "vrplib", why)
 
-    if travel.metric != EXPLICIT and METRICS[travel.metric].file_rounding is None:
+    if travel.metric not in (EXPLICIT, "euclidean") and METRICS[travel.metric].file_rounding is None:
         raise refused(f"the format has no {travel.metric} distances without rounding")
-    if travel.convention not in ("file", "exact" if travel.metric == EXPLICIT else "file"):
+    if travel.convention not in ("file", "exact" if travel.metric in (EXPLICIT, "euclidean") else "file"):
         raise refused(f"its convention is {travel.convention}, and the format has its own")
     if sites.ids != tuple(str(k) for k in range(1, n + 1)):
         raise refused("nodes must be numbered 1, 2, 3, ...")
     if len(instance.name.splitlines()) != 1 or not instance.name.strip():
         raise refused("its name is no single line")
+    if tours:
+        return _orienteering(instance)
     windows = bool(held & {"time-windows", "depot-windows"})
     tsp = instance.problem == "tsp"
     if windows and not np.isfinite(sites.due).all():
@@ -49,9 +58,13 @@ def write(instance: RoutingInstance) -> str:
         raise refused("the fleet is unlimited, but the end of its name would be read as a limit")
     symmetric = travel.matrix is None or np.array_equal(travel.matrix, travel.matrix.T)
     kind = ("TSP" if symmetric else "ATSP") if tsp else "VRPTW" if windows else "CVRP"
-    out = [f"NAME : {instance.name.strip()}", f"TYPE : {kind}", f"DIMENSION : {n}", f"EDGE_WEIGHT_TYPE : {travel.metric}"]
-    if travel.metric == EXPLICIT:
-        out.append("EDGE_WEIGHT_FORMAT : FULL_MATRIX")
+    if "pickups" in held:
+        if windows and always_open(travel, sites.ready, sites.due, sites.service):
+            raise refused("windows that no route can outlast are not told from none")
+        if not windows and math.isinf(longest_route(travel)):
+            raise refused(f"pickups need a time that no route outlasts, which {travel.metric} distances do not show")
+        kind = "VRPSPDTW" if windows else "VRPSPD"
+    out = [f"NAME : {instance.name.strip()}", f"TYPE : {kind}", f"DIMENSION : {n}", *_metric(instance)]
     if not tsp:
         if vehicle.count is not None:
             out.append(f"VEHICLES : {vehicle.count}")
@@ -63,28 +76,70 @@ def write(instance: RoutingInstance) -> str:
     return "\n".join([*out, "EOF"]) + "\n"
 
 
-def _sections(instance: RoutingInstance, windows: bool, tsp: bool) -> list[str]:
+def _orienteering(instance: RoutingInstance) -> str:
+    vehicle = instance.fleet[0]
+    if vehicle.count != 1 or not math.isfinite(vehicle.max_distance) or instance.sites.required.any():
+        raise cannot(instance, "vrplib", "the format has one tour of limited length through sites that may be left out")
+    limit = plain(vehicle.max_distance)
+    return "\n".join(
+        [f"NAME : {instance.name.strip()}", "TYPE : OP", f"DIMENSION : {len(instance.sites)}", f"COST_LIMIT : {limit}",
+         *_metric(instance), *_places(instance), *_table("NODE_SCORE_SECTION", instance.sites.reward), *_depot(instance), "EOF"]
+    ) + "\n"  # fmt: skip
+
+
+def _metric(instance: RoutingInstance) -> list[str]:
+    explicit, metric = instance.travel.metric == EXPLICIT, instance.travel.metric
+    return [
+        f"EDGE_WEIGHT_TYPE : {EXACT_2D if metric == 'euclidean' else metric}",
+        *(["EDGE_WEIGHT_FORMAT : FULL_MATRIX"] if explicit else []),
+    ]
+
+
+def _table(title: str, *columns: Floats) -> list[str]:
+    return [title, *(f"{k} {' '.join(plain(v) for v in row)}" for k, row in enumerate(zip(*columns, strict=True), start=1))]
+
+
+def _places(instance: RoutingInstance) -> list[str]:
     sites, travel = instance.sites, instance.travel
-    out: list[str] = []
-
-    def table(title: str, *columns: Floats) -> None:
-        out.append(title)
-        out.extend(f"{k} {' '.join(plain(v) for v in row)}" for k, row in enumerate(zip(*columns, strict=True), start=1))
-
-    if travel.matrix is not None:
-        if sites.coordinates is not None:
-            table("NODE_COORD_SECTION", *sites.coordinates.T)
-        out.append("EDGE_WEIGHT_SECTION")
-        out.extend(" ".join(plain(v) for v in row) for row in travel.matrix)
-    else:
+    if travel.matrix is None:
         assert travel.coordinates is not None
-        table("NODE_COORD_SECTION", *travel.coordinates.T)
+        return _table("NODE_COORD_SECTION", *travel.coordinates.T)
+    xy = [] if sites.coordinates is None else _table("NODE_COORD_SECTION", *sites.coordinates.T)
+    return [*xy, "EDGE_WEIGHT_SECTION", *(" ".join(plain(v) for v in row) for row in travel.matrix)]
+
+
+def _depot(instance: RoutingInstance) -> list[str]:
+    return ["DEPOT_SECTION", str(instance.sites.depots[0] + 1), "-1"]
+
+
+def _sections(instance: RoutingInstance, windows: bool, tsp: bool) -> list[str]:
+    sites, out = instance.sites, _places(instance)
     if tsp:
         return out
+    if sites.pickup.any():
+        always = max(1e7, math.ceil(longest_route(instance.travel) + float(sites.service.sum())))
+        due = np.where(np.isfinite(sites.due), sites.due, always)
+        columns = (np.zeros(len(sites)), sites.ready, due, sites.service, sites.pickup, sites.demand)
+        return [*out, *_table("PICKUP_AND_DELIVERY_SECTION", *columns), *_depot(instance)]
     if sites.demand.any() or math.isfinite(instance.fleet[0].capacity):
-        table("DEMAND_SECTION", sites.demand)
+        out += _table("DEMAND_SECTION", sites.demand)
     if sites.service.any():
-        table("SERVICE_TIME_SECTION", sites.service)
+        out += _table("SERVICE_TIME_SECTION", sites.service)
     if windows:
-        table("TIME_WINDOW_SECTION", sites.ready, sites.due)
-    return [*out, "DEPOT_SECTION", str(sites.depots[0] + 1), "-1"]
+        out += _table("TIME_WINDOW_SECTION", sites.ready, sites.due)
+    return [*out, *_depot(instance)]
+
+
+def always_open(travel: Travel, ready: Floats, due: Floats, service: Floats) -> bool:
+    """Whether all sites share a window from 0 on that no route can outlast."""
+    return not ready.any() and bool((due == due[0]).all()) and bool(due[0] >= longest_route(travel) + float(service.sum()))
+
+
+def longest_route(travel: Travel) -> float:
+    """No route that visits each site once at most is longer; infinite where that is not seen at once."""
+    if travel.matrix is not None:
+        return float(travel.matrix.max(axis=1).sum())
+    assert travel.coordinates is not None
+    if travel.metric not in ("euclidean", "EUC_2D", "CEIL_2D", "MAN_2D"):
+        return math.inf
+    return len(travel) * (float(np.ptp(travel.coordinates, axis=0).sum()) + 1.0)  # a move, rounded up

@@ -1,4 +1,5 @@
-"""TSPLIB and VRPLIB files: TSP, ATSP, CVRP, and the VRPLIB extensions for time windows, service and route duration.
+"""TSPLIB and VRPLIB files: TSP, ATSP, CVRP, and the extensions for time windows, service and route duration (VRPLIB), orienteering (OPLib),
+and simultaneous pickups and deliveries (LKH-3).
 
 Sites are the file's own node numbers "1" to "n". Solution files (``.sol``) count customers from 1 in the file's order and
 call the depot 0; ``.tour`` files use node numbers.
@@ -11,7 +12,15 @@ How the fleet is found: a ``VEHICLES`` header is an upper limit. Else a name tha
 except in Uchoa's set X, where k is the least possible number of routes and the fleet is unlimited.
 ``DISTANCE`` limits a route's duration, service included, as in the files of Christofides, Mingozzi and Toth.
 
-Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib.
+OPLib's orienteering problems (``TYPE: OP``) ask for one tour through the depot whose length is at most ``COST_LIMIT``; the score of the
+depot counts.
+
+LKH-3's files with pickups and deliveries at the same sites (``TYPE: VRPSPD, VRPMPD`` or ``MVRPB``) have a row ``node, 0, ready, due,
+service, pickup, delivery`` each. They write a window that all nodes share and no route can outlast where there is none. Their
+``EXACT_2D`` distances are Euclidean and not rounded.
+
+Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib; OPLib, of Kobeaga, Merino and Lozano (2018), Computers and
+Operations Research 90; LKH-3, Helsgaun (2017), Roskilde University.
 """
 
 from __future__ import annotations
@@ -30,31 +39,38 @@ from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, METRICS, Travel
 from ._tsplib import FLEET_IN_NAME, SET_X, Specification, edge_weights, node_list, node_table, scan
-from ._tsplib_writer import write
+from ._tsplib_writer import EXACT_2D, always_open, write
 
 Floats = NDArray[np.float64]
 
+SIMULTANEOUS = ("VRPSPD", "VRPMPD", "MVRPB", "VRPSPDTW", "VRPMPDTW")
+PICKUPS = "PICKUP_AND_DELIVERY_SECTION"
 PROBLEMS = {
     "TSP": ("tsp", "min-cost-vrp"),
     "ATSP": ("tsp", "min-cost-vrp"),
     "CVRP": ("cvrp", "min-cost-vrp"),
     "VRPTW": ("vrptw", "min-cost-vrp"),
     "CVRPTW": ("vrptw", "min-cost-vrp"),
+    "OP": ("orienteering", "team-orienteering"),
+    **dict.fromkeys(SIMULTANEOUS, ("cvrp", "min-cost-vrp")),
 }
-EDGE_WEIGHT_TYPES = (*(m for m in METRICS if m.isupper()), EXPLICIT)
+EDGE_WEIGHT_TYPES = (*(m for m in METRICS if m.isupper()), EXPLICIT, EXACT_2D)
 HEADERS = frozenset(
     {
-        "NAME", "COMMENT", "TYPE", "DIMENSION", "CAPACITY", "EDGE_WEIGHT_TYPE", "EDGE_WEIGHT_FORMAT", "NODE_COORD_TYPE",
-        "DISPLAY_DATA_TYPE", "VEHICLES", "DISTANCE", "SERVICE_TIME", "AUTHOR", "SOURCE", "DATE", "VERSION", "BEST_KNOWN",
-        "OPTIMAL_VALUE",
+        "NAME", "COMMENT", "TYPE", "DIMENSION", "EDGE_WEIGHT_TYPE", "EDGE_WEIGHT_FORMAT", "NODE_COORD_TYPE", "DISPLAY_DATA_TYPE",
+        "AUTHOR", "SOURCE", "DATE", "VERSION", "BEST_KNOWN", "OPTIMAL_VALUE",
     }
 )  # fmt: skip
-SECTIONS = frozenset(
-    {
-        "NODE_COORD_SECTION", "DISPLAY_DATA_SECTION", "EDGE_WEIGHT_SECTION", "DEMAND_SECTION", "DEPOT_SECTION",
-        "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION",
-    }
-)  # fmt: skip
+FLEET_HEADERS = frozenset({"CAPACITY", "VEHICLES", "DISTANCE", "SERVICE_TIME"})
+SECTIONS = frozenset({"NODE_COORD_SECTION", "DISPLAY_DATA_SECTION", "EDGE_WEIGHT_SECTION"})
+VISITED = frozenset({"DEMAND_SECTION", "DEPOT_SECTION", "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION"})
+KEYWORDS = {
+    **dict.fromkeys(("TSP", "ATSP"), (HEADERS, SECTIONS)),
+    **dict.fromkeys(("CVRP", "VRPTW", "CVRPTW"), (HEADERS | FLEET_HEADERS, SECTIONS | VISITED)),
+    "OP": (HEADERS | {"COST_LIMIT", "TSPSOL"}, SECTIONS | {"DEPOT_SECTION", "NODE_SCORE_SECTION"}),
+    **dict.fromkeys(SIMULTANEOUS, (HEADERS | FLEET_HEADERS - {"SERVICE_TIME"}, SECTIONS | {"DEPOT_SECTION", PICKUPS})),
+}
+"""By type: headers and sections that it knows."""
 _MARK = re.compile(r"^[ \t]*(?:(?:DIMENSION|EDGE_WEIGHT_TYPE|TYPE|NAME)[ \t]*:|(?:NODE_COORD|EDGE_WEIGHT|DEMAND)_SECTION\b)", re.M)
 
 
@@ -66,34 +82,43 @@ def recognises(text: str) -> bool:
 def read(text: str, path: Path) -> RoutingInstance:
     """The instance; see ``Format.read``."""
     spec = scan(text)
+    if "NODE_SEQUENCE_SECTION" in spec.sections:
+        raise InputError("is a solution file, not an instance", line=spec.sections["NODE_SEQUENCE_SECTION"].line)
     kind = spec.value("TYPE").upper().split()[0]
     if kind == "TOUR":
         raise InputError("is a solution file, not an instance", line=spec.line("TYPE"))
     if kind not in PROBLEMS:
         raise InputError(f"TYPE {shown(kind)} is not supported", line=spec.line("TYPE"), expected=", ".join(PROBLEMS))
-    spec.refuse_unknown(HEADERS, SECTIONS)
+    headers, sections = zip(*KEYWORDS.values(), strict=True)
+    spec.refuse_unknown(frozenset().union(*headers), frozenset().union(*sections))
+    spec.refuse_unknown(*KEYWORDS[kind], f" in a file of TYPE {kind}")
     n = spec.dimension()
     name = label(spec.headers["NAME"][1] if "NAME" in spec.headers and spec.headers["NAME"][1] else path.stem)
     xy, travel = _travel(spec, n, kind)
     is_tsp = kind in ("TSP", "ATSP")
-    if is_tsp:
-        spec.refuse_unknown(
-            HEADERS - {"CAPACITY", "VEHICLES", "DISTANCE", "SERVICE_TIME"},
-            SECTIONS - {"DEMAND_SECTION", "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION", "DEPOT_SECTION"},
-            f" in a file of TYPE {kind}",
-        )
     depot = 0 if is_tsp else _depot(spec, n)
-    demand, service, ready, due, lines = _sites(spec, n, depot, kind)
     flags = np.arange(n) == depot
     ids = [str(k) for k in range(1, n + 1)]
-    sites = Sites.of(ids, depot=flags, demand=demand, ready=ready, due=due, service=service, coordinates=xy)
+    if kind == "OP":
+        return _orienteering(spec, name, Sites.of(ids, depot=flags, reward=_scores(spec, n), required=False, coordinates=xy), travel, depot)
     notes: list[str] = []
+    pickup: Floats = np.zeros(n)
+    lines: list[int] | None
+    if kind in SIMULTANEOUS:
+        demand, pickup, service, ready, due, lines = _pickups(spec, travel, depot)
+        if "VEHICLES" in spec.headers:
+            notes.append("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited")
+    else:
+        demand, service, ready, due, lines = _sites(spec, n, depot, kind)
+    sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy)
     count = 1 if is_tsp else _fleet(spec, name, label(path.stem), notes)
     capacity, longest = _limit(spec, "CAPACITY"), _limit(spec, "DISTANCE")
     if math.isfinite(longest):
         notes.append(f"DISTANCE {longest:g} limits the duration of a route, service included")
     fleet = (VehicleType(count, capacity, start=depot, end=depot, max_duration=longest),)
     problems = PROBLEMS[kind]
+    if kind in SIMULTANEOUS and (ready.any() or np.isfinite(due).any()):
+        problems = PROBLEMS["VRPTW"]
     made = RoutingInstance(name, "vrplib", sites, travel, fleet, problem=problems[0], problems=problems, notes=tuple(notes))
     refuse_unreachable(made, lines)
     return made
@@ -129,7 +154,21 @@ def _travel(spec: Specification, n: int, kind: str) -> tuple[Floats | None, Trav
     if metric == "GEO":
         refuse((np.abs(own) > (90, 180)).any(axis=1), where, "latitude or longitude out of range", own, "within 90 and 180 degrees")
         coordinates = own[:, ::-1]  # a map has the longitude on its x axis
-    return coordinates, Travel(metric, coordinates=own)
+    return coordinates, Travel("euclidean" if metric == EXACT_2D else metric, coordinates=own)
+
+
+def _scores(spec: Specification, n: int) -> Floats:
+    table, lines = node_table(spec, "NODE_SCORE_SECTION", n, ("score",))
+    refuse(table[:, 0] < 0, lines, "score is negative", table[:, 0], "0 or more")
+    return table[:, 0]
+
+
+def _orienteering(spec: Specification, name: str, sites: Sites, travel: Travel, depot: int) -> RoutingInstance:
+    longest = number(spec.value("COST_LIMIT"), spec.line("COST_LIMIT"), "COST_LIMIT")
+    if longest < 0:
+        raise InputError("COST_LIMIT is negative", line=spec.line("COST_LIMIT"), expected="0 or more", found=spec.value("COST_LIMIT"))
+    fleet = (VehicleType(1, start=depot, end=depot, max_distance=longest),)
+    return RoutingInstance(name, "vrplib", sites, travel, fleet, problem=PROBLEMS["OP"][0], problems=PROBLEMS["OP"])
 
 
 def _depot(spec: Specification, n: int) -> int:
@@ -176,6 +215,23 @@ def _sites(spec: Specification, n: int, depot: int, kind: str) -> tuple[Floats, 
     return demand, service, ready, due, None if lines is None else lines.tolist()
 
 
+def _pickups(spec: Specification, travel: Travel, depot: int) -> tuple[Floats, Floats, Floats, Floats, Floats, list[int]]:
+    """Delivery, pickup, service, ready and due times, and the lines."""
+    n = len(travel)
+    table, lines = node_table(spec, PICKUPS, n, ("0", "ready time", "due date", "service time", "pickup", "delivery"))
+    unused, ready, due, service, pickup, delivery = table.T
+    refuse(unused != 0, lines, "second column is not supported", unused, "0, as pickups and deliveries stand in the last columns")
+    refuse(ready > due, lines, "time window closes before it opens", table[:, 1:3], "ready time <= due date")
+    for what, values in (("service time", service), ("pickup", pickup), ("delivery", delivery)):
+        refuse(values < 0, lines, f"{what} is negative", values, "0 or more")
+    loads = table[:, 3:]
+    refuse((np.arange(n) == depot) & (loads != 0).any(axis=1), lines, "the depot has a service time, a pickup or a delivery", loads, "0")
+    spec.value("CAPACITY")
+    if always_open(travel, ready, due, service):
+        due = np.full(n, math.inf)
+    return delivery, pickup, service, ready, due, lines.tolist()
+
+
 def _limit(spec: Specification, key: str) -> float:
     """A positive header, infinite where the file has none."""
     if key not in spec.headers:
@@ -205,7 +261,8 @@ def _fleet(spec: Specification, name: str, stem: str, notes: list[str]) -> int |
 FORMATS.add(
     "vrplib",
     Format(
-        "vrplib", "TSPLIB / CVRPLIB / VRPLIB text (TSP, ATSP, CVRP, VRPTW)", recognises, read, write, (".vrp", ".tsp"), "",
-        ("tsp", "cvrp", "vrptw", "min-cost-vrp"), "file",
+        "vrplib", "TSPLIB / CVRPLIB / VRPLIB / OPLib / LKH-3 text (TSP, ATSP, CVRP, VRPTW, OP, VRPSPD)", recognises, read, write,
+        (".vrp", ".tsp", ".oplib", ".vrpspd"), "",
+        ("tsp", "cvrp", "vrptw", "orienteering", "team-orienteering", "min-cost-vrp"), "file",
     ),
 )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 
 import pytest
@@ -82,3 +83,33 @@ def test_solution_files_that_name_no_types_are_refused_for_a_mixed_fleet(mixed):
     with pytest.raises(wb.UsageError, match="vehicle types"):
         mixed.answer_from_text("Route #1: 1\n")
     mixed.check_answer_suffix(".json")
+
+
+@pytest.fixture(scope="module")
+def scored(tmp_path_factory):
+    """A tour of length 14 at most, whose depot has a score."""
+    path = tmp_path_factory.mktemp("scored") / "t.oplib"
+    path.write_text(
+        "NAME : t\nTYPE : OP\nDIMENSION : 5\nCOST_LIMIT : 14\nEDGE_WEIGHT_TYPE : EUC_2D\n"
+        "NODE_COORD_SECTION\n1 0 0\n2 3 0\n3 0 4\n4 5 5\n5 -2 -1\n"
+        "NODE_SCORE_SECTION\n1 100\n2 7\n3 5\n4 9\n5 4\nDEPOT_SECTION\n1\n-1\nEOF\n"
+    )
+    return wb.read(path)
+
+
+def test_the_reward_of_a_depot_counts_without_a_visit(scored):
+    assert scored.constant == 100
+    assert scored.evaluate(wb.Routes.of([])).objective == 100
+    assert scored.evaluate(wb.Routes.of([[1, 2]])).quantities["reward"] == 112
+    assert dataclasses.replace(scored, objective=3 * wb.Reward() - wb.TotalCost()).constant == 300
+    assert dataclasses.replace(scored, objective=wb.TotalCost()).constant == 0
+
+
+@pytest.mark.parametrize(("solver", "options"), [("highs", {}), ("highs", {"form": "three-index"}), ("ortools", {}), ("pyvrp", {})])
+def test_the_reward_of_a_depot_is_part_of_what_solvers_find_and_prove(scored, solver, options):
+    tours = [list(order) for n in range(5) for order in itertools.permutations(range(1, 5), n)]
+    judged = [scored.evaluate(wb.Routes.of([tour] if tour else [])) for tour in tours]
+    best = max(each.objective for each in judged if each.feasible)
+    made = wb.solve(scored, solver, time_limit=2, bound_time=0, **options)
+    assert (made.objective, made.faults) == (best, ())
+    assert made.bound is None or made.bound == best

@@ -54,6 +54,41 @@ def test_a_fault_of_a_sol_file_is_refused_with_its_line(text: str, message: str,
     assert caught.value.line == line
 
 
+SEQUENCE = (
+    "NAME : six\nTYPE : OP\nDIMENSION : 6\nCOST_LIMIT : 9\nROUTE_NODES : 3\nROUTE_SCORE : 7.5\nROUTE_COST : 8\n"
+    "NODE_SEQUENCE_SECTION\n3\n1\n5\n-1\nDEPOT_SECTION\n1\n-1\nEOF\n"
+)
+
+
+def test_a_sequence_of_oplib_is_turned_until_the_depot_comes_first_and_claims_a_score() -> None:
+    assert routes_from_text(SEQUENCE, FIRST) == SolutionFile(((4, 2),), 7.5)
+    assert routes_from_text("NODE_SEQUENCE_SECTION\n1\n-1\n", FIRST) == SolutionFile((), None)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "line"),
+    [
+        ("DIMENSION : 6", "DIMENSION : 7", "DIMENSION is another number; expected 6; found '7'", 3),
+        ("ROUTE_NODES : 3", "ROUTE_NODES : 4", "ROUTE_NODES is another number; expected 3; found '4'", 5),
+        ("ROUTE_SCORE : 7.5", "ROUTE_SCORE : nan", "ROUTE_SCORE must be a finite number", 6),
+        ("ROUTE_SCORE", "ROUTE_PRIZE", "line is not understood; expected a header, NODE_SEQUENCE_SECTION or DEPOT_SECTION", 6),
+        ("\n5\n", "\n7\n", "sequence names a node that does not exist; expected 1 to 6; found 7", 11),
+        ("\n5\n", "\n0\n", "node must be a whole number; expected 1 or more", 11),
+        ("\n5\n", "\n1\n", "a tour must visit the depot once; expected 1; found 2 visits", 16),
+        ("\n5\n-1\n", "\n5\n-1 4\n", "sequence names a node that does not exist; expected a section or EOF; found 4", 12),
+        ("\n1\n-1\nEOF", "\n2\n-1\nEOF", "DEPOT_SECTION names another node; expected 1", 16),
+        ("\n1\n-1\nEOF\n", "\n1\n", "DEPOT_SECTION ends early; expected -1", 14),
+        ("DEPOT_SECTION", "NODE_SEQUENCE_SECTION", "NODE_SEQUENCE_SECTION stands twice", 13),
+    ],
+)  # fmt: skip
+def test_a_fault_of_a_sequence_is_refused_with_its_line(old: str, new: str, message: str, line: int) -> None:
+    assert SEQUENCE.count(old) == 1
+    with pytest.raises(InputError) as caught:
+        routes_from_text(SEQUENCE.replace(old, new), FIRST)
+    assert message in str(caught.value)
+    assert caught.value.line == line
+
+
 TOUR = "NAME : six\nTYPE : TOUR\nDIMENSION : 6\nTOUR_SECTION\n3\n4\n1\n6\n5 2\n-1\nEOF\n"
 
 

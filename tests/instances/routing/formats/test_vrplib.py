@@ -103,6 +103,124 @@ def test_nodes_may_come_in_any_order_and_the_depot_anywhere(read_text_as: Callab
     assert (made.fleet[0].start, made.fleet[0].end) == (1, 1)
 
 
+OP = """\
+NAME : three
+TYPE : OP
+DIMENSION : 3
+TSPSOL : 12
+COST_LIMIT : 9
+EDGE_WEIGHT_TYPE : EUC_2D
+NODE_COORD_SECTION
+1 0 0
+2 3 0
+3 0 4
+NODE_SCORE_SECTION
+1 1
+2 7
+3 5
+DEPOT_SECTION
+2
+-1
+EOF
+"""
+
+
+def test_everything_in_an_op_file_is_read(read_text_as: Callable[..., Any]) -> None:
+    made = read_text_as(OP)
+    assert (made.name, made.problem, made.problems) == ("three", "orienteering", ("orienteering", "team-orienteering"))
+    assert made.fleet == (VehicleType(1, start=1, end=1, max_distance=9.0),)
+    assert made.sites.reward.tolist() == [1, 7, 5]
+    assert not made.sites.required.any()
+    assert (made.travel.metric, made.travel.convention) == ("EUC_2D", "file")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "line"),
+    [
+        ("COST_LIMIT : 9", "COST_LIMIT : -9", "COST_LIMIT is negative; expected 0 or more; found -9", 5),
+        ("COST_LIMIT : 9", "COST_LIMIT : x", "COST_LIMIT must be a finite number", 5),
+        ("COST_LIMIT : 9\n", "", "header COST_LIMIT is missing", 17),
+        ("TSPSOL : 12", "CAPACITY : 12", "header 'CAPACITY' is not supported in a file of TYPE OP", 4),
+        ("TYPE : OP", "TYPE : CVRP", "header 'TSPSOL' is not supported in a file of TYPE CVRP", 4),
+        ("TYPE : OP", "TYPE : TSP", "header 'TSPSOL' is not supported in a file of TYPE TSP", 4),
+        ("2 7\n", "2 -7\n", "score is negative; expected 0 or more; found -7.0", 13),
+        ("2 7\n", "2 7 8\n", "row of NODE_SCORE_SECTION has a wrong length", 13),
+        ("2 7\n", "", "NODE_SCORE_SECTION has a wrong number of rows", 13),
+        ("NODE_SCORE_SECTION", "DEMAND_SECTION", "DEMAND_SECTION is not supported in a file of TYPE OP", 11),
+        ("NODE_SCORE_SECTION", "NODE_SEQUENCE_SECTION", "is a solution file, not an instance", 11),
+        ("\n2\n-1\nEOF", "\n4\n-1\nEOF", "DEPOT_SECTION names a node that does not exist", 16),
+    ],
+)  # fmt: skip
+def test_a_fault_of_an_op_is_refused_with_its_line(old: str, new: str, message: str, line: int, refusal: Callable[..., InputError]) -> None:
+    error = refusal(cvrp(old, new, OP))
+    assert message in str(error)
+    assert error.line == line
+
+
+VRPSPD = """\
+NAME : both
+TYPE : MVRPB
+DIMENSION : 3
+VEHICLES : 2
+CAPACITY : 10
+EDGE_WEIGHT_TYPE : EXACT_2D
+NODE_COORD_SECTION
+1 0 0
+2 1 1
+3 0 4
+PICKUP_AND_DELIVERY_SECTION
+1 0 0 10000000 0 0 0
+2 0 0 10000000 0 3 7
+3 0 0 10000000 5 2 8
+DEPOT_SECTION
+1
+-1
+EOF
+"""
+
+
+def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(read_text_as: Callable[..., Any]) -> None:
+    made = read_text_as(VRPSPD)
+    assert (made.name, made.problem, made.problems) == ("both", "cvrp", ("cvrp", "min-cost-vrp"))
+    assert made.fleet == (VehicleType(2, 10.0),)
+    assert made.sites.demand.tolist() == [0, 7, 8]
+    assert made.sites.pickup.tolist() == [0, 3, 2]
+    assert made.sites.service.tolist() == [0, 0, 5]
+    assert all(math.isinf(v) for v in made.sites.due)
+    assert (made.travel.metric, made.travel.convention) == ("euclidean", "exact")
+    assert made.travel.distance(0, 1) == math.sqrt(2)
+    assert made.notes == ("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited",)
+
+
+def test_windows_that_routes_can_outlast_are_windows(read_text_as: Callable[..., Any]) -> None:
+    made = read_text_as(cvrp("3 0 0 10000000 5", "3 0 0 30 5", VRPSPD.replace("MVRPB", "VRPSPDTW")))
+    assert (made.problem, made.sites.due.tolist()) == ("vrptw", [10000000, 10000000, 30])
+    assert read_text_as(VRPSPD.replace("10000000", "15")).sites.due.tolist() == [15, 15, 15]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "line"),
+    [
+        ("2 0 0 10000000 0 3 7", "2 1 0 10000000 0 3 7", "second column is not supported; expected 0", 13),
+        ("2 0 0 10000000 0 3 7", "2 0 0 10000000 0 -3 7", "pickup is negative; expected 0 or more; found -3.0", 13),
+        ("2 0 0 10000000 0 3 7", "2 0 0 10000000 0 3 -7", "delivery is negative", 13),
+        ("2 0 0 10000000 0 3 7", "2 0 0 10000000 -1 3 7", "service time is negative", 13),
+        ("2 0 0 10000000 0 3 7", "2 0 9 3 0 3 7", "time window closes before it opens", 13),
+        ("2 0 0 10000000 0 3 7", "2 0 0 10000000 0 3", "row of PICKUP_AND_DELIVERY_SECTION has a wrong length", 13),
+        ("1 0 0 10000000 0 0 0", "1 0 0 10000000 0 0 4", "the depot has a service time, a pickup or a delivery", 12),
+        ("CAPACITY : 10\n", "", "header CAPACITY is missing", 17),
+        ("MVRPB", "CVRP", "PICKUP_AND_DELIVERY_SECTION is not supported in a file of TYPE CVRP", 11),
+        ("CAPACITY : 10", "SERVICE_TIME : 10", "header 'SERVICE_TIME' is not supported in a file of TYPE MVRPB", 5),
+    ],
+)
+def test_a_fault_of_pickups_and_deliveries_is_refused_with_its_line(
+    old: str, new: str, message: str, line: int, refusal: Callable[..., InputError]
+) -> None:
+    error = refusal(cvrp(old, new, VRPSPD))
+    assert message in str(error)
+    assert error.line == line
+
+
 @pytest.mark.parametrize(
     ("name", "count", "note"),
     [
@@ -321,7 +439,7 @@ def written(made: Any) -> Any:
     return read(write(made), Path("x.vrp"))
 
 
-@pytest.mark.parametrize("text", [CVRP, VRPTW, TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6.5")])
+@pytest.mark.parametrize("text", [CVRP, VRPTW, TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6.5"), OP, VRPSPD])
 def test_what_is_written_reads_back_the_same(text: str, read_text_as: Callable[..., Any], differences: Callable[..., list[str]]) -> None:
     made = read_text_as(text)
     assert differences(made, written(made)) == []

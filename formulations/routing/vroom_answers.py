@@ -1,0 +1,142 @@
+"""Answers as VROOM's JSON: what ``vroom`` prints, and what can be shown where its output is."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ...instances.document import array, integer, kind_of
+from ...instances.errors import InputError, UsageError
+from ...instances.printable import printable
+from .judge import schedule
+from .routes import Route, Routes
+
+if TYPE_CHECKING:
+    from .problem import RoutingProblem
+
+_NUMBERS = re.compile(r"vehicle((?: [0-9]{1,18})+)\Z")
+PREFIXES = {"job": "", "pickup": "pickup ", "delivery": "delivery "}
+"""By type of a step: what ids of sites have before its number."""
+
+
+def is_vroom_output(data: Mapping[str, Any]) -> bool:
+    """Whether a document is VROOM's output: a code with routes or an error, or routes of steps."""
+    routes = data.get("routes")
+    if "kind" in data or "answer" in data:
+        return False
+    if "code" in data:
+        return isinstance(routes, list) or "error" in data
+    return isinstance(routes, list) and any(isinstance(route, dict) and "steps" in route for route in routes)
+
+
+def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Routes:
+    """The routes of VROOM's output.
+
+    Jobs are sites with their number as id, shipments have sites ``pickup 3`` and ``delivery 3``, and vehicles the types that
+    are named for their numbers; where there is one type alone, it drives all routes.
+
+    Raises
+    ------
+    InputError
+        If the document is broken, tells of an error, or names a task or a vehicle that does not exist.
+    """
+    code = integer(data.get("code", 0), "code", 0)
+    if code:
+        said = data.get("error", "")
+        raise InputError(f"VROOM found no answer: error {code}", found=printable(said if isinstance(said, str) else kind_of(said), 80))
+    index, types = problem.sites.index(), _types(problem)
+    routes = []
+    for k, route in enumerate(array(data.get("routes"), "routes")):
+        path = f"routes[{k}]"
+        if not isinstance(route, dict) or not {"vehicle", "steps"} <= route.keys():
+            raise InputError(f"{path} must be an object with the keys vehicle and steps", found=kind_of(route))
+        number = integer(route["vehicle"], f"{path}.vehicle", 0)
+        if types and number not in types:
+            raise InputError(f"{path}.vehicle names no vehicle", expected=", ".join(map(str, sorted(types)[:20])), found=str(number))
+        steps = [_step(step, f"{path}.steps[{s}]", index) for s, step in enumerate(array(route["steps"], f"{path}.steps"))]
+        routes.append(Route(tuple(site for site in steps if site is not None), types.get(number, 0)))
+    return Routes(tuple(routes))
+
+
+def _types(problem: RoutingProblem) -> dict[int, int]:
+    """Type of each vehicle number; empty where one type drives all."""
+    found = {number: kind for kind in range(len(problem.fleet)) for number in _numbers(problem, kind)}
+    if len(problem.fleet) > 1 and {found.get(number) for number in found} != set(range(len(problem.fleet))):
+        raise UsageError("VROOM names vehicles by numbers, which the vehicle types of this problem have not; use .json")
+    return found
+
+
+def _numbers(problem: RoutingProblem, kind: int) -> list[int]:
+    """Numbers of the vehicles of a type, from its name."""
+    match = _NUMBERS.match(problem.fleet[kind].name)
+    return [int(each) for each in match[1].split()] if match else []
+
+
+def _step(step: Any, path: str, index: Mapping[str, int]) -> int | None:
+    """The site of a step, None for where a vehicle starts and ends."""
+    if not isinstance(step, dict) or not isinstance(step.get("type"), str):
+        raise InputError(f"{path} must be an object with a type", found=kind_of(step))
+    what = step["type"]
+    if what in ("start", "end"):
+        return None
+    if what not in PREFIXES:
+        raise InputError(f"{path}.type is not supported", expected=", ".join(("start", "end", *PREFIXES)), found=kind_of(what))
+    if "id" not in step:
+        raise InputError(f"{path} lacks the key 'id'")
+    site = f"{PREFIXES[what]}{integer(step['id'], f'{path}.id', 0)}"
+    if site not in index:
+        raise InputError(f"{path} names a task that does not exist", expected="an id of the instance", found=site)
+    return index[site]
+
+
+def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
+    """``answer`` as VROOM prints its own: times, loads and costs recomputed from the data.
+
+    Raises
+    ------
+    UsageError
+        If sites or vehicle types are not named by numbers.
+    """
+    sites, ids = problem.sites, problem.sites.ids
+    tasks = {}
+    for k in problem.customers.tolist():
+        what, _, number = ids[k].rpartition(" ")
+        if what not in ("", "pickup", "delivery") or not re.fullmatch("[0-9]{1,18}", number):
+            raise UsageError(f"VROOM names tasks by numbers, and site {ids[k]} has none; use .json or .sol")
+        tasks[k] = {"type": what or "job", "id": int(number)}
+    _types(problem)
+    used = [0] * len(problem.fleet)
+    routes: list[dict[str, Any]] = []
+    for route in answer:
+        if not route.visits:
+            continue
+        vehicle, plan, numbers = problem.fleet[route.vehicle], schedule(problem, route), _numbers(problem, route.vehicle)
+        used[route.vehicle] += 1
+        at = used[route.vehicle]
+        if numbers and at > len(numbers):
+            raise UsageError(f"{at} routes use {vehicle.name}, of which there are {len(numbers)}")
+        visits = [
+            {
+                **tasks[site],
+                "arrival": plan.arrival[k],
+                "waiting_time": plan.begin[k] - plan.arrival[k],
+                "service": sites.service[site],
+                "distance": plan.distance[k],
+            }
+            for k, site in enumerate(route.visits)
+        ]
+        ends = {"type": "start", "arrival": plan.departure}, {"type": "end", "arrival": plan.finish, "distance": plan.total_distance}
+        routes.append(
+            {
+                "vehicle": numbers[at - 1] if numbers else len(routes) + 1,
+                "cost": vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance,
+                "waiting_time": plan.waiting,
+                "steps": [ends[0], *visits, ends[1]],
+            }
+        )
+    visited = {site for route in answer for site in route.visits}
+    left = [tasks[k] for k in tasks if k not in visited]
+    summary = {"cost": math.fsum(route["cost"] for route in routes), "routes": len(routes), "unassigned": len(left)}
+    return {"code": 0, "summary": summary, "unassigned": left, "routes": routes}

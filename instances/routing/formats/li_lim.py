@@ -1,0 +1,114 @@
+"""Li and Lim's text format: pickups and deliveries in pairs on one vehicle, with time windows.
+
+First line: number of vehicles, capacity, speed; then nine columns: number, coordinates, demand, ready time, due date, service time, and
+the numbers of the partners. Row 0 is the depot. A pickup has a positive demand and names its delivery in the last column; a delivery has
+as much less than nothing, and names its pickup in the one before. Sites keep the file's numbers, by which solution files name them too.
+
+The published files give a speed of 1, or of 0; one unit of distance takes one unit of time either way. Any other is refused.
+
+Source: Li and Lim (2001), 13th IEEE International Conference on Tools with Artificial Intelligence; SINTEF's pages on the PDPTW.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...text import label, plain, refuse, whole
+from ..instance import RoutingInstance, Sites, VehicleType
+from ..reach import refuse_unreachable
+from ..sites import Shipment
+from ..travel import Travel
+from ._limits import cannot, numbered, refuse_inexpressible
+from ._rows import Rows, head, widths
+
+COLUMNS = ("number", "x", "y", "demand", "ready time", "due date", "service time", "pickup", "delivery")
+PROBLEMS = ("pdptw", "min-cost-vrp")
+
+
+def recognises(text: str) -> bool:
+    """Whether a line of three numbers is followed by one of nine."""
+    return widths(head(text, 2)) == [3, 9]
+
+
+def read(text: str, path: Path) -> RoutingInstance:
+    """The instance; see ``Format.read``."""
+    rows = Rows.of(text)
+    line, (vehicles, capacity, speed) = rows.values("first line", ("number of vehicles", "capacity", "speed"))
+    count = whole(plain(vehicles), line, "number of vehicles", least=1)
+    if capacity <= 0:
+        raise InputError("capacity must be positive", line=line, expected="more than 0", found=plain(capacity))
+    if speed not in (0.0, 1.0):
+        raise InputError("speed is not supported", line=line, expected="0 or 1", found=plain(speed))
+    table, at = rows.table("customer table", COLUMNS)
+    n = len(table)
+    if n < 3:
+        raise InputError("ends early", line=rows.lines[-1][0], expected="a depot and at least one pair", found=f"{n} rows")
+    refuse(table[:, 0] != np.arange(n), at, "numbers must run 0, 1, 2, ...", table[:, 0], "one more than in the row above, from 0")
+    demand, ready, due, service = table[:, 3:7].T
+    refuse(service < 0, at, "service time is negative", service, "0 or more")
+    refuse(ready > due, at, "time window closes before it opens", table[:, 4:6], "ready time <= due date")
+    at_depot = (np.arange(n) == 0) & (table[:, [3, 6, 7, 8]] != 0).any(axis=1)
+    refuse(at_depot, at, "the depot has a demand, a service time or a partner", table[:, [3, 6, 7, 8]], "0")
+    sites = Sites.of(
+        range(n), ready=ready, due=due, service=service, coordinates=table[:, 1:3], shipments=_shipments(demand, table[:, 7:], at)
+    )
+    name = label(path.stem)
+    fleet = (VehicleType(count, capacity),)
+    made = RoutingInstance(name, "li-lim", sites, Travel("euclidean", table[:, 1:3]), fleet, problem=PROBLEMS[0], problems=PROBLEMS)
+    refuse_unreachable(made, at)
+    return made
+
+
+def _shipments(demand: np.ndarray, partners: np.ndarray, at: list[int]) -> list[Shipment]:
+    """Pairs in the order of their pickups, each named by both of its rows."""
+    n = len(demand)
+    one = (partners == 0).sum(axis=1) == 1
+    refuse(
+        ~one & (np.arange(n) > 0), at, "a customer needs one partner: a pickup its delivery, a delivery its pickup", partners, "one of two"
+    )
+    refuse(
+        (partners != np.floor(partners)).any(axis=1) | (partners < 0).any(axis=1) | (partners >= n).any(axis=1), at,
+        "partner does not exist", partners, f"1 to {n - 1}",
+    )  # fmt: skip
+    pickup = partners[:, 0] == 0
+    other = partners.max(axis=1).astype(np.int64)
+    index = np.arange(n)
+    back = (other[other] != index) | (pickup[other] == pickup)
+    refuse(back & (index > 0), at, "partner names another one", other, "a pair that names each other")
+    refuse((demand <= 0) & pickup & (index > 0), at, "demand of a pickup must be positive", demand, "more than 0")
+    refuse((demand != -demand[other]) & (index > 0), at, "a delivery is not as much as its pickup", demand, "the same, negative")
+    return [Shipment(int(k), int(other[k]), (float(demand[k]),)) for k in index[1:] if pickup[k]]
+
+
+def write(instance: RoutingInstance) -> str:
+    """The text; see ``Format.write``."""
+    refuse_inexpressible(instance, "li-lim", {"capacity", "shipments", "time-windows", "depot-windows", "service-times", "limited-fleet"})
+    sites, travel, vehicle, n = instance.sites, instance.travel, instance.fleet[0], len(instance.sites)
+    if travel.metric != "euclidean" or travel.convention != "exact":
+        raise cannot(instance, "li-lim", f"its distances are {travel.metric} {travel.convention}, not Euclidean and exact")
+    if vehicle.count is None or not 0 < vehicle.capacity < math.inf or not np.isfinite(sites.due).all():
+        raise cannot(instance, "li-lim", "the format needs a number of vehicles, a capacity, and a due date for every site")
+    if instance.problem not in PROBLEMS or sites.depots.tolist() != [0] or not numbered(instance, 0):
+        raise cannot(instance, "li-lim", "sites must be numbered 0, 1, 2, ... from the depot, and all be visited")
+    ends = [k for shipment in sites.shipments for k in (shipment.pickup, shipment.delivery)]
+    if sorted(ends) != list(range(1, n)) or not all(shipment.load[0] > 0 for shipment in sites.shipments):
+        raise cannot(instance, "li-lim", "every customer must be one end of one shipment with a load")
+    demand, partners = np.zeros(n), np.zeros((n, 2), dtype=np.int64)
+    for shipment in sites.shipments:
+        demand[shipment.pickup], demand[shipment.delivery] = shipment.load[0], -shipment.load[0]
+        partners[shipment.pickup, 1], partners[shipment.delivery, 0] = shipment.delivery, shipment.pickup
+    assert travel.coordinates is not None
+    columns = (*travel.coordinates.T, demand, sites.ready, sites.due, sites.service, *partners.T)
+    lines = ["\t".join([site, *map(plain, row)]) for site, *row in zip(sites.ids, *columns, strict=True)]
+    return "\n".join([f"{vehicle.count}\t{plain(vehicle.capacity)}\t1", *lines]) + "\n"
+
+
+FORMATS.add(
+    "li-lim",
+    Format("li-lim", "Li and Lim text (PDPTW)", recognises, read, write, (".pdptw",), PROBLEMS[0], PROBLEMS),
+)
