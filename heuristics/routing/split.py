@@ -90,7 +90,7 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     guarantee = None
     if found is not None and not broken and not cut:
         plain = not timed and problem.vehicle_limit is None
-        guarantee = radial_guarantee(problem, costs, found, value, plain=plain)
+        guarantee = radial_guarantee(problem, found, value, plain=plain)
     words = ("" if found is None else found.message, too_many(problem, best, "split"), CUT_SHORT if cut else "")
     statistics: dict[str, Any] = {"routes": len(best)} | ({} if found is None else {"tour": found.length})
     return Outcome(best, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")

@@ -14,7 +14,7 @@ from ...formulations.routing.routes import Route, Routes
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.ending import CUT_SHORT
 from .tour_steps.cutting import closed_routes, in_turn, routes_of, too_many
-from .tour_steps.giant_tour import Costs, GiantTour, giant_tour, guaranteed, in_rows, moving_costs
+from .tour_steps.giant_tour import GiantTour, giant_tour, guaranteed, in_rows, moving_costs
 
 FEATURES = frozenset({"objective:total-cost", "capacity", "service-times", "limited-fleet", "fixed-cost", "separate-durations"})
 
@@ -30,7 +30,7 @@ class Pieces:
     """How demands are cut, and what the theorem says of it.
 
     ``segment`` is how much demand lies between cuts; ``alone`` are customers with more than that. The cost is at most ``times`` the averaged
-    distances ``bound`` and ``share`` times the tour. ``demand``, ``capacity`` are in the units that all demands are multiples of.
+    distances ``bound`` and ``share`` times the tour; ``statement`` has a place for the ratio ``a`` of that tour. ``demand``, ``capacity`` are in the units that all demands are multiples of.
     """
 
     demand: NDArray[np.float64]
@@ -49,31 +49,31 @@ def pieces_of(problem: RoutingProblem) -> Pieces:
     demand, capacity = problem.sites.demand[problem.customers], problem.fleet[0].capacity
     none, whole = np.zeros(len(demand), dtype=bool), bool((demand == np.floor(demand)).all()) and float(demand.max(initial=0.0)) < 2.0**53
     if demand.sum() <= capacity:
-        return Pieces(demand, capacity, math.inf, none, 0.0, 1.0, "cost <= a OPT", ("one vehicle carries all demand",), "")
+        return Pieces(demand, capacity, math.inf, none, 0.0, 1.0, "cost <= {a} OPT", ("one vehicle carries all demand",), "")
     unit = float(demand[0]) if (demand == demand[0]).all() else float(np.gcd.reduce(demand.astype(np.int64))) if whole else 1.0
     if whole or unit == demand[0]:
         demand, capacity = np.rint(demand / unit), math.floor(capacity / unit)
     if (demand == 1).all():
         size = int(capacity)
         share = 1.0 - 1.0 / max(1, size)
-        statement = f"cost <= (1 + (1 - 1/{size}) a) OPT, a the ratio of the tour"
+        statement = f"cost <= (1 + (1 - 1/{size}) {{a}}) OPT"
         unlike = (f"demands are equal, {size} to a vehicle",)
         return Pieces(demand, capacity, float(size), demand > size, 1.0, share, statement, unlike, EQUAL_DEMANDS)
     if whole:
         size = int(capacity) if capacity % 2 == 0 else 2 * int(capacity)  # of the vehicle, in units half of which it holds too
-        statement = f"cost <= (2 + (1 - 2/{size}) a) OPT, a the ratio of the tour"
+        statement = f"cost <= (2 + (1 - 2/{size}) {{a}}) OPT"
         share = 1.0 - 2.0 / max(2, size)
     else:
-        statement, share = "cost <= (2 + a) OPT, a the ratio of the tour", 1.0
+        statement, share = "cost <= (2 + {a}) OPT", 1.0
     return Pieces(demand, capacity, capacity / 2, demand > capacity / 2, 2.0, share, statement, ("demands are not split",), ANY_DEMANDS)
 
 
-def radial_guarantee(problem: RoutingProblem, costs: Costs, tour: GiantTour, value: float, *, plain: bool = True) -> Guarantee | None:
+def radial_guarantee(problem: RoutingProblem, tour: GiantTour, value: float, *, plain: bool = True) -> Guarantee | None:
     """The guarantee of iterated tour partitioning for routes that cost ``value``, if it holds for them: see ``guaranteed``."""
     pieces = pieces_of(problem)
     averaged = 2.0 * float(pieces.demand @ tour.paths[0, 1:]) / pieces.capacity if 0 < pieces.capacity < math.inf else 0.0
     source = f"{pieces.source}, with {tour.source}" if pieces.source else tour.source
-    statement = pieces.statement.replace(" a)", f" {tour.ratio:g})").replace(" a OPT", f" {tour.ratio:g} OPT").partition(", a ")[0]
+    statement = pieces.statement.format(a=tour.ratio)
     return guaranteed(tour, value, averaged, pieces.times, pieces.share, statement, pieces.assumptions, source, plain)
 
 
@@ -127,7 +127,7 @@ def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = 
     answer = Routes(tuple(routes)).canonical()
     judged = problem.evaluate(answer)
     cut = stop.reached()
-    guarantee = radial_guarantee(problem, costs, found, judged.values[0], plain=limit is None) if judged.feasible else None
+    guarantee = radial_guarantee(problem, found, judged.values[0], plain=limit is None) if judged.feasible else None
     words = (found.message, too_many(problem, answer, "tour partitioning"), CUT_SHORT if cut else "")
     statistics = {"tour": found.length, "routes": len(answer)}
     return Outcome(answer, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")

@@ -13,15 +13,12 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import Stop
 from ....formulations.tolerance import EQUAL
 from ....instances.errors import UsageError
-from ....instances.memory import fits, readable
+from .dense import STRIP, dense
 
 Floats = NDArray[np.float64]
 Sites = NDArray[np.int64]
 
 TOURS = ("christofides", "double-tree", "nearest-neighbour")
-MOST_SITES = 20_000
-"""That a giant tour is made of: all distances between them are held."""
-
 MOST_MATCHED = 1_500
 """Nodes of odd degree up to which they are matched: some ten seconds of work."""
 
@@ -30,8 +27,6 @@ MOST_CLOSED = 2_500
 
 NEIGHBOURS = 10
 """Nearest nodes that moves of the improvement are tried with (Johnson and McGeoch 1997)."""
-
-STRIP = 1 << 20
 
 CHRISTOFIDES = "Christofides (1976), Worst-case analysis of a new heuristic for the travelling salesman problem"
 DOUBLE_TREE = "Rosenkrantz, Stearns and Lewis (1977), An analysis of several heuristics for the traveling salesman problem"
@@ -119,18 +114,10 @@ def moving_costs(problem: RoutingProblem, stop: Stop, *, busy: bool = False, dis
     """
     vehicle, travel = problem.fleet[0], problem.travel
     nodes = np.concatenate([[vehicle.start], problem.customers])
-    n = len(nodes)
-    if n > MOST_SITES or not fits(24.0 * n * n):
-        reason = f"needs {readable(24.0 * n * n)}" if n <= MOST_SITES else f"takes at most {MOST_SITES:,}"
-        raise UsageError(f"a tour of {n:,} sites holds all distances between them and {reason}; savings needs none of them")
-    moves = np.empty((n, n))
-    step = max(1, STRIP // n)
-    for first in range(0, n, step):
-        if stop.reached():
-            return None
-        rows = nodes[first : first + step, None]
-        moves[first : first + step] = travel.duration(rows, nodes[None, :]) if busy else travel.distance(rows, nodes[None, :])
-    half = np.zeros(n)
+    moves = dense(travel.duration if busy else travel.distance, nodes, stop, "a tour")
+    if moves is None:
+        return None
+    half = np.zeros(len(nodes))
     if busy:
         half[1:] = problem.sites.service[nodes[1:]] / 2
     elif not distance:
@@ -253,11 +240,11 @@ def in_rows(costs: Floats, order: Sites) -> Floats:
 
 def guaranteed(
     tour: GiantTour, value: float, bound: float, times: float, share: float, statement: str, assumptions: tuple[str, ...], source: str,
-    plain: bool = True,
+    plain: bool = True, vehicles: int = 1,
 ) -> Guarantee | None:  # fmt: skip
     """The guarantee of routes that cost ``value``, where a theorem has ``times * bound + share * (length of the tour)`` for it.
 
-    ``bound`` and the shortest tour, both along shortest paths, are at most the optimum. Where moves are longer than shortest paths, the ratio
+    ``bound`` and the shortest tour, shared by so many ``vehicles``, both along shortest paths, are at most the optimum. Where moves are longer than shortest paths, the ratio
     grows by as much as the routes cost more than the theorem says. None where they do so for other reasons (``plain`` is False, or the
     triangle inequality holds), or nothing is proved of the tour.
     """
@@ -265,7 +252,7 @@ def guaranteed(
         return None
     allowed = times * bound + share * tour.proved
     excess = value / allowed if allowed > 0 else 1.0 if value <= 0 else np.inf
-    ratio = times + share * tour.ratio
+    ratio = times + share * vehicles * tour.ratio
     if excess <= 1.0 + EQUAL:
         excess = 1.0
     elif tour.metric or not plain or not np.isfinite(excess):

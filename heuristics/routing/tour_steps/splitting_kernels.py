@@ -32,8 +32,8 @@ def cheapest_cut(flag, demand, segment, capacity, most, costs):  # type: ignore[
     until = np.cumsum(demand)
     best, best_routes, chosen = math.inf, n + 1, -1.0
     steps = 0
-    for candidate in range(n):
-        first = until[candidate] % segment
+    for candidate in range(n + 1):
+        first = until[candidate] % segment if candidate < n else 0.0
         total, routes, load = out[0], 1, 0.0
         cuts = math.floor(-first / segment)
         for k in range(n):

@@ -109,7 +109,8 @@ def nearest_neighbour(flag, costs):  # type: ignore[no-untyped-def]
 def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     """2-opt and Or-opt (Croes 1958; Or 1976) between near nodes, in place, until neither shortens the tour; returns the moves made.
 
-    Nodes without a change around them since they were last looked at are passed over (Bentley 1992).
+    Or-opt looks for a place next to nodes that are nearer than what taking the path out saves. Nodes without a change around them since they
+    were last looked at are passed over at first (Bentley 1992).
     """
     n = len(tour)
     place = np.empty(n, np.int64)
@@ -118,9 +119,16 @@ def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     if n < 5:
         return 0
     waiting, queued = tour.copy(), np.ones(n, np.bool_)
-    first, count, moves = 0, n, 0
+    first, count, moves, known = 0, n, 0, -1
     touched = np.empty(8, np.int64)
-    while count > 0 and not asked(flag):
+    while not asked(flag):
+        if count == 0:
+            if moves == known:
+                break
+            known = moves  # those passed over may have a place to go by now: once more for all
+            first, count = 0, n
+            waiting[:] = tour
+            queued[:] = True
         node = waiting[first]
         first = (first + 1) % n
         count -= 1
