@@ -37,8 +37,8 @@ def christofides(problem: RoutingProblem, context: Context, *, improve: bool = T
 
     Notes
     -----
-    Source: Christofides (1976), Report 388, Carnegie Mellon University; Serdyukov (1978). Weights are matched as whole numbers of 2^-40 of the
-    longest distance.
+    Source: Christofides (1976), Report 388, Carnegie Mellon University; Serdyukov (1978). Weights are matched as whole numbers of 2^-40 of
+    the longest distance.
     """
     stop = context.begin()
     costs = moving_costs(problem, stop)

@@ -43,8 +43,8 @@ def greedy_assignment(problem: RoutingProblem, context: Context) -> Outcome:
 
     Notes
     -----
-    Ties go to the first vehicle and the first site. Vehicles leave when their depot opens. Source: Mitchell (2020), algorithm 6, corrected in
-    docs/formulations/routing.md#errata.
+    Ties go to the first vehicle and the first site. Vehicles leave when their depot opens. Source: Mitchell (2020), algorithm 6, corrected
+    in docs/formulations/routing.md#errata.
     """
     return _assigned(problem, context, math.nan)
 

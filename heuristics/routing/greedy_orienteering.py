@@ -31,8 +31,8 @@ def greedy_orienteering(problem: RoutingProblem, context: Context, *, by: str | 
         One vehicle type.
     context : Context
     by : str
-        What is added first: the largest ``reward``, or ``density``, reward for the distance that is added. Both, and the better answer, where it
-        is not given.
+        What is added first: the largest ``reward``, or ``density``, reward for the distance that is added. Both, and the better answer,
+        where it is not given.
 
     Returns
     -------

@@ -45,8 +45,8 @@ def insertion(
     Returns
     -------
     Outcome
-        The best answer over Solomon's values of what is not given: mu 1, lamda 1 and 2, and with windows alpha1 1 and 0, and both seeds. May use
-        more vehicles than the fleet has.
+        The best answer over Solomon's values of what is not given: mu 1, lamda 1 and 2, and with windows alpha1 1 and 0, and both seeds.
+        May use more vehicles than the fleet has.
 
     Raises
     ------
@@ -77,7 +77,9 @@ def insertion(
         ((1.0, 0.0) if timed else (1.0,)) if alpha1 is None else (float(alpha1),),
         (SEEDS if "time-windows" in features else SEEDS[:1]) if seeds is None else (seeds,),
     )
-    best, rank, used = None, (True, (math.inf,)), {}
+    best: Routes | None = None
+    rank: tuple[bool, tuple[float, ...]] = (True, (math.inf,))
+    used: dict[str, Any] = {}
     for m, weight, a, seed in itertools.product(*choices):
         if best is not None and stop.reached():
             break

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
-from ...formulations.routing.routes import Route, Routes
+from ...formulations.routing.routes import Routes
 from ...formulations.stop import Stop
+from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.ending import CUT_SHORT
 from .savings import FEATURES
@@ -22,7 +23,7 @@ FLEET_STATES = 50_000_000
 """Vehicles times customers up to which a limited fleet is part of the search."""
 
 
-def split(problem: RoutingProblem, context: Context, *, tour: str = "christofides", improve: bool = True) -> Outcome:
+def split(problem: RoutingProblem, context: Context, *, tour: str = "christofides", improve: bool = True, starts: int = 50) -> Outcome:
     """Build one tour, and cut it into the routes that cost least of all that leave its order as it is.
 
     Parameters
@@ -35,6 +36,8 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
         Otherwise ``christofides``, ``double-tree`` or ``nearest-neighbour``; with windows, customers by their latest begin too.
     improve : bool
         Shorten the tour by 2-opt and Or-opt.
+    starts : int, >= 1
+        Customers, evenly spread over the tour, at which it is opened to be cut; the first is that after the depot.
 
     Returns
     -------
@@ -45,7 +48,7 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     Raises
     ------
     UsageError
-        For a tour that there is not, or too many sites.
+        For options out of range, or too many sites.
 
     Notes
     -----
@@ -53,6 +56,8 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     numbers of routes. Source: Beasley (1983), Omega 11; Prins (2004), Computers and Operations Research 31;
     docs/formulations/routing.md#approximations.
     """
+    if not (isinstance(starts, int) and starts >= 1):
+        raise UsageError(f"starts must be a whole number of at least 1, not {starts!r}")
     stop = context.begin()
     costs = moving_costs(problem, stop)
     if costs is None:
@@ -75,22 +80,22 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
         if timed:
             due = np.minimum(problem.sites.due, 1e300)[costs.nodes[1:]]
             orders.append(1 + np.argsort(due, kind="stable"))
-    best, value, broken = None, np.inf, 0
+    if starts > 1:
+        orders += [
+            np.roll(orders[0], -int(k))
+            for k in np.unique(np.linspace(0, len(orders[0]), min(starts, len(orders[0])), False, dtype=int))[1:]
+        ]
+    best, rank = in_turn(problem), (len(orders[0]) + 1, len(orders[0]), np.inf)
     for order in orders:
-        if best is not None and stop.reached():
+        if stop.reached():
             break
-        routes, worse = _cut(problem, costs, order, stop)
-        judged = problem.evaluate(routes)
-        rank = (not judged.feasible, judged.values[0])
-        if best is None or rank < (bool(broken), value):
-            best, value, broken = routes, judged.values[0], int(not judged.feasible)
+        last, found_rank = _cut(problem, costs, order, stop)
+        if last.any() and found_rank < rank:
+            best, rank = Routes(tuple(routes_of(costs.nodes[order], last))).canonical(), found_rank
             context.publish(best)
-    assert best is not None
-    cut = stop.reached()
-    guarantee = None
-    if found is not None and not broken and not cut:
-        plain = not timed and problem.vehicle_limit is None
-        guarantee = radial_guarantee(problem, found, value, plain=plain)
+    cut, judged, guarantee = stop.reached(), problem.evaluate(best), None
+    if found is not None and judged.feasible and not cut:
+        guarantee = radial_guarantee(problem, found, judged.values[0], plain=not timed and problem.vehicle_limit is None)
     words = ("" if found is None else found.message, too_many(problem, best, "split"), CUT_SHORT if cut else "")
     statistics: dict[str, Any] = {"routes": len(best)} | ({} if found is None else {"tour": found.length})
     return Outcome(best, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")
@@ -103,13 +108,13 @@ def _given(start: Routes, node_of: NDArray[np.int64], n: int) -> NDArray[np.int6
     return np.array([*kept, *sorted(set(range(1, n)) - set(kept))], dtype=np.int64)
 
 
-def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: Stop) -> tuple[Routes, int]:
+def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: Stop) -> tuple[NDArray[np.bool_], tuple[int, int, float]]:
+    """Whether each customer is the last of its route; how many break limits, how many routes are too many, and the cost."""
     from .tour_steps.splitting_kernels import best_split
 
     sites, vehicle, travel = problem.sites, problem.fleet[0], problem.travel
     visits, depot = costs.nodes[order], vehicle.start
-    onward = np.append(visits[1:], visits[:1])
-    moves = ((depot, visits), (visits, onward), (visits, depot))
+    moves = ((depot, visits), (visits, np.roll(visits, -1)), (visits, depot))
     distance = np.stack([travel.distance(a, b) for a, b in moves])
     time = distance if travel.duration_matrix is None else np.stack([travel.duration(a, b) for a, b in moves])
     limits = (float(sites.ready[depot]), float(sites.due[depot]), vehicle.max_duration, vehicle.max_distance)
@@ -118,14 +123,12 @@ def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: 
         sites.demand[visits], sites.service[visits], sites.ready[visits], sites.due[visits], distance, time, vehicle.capacity, limits,
         vehicle.unit_cost, vehicle.fixed_cost,
     )  # fmt: skip
-    last, broken = best_split(stop.flag, *given, n)
+    last, broken, value = best_split(stop.flag, *given, n)
     if limit is not None and last.sum() > limit and limit * n <= FLEET_STATES:
-        fewer, worse = best_split(stop.flag, *given, limit)
+        fewer, worse, dearer = best_split(stop.flag, *given, limit)
         if fewer.any() and worse <= broken:
-            last, broken = fewer, worse
-    if not last.any():
-        return in_turn(problem), 0
-    return Routes(tuple(routes_of(visits, last))).canonical(), int(broken)
+            last, broken, value = fewer, worse, dearer
+    return last, (int(broken), 0 if limit is None else max(0, int(last.sum()) - limit), float(value))
 
 
 HEURISTICS.add(

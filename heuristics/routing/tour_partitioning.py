@@ -19,8 +19,8 @@ from .tour_steps.giant_tour import GiantTour, giant_tour, guaranteed, in_rows, m
 FEATURES = frozenset({"objective:total-cost", "capacity", "service-times", "limited-fleet", "fixed-cost", "separate-durations"})
 
 EQUAL_DEMANDS = (
-    "Haimovich and Rinnooy Kan (1985), Bounds and heuristics for capacitated routing problems; Altinkemer and Gavish (1990), Heuristics for "
-    "delivery problems with constant error guarantees"
+    "Haimovich and Rinnooy Kan (1985), Bounds and heuristics for capacitated routing problems; Altinkemer and Gavish (1990), Heuristics "
+    "for delivery problems with constant error guarantees"
 )
 ANY_DEMANDS = "Altinkemer and Gavish (1987), Heuristics for unequal weight delivery problems with a fixed error guarantee"
 
@@ -29,8 +29,9 @@ ANY_DEMANDS = "Altinkemer and Gavish (1987), Heuristics for unequal weight deliv
 class Pieces:
     """How demands are cut, and what the theorem says of it.
 
-    ``segment`` is how much demand lies between cuts; ``alone`` are customers with more than that. The cost is at most ``times`` the averaged
-    distances ``bound`` and ``share`` times the tour; ``statement`` has a place for the ratio ``a`` of that tour. ``demand``, ``capacity`` are in the units that all demands are multiples of.
+    ``segment`` is how much demand lies between cuts; ``alone`` are customers with more than that. The cost is at most ``times`` the
+    averaged distances and ``share`` times the tour; ``statement`` has a place for the ratio ``a`` of that tour. ``demand`` and ``capacity``
+    are in the unit that all demands are multiples of.
     """
 
     demand: NDArray[np.float64]
@@ -59,7 +60,7 @@ def pieces_of(problem: RoutingProblem) -> Pieces:
         statement = f"cost <= (1 + (1 - 1/{size}) {{a}}) OPT"
         unlike = (f"demands are equal, {size} to a vehicle",)
         return Pieces(demand, capacity, float(size), demand > size, 1.0, share, statement, unlike, EQUAL_DEMANDS)
-    if whole:
+    if whole and (demand > 0).all():
         size = int(capacity) if capacity % 2 == 0 else 2 * int(capacity)  # of the vehicle, in units half of which it holds too
         statement = f"cost <= (2 + (1 - 2/{size}) {{a}}) OPT"
         share = 1.0 - 2.0 / max(2, size)

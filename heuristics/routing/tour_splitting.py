@@ -67,7 +67,8 @@ def tour_splitting(problem: RoutingProblem, context: Context, *, tour: str = "ch
     statement = f"longest route <= ({found.ratio} + 1 - 1/{most}) OPT"
     # (T - 2 d_max)/k + 2 d_max, of which 2 d_max <= OPT and T <= ratio k OPT
     guarantee = guaranteed(
-        found, value, 2.0 * farthest, 1.0 - 1.0 / most, 1.0 / most, statement, (f"{most} vehicles",), f"{SOURCE}, with {found.source}", True, most
+        found, value, 2.0 * farthest, 1.0 - 1.0 / most, 1.0 / most, statement, (f"{most} vehicles",), f"{SOURCE}, with {found.source}",
+        vehicles=most,
     )  # fmt: skip
     message = "; ".join(w for w in (found.message, CUT_SHORT if cut else "") if w)
     return Outcome(answer, guarantee, (), {"tour": found.length, "routes": len(answer)}, message, cut or "none")

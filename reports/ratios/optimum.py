@@ -203,8 +203,8 @@ def _agree(problem: Problem, value: float, bound: float) -> None:
 
 
 def best_routes(problem: RoutingProblem) -> Optimum:
-    """The best routes of vehicles of one type that have no limit but capacity: the shortest tour of every set of customers (Held and Karp 1962),
-    and the best way to share all customers among such sets.
+    """The best routes of vehicles of one type that have no limit but capacity: the shortest tour of every set of customers (Held and Karp
+    1962), and the best way to share all customers among such sets.
 
     Raises
     ------

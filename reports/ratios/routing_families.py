@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,13 +29,13 @@ KINDS = ("plane", "clusters", "grid", "graph", "rounded")
 
 
 def travel_of(rng: Rng, kind: str, n: int) -> Travel:
-    """Symmetric distances between ``n`` sites: in the plane, in clusters, on a grid with sites in one place, along shortest paths of a graph, or
-    rounded to whole numbers, so that the triangle inequality fails by little."""
+    """Symmetric distances between ``n`` sites: in the plane, in clusters, on a grid with sites in one place, along shortest paths of a
+    graph, or rounded to whole numbers, so that the triangle inequality fails by little."""
     if kind == "clusters":
         xy = rng.integers(0, 100, (3, 2))[rng.integers(0, 3, n)] + rng.normal(0, 2, (n, 2))
         return Travel("euclidean", xy)
     if kind == "grid":
-        return Travel("manhattan", rng.integers(0, 4, (n, 2)))
+        return Travel("manhattan", rng.integers(0, 4, (n, 2)).astype(float))
     if kind == "graph":
         made = np.where(rng.random((n, n)) < 0.5, rng.integers(1, 10, (n, n)), 30).astype(float)
         made = np.minimum(made, made.T)
@@ -40,12 +43,12 @@ def travel_of(rng: Rng, kind: str, n: int) -> Travel:
             made = np.minimum(made, made[:, [k]] + made[k])
         return Travel(EXPLICIT, matrix=made)
     if kind == "rounded":
-        return Travel("EUC_2D", rng.integers(0, 12, (n, 2)))
+        return Travel("EUC_2D", rng.integers(0, 12, (n, 2)).astype(float))
     return Travel("euclidean", rng.uniform(0, 100, (n, 2)))
 
 
 def _sites(n: int, **given: NDArray[np.float64]) -> Sites:
-    return Sites.of(range(n), **given)  # type: ignore[arg-type]
+    return Sites.of(range(n), **given)
 
 
 def salesman(k: int, rng: Rng, kind: str) -> Case:
@@ -77,22 +80,25 @@ def random_families(make: str) -> tuple[Family, ...]:
     """The random families of ``salesman``, ``loads`` or ``shared`` problems."""
     made = {"salesman": salesman, "loads": loads, "shared": shared}[make]
     words = {"plane": "uniform", "clusters": "three clusters", "grid": "few places", "graph": "shortest paths", "rounded": "rounded"}
-    return tuple(Family(kind, f"{words[kind]}, up to {MOST} customers", lambda k, rng, kind=kind: made(k, rng, kind)) for kind in KINDS)  # type: ignore[misc]
+    return tuple(Family(kind, f"{words[kind]}, up to {MOST} customers", partial(_of_kind, made, kind)) for kind in KINDS)
 
 
-def strip(n: int, capacity: float = float("inf")) -> Case:
+def _of_kind(made: Callable[[int, Rng, str], Case], kind: str, k: int, rng: Rng) -> Case:
+    return made(k, rng, kind)
+
+
+def strip(n: int) -> Case:
     """Two rows in zigzag: the tree goes from one end to the other, and the matching all the way back (Cornuejols and Nemhauser 1978)."""
     apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
-    problem = RoutingProblem(
-        _sites(n), Travel(EXPLICIT, matrix=apart // 2 * (1 + NEARLY) + apart % 2), (VehicleType(capacity=capacity),), name=f"strip-{n}", problem="tsp"
-    )  # fmt: skip
+    travel = Travel(EXPLICIT, matrix=apart // 2 * (1 + NEARLY) + apart % 2)
+    problem = RoutingProblem(_sites(n), travel, (VehicleType(),), name=f"strip-{n}", problem="tsp")
     tour = [*range(2, n, 2), *reversed(range(1, n, 2))]
     return Case(problem, attained(problem, Routes.of([tour]), "construction"))
 
 
 def strips() -> Family:
     """Towards 3/2 for Christofides' tour."""
-    return listed("strip", "a zigzag, on which the matching is half a tour", [lambda n=n: strip(n) for n in (4, 5, 8, 13, 20, 31, 50)])
+    return listed("strip", "a zigzag, on which the matching is half a tour", [partial(strip, n) for n in (4, 5, 8, 13, 20, 31, 50)])
 
 
 def star(n: int, capacity: float, demand: float) -> Case:
@@ -125,13 +131,14 @@ def big_and_small(big: float, small: float, pairs: int) -> Case:
 
 def load_traps() -> tuple[Family, ...]:
     """On which full vehicles are not the best ones."""
+    stars = [(4, 2.0), (6, 3.0), (8, 2.0), (8, 7.0)]
+    piles = [((2, 2, 2), 2.0), ((3, 3), 3.0), ((3, 3, 2), 2.0), ((4, 4), 3.0), ((1, 2, 3), 4.0)]
+    pairs = [(6.0, 4.0, 4), (9.0, 1.0, 4), (5.0, 5.0, 3), (51.0, 49.0, 4)]
     return (
-        listed("star", "nothing is gained by going on", [lambda n=n, q=q: star(n, q, 1.0) for n, q in ((4, 2), (6, 3), (8, 2), (8, 7))]),  # type: ignore[misc]
-        listed("heaps", "as many customers in a place as fill vehicles, or one more",
-               [lambda s=s, q=q: heaps(s, q) for s, q in (((2, 2, 2), 2), ((3, 3), 3), ((3, 3, 2), 2), ((4, 4), 3), ((1, 2, 3), 4))]),  # type: ignore[misc]
-        listed("big-and-small", "what shares a vehicle is cut apart",
-               [lambda b=b, s=s, p=p: big_and_small(b, s, p) for b, s, p in ((6, 4, 4), (9, 1, 4), (5, 5, 3), (51, 49, 4))]),  # type: ignore[misc]
-    )  # fmt: skip
+        listed("star", "nothing is gained by going on", [partial(star, n, q, 1.0) for n, q in stars]),
+        listed("heaps", "as many customers in a place as fill vehicles, or one more", [partial(heaps, s, q) for s, q in piles]),
+        listed("big-and-small", "what shares a vehicle is cut apart", [partial(big_and_small, b, s, p) for b, s, p in pairs]),
+    )
 
 
 def two_sides(near: int, far: float, vehicles: int) -> Case:
@@ -145,4 +152,4 @@ def two_sides(near: int, far: float, vehicles: int) -> Case:
 def share_traps() -> tuple[Family, ...]:
     """On which the longest route cannot be cut evenly."""
     sides = [(3, 1.0, 2), (6, 6.0, 2), (6, 3.0, 3), (7, 7.0, 4)]
-    return (listed("two-sides", "a line with the depot within", [lambda a=a, f=f, k=k: two_sides(a, f, k) for a, f, k in sides]),)  # type: ignore[misc]
+    return (listed("two-sides", "a line with the depot within", [partial(two_sides, a, f, k) for a, f, k in sides]),)

@@ -1,7 +1,7 @@
 """Insertion of one customer after the other, compiled. Imports numba: import it inside functions only.
 
-Nodes are the start of a route, 0, the customers ``1..n``, and its end, ``n + 1``. ``limits`` are the earliest departure, the latest return, the
-longest duration and the longest distance; ``timed`` tells whether anybody can have to wait or come too late.
+Nodes are the start of a route, 0, the customers ``1..n``, and its end, ``n + 1``. ``limits`` are the earliest departure, the latest
+return, the longest duration and the longest distance; ``timed`` tells whether anybody can have to wait or come too late.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ ROUNDING = 1e-14
 def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1, by_due):  # type: ignore[no-untyped-def]
     """Solomon's I1: route by route, each from a seed, the customer that is worth most at its best place.
 
-    Returns the customers in the order of their routes, and whether each is the last of its route. Who fits on no route has one alone, as have all that are
-    left where it was asked to stop.
+    Returns the customers in the order of their routes, and whether each is the last of its route. Who fits on no route has one alone, as
+    have all that are left where it was asked to stop.
     """
-    demand, service, ready, due, distance, time = data
+    demand, _, _, due, distance, _ = data
     n = len(demand) - 2
     order, last = np.zeros(n, np.int64), np.zeros(n, np.bool_)
     left = np.ones(n + 2, np.bool_)
@@ -84,7 +84,7 @@ def best_insertion(flag, data, reward, fleet, capacity, limits, timed, density):
 
     Returns the route of each customer, -1 for those left out, and its place on it.
     """
-    demand, service, ready, due, distance, time = data
+    demand = data[0]
     n = len(demand) - 2
     routes, size = np.zeros((fleet, n + 2), np.int64), np.zeros(fleet, np.int64)
     begin, latest = np.zeros((fleet, n + 2)), np.zeros((fleet, n + 2))
@@ -170,9 +170,12 @@ def _schedule(route, size, data, limits, begin, latest):  # type: ignore[no-unty
 
 @kernel()
 def _inserted(u, k, route, size, data, limits, timed, begin, latest, length, busy):  # type: ignore[no-untyped-def]
-    """What it adds to the distance to visit ``u`` before the ``k``-th stop, infinite where a limit is exceeded; and how much later that stop is begun."""
+    """What it adds to the distance to visit ``u`` before the ``k``-th stop, and how much later that stop is begun.
+
+    Infinite where a limit is exceeded.
+    """
     _, service, ready, due, distance, time = data
-    opening, closing, max_duration, max_distance = limits
+    opening, _, max_duration, max_distance = limits
     end = len(service) - 1
     i = route[k - 1] if k > 0 else 0
     j = route[k] if k < size else end

@@ -13,7 +13,9 @@ from ..tour_steps.dense import dense
 
 
 def site_data(problem: RoutingProblem, stop: Stop) -> tuple[NDArray[np.int64], tuple[Any, ...], tuple[float, ...]] | None:
-    """Site of each node; demand, service, ready, due, distances, durations; and limits: see ``insertion_kernels``. None where it was asked to stop.
+    """Site of each node; demand, service, ready, due, distances, durations; and limits: see ``insertion_kernels``.
+
+    None where it was asked to stop.
 
     Raises
     ------

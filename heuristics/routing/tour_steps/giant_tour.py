@@ -93,7 +93,7 @@ class GiantTour:
 
 
 def moving_costs(problem: RoutingProblem, stop: Stop, *, busy: bool = False, distance: bool = False) -> Costs | None:
-    """What moves cost: unit cost times distance, and half of a vehicle's fixed cost at the depot, so that routes cost the sum of their moves.
+    """What moves cost: unit cost times distance, and half of a vehicle's fixed cost at the depot, so that routes cost what their moves do.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def moving_costs(problem: RoutingProblem, stop: Stop, *, busy: bool = False, dis
 
 def _by_nature(travel: Any) -> bool:
     """Whether distances keep the triangle inequality whatever the coordinates: unrounded ones, and those rounded up."""
-    return travel.convention == "exact" and travel.metric != "GEO" or (travel.metric, travel.convention) == ("CEIL_2D", "file")
+    return (travel.convention == "exact" and travel.metric != "GEO") or (travel.metric, travel.convention) == ("CEIL_2D", "file")
 
 
 def giant_tour(costs: Costs, method: str, improved: bool, stop: Stop) -> GiantTour:
@@ -244,9 +244,9 @@ def guaranteed(
 ) -> Guarantee | None:  # fmt: skip
     """The guarantee of routes that cost ``value``, where a theorem has ``times * bound + share * (length of the tour)`` for it.
 
-    ``bound`` and the shortest tour, shared by so many ``vehicles``, both along shortest paths, are at most the optimum. Where moves are longer than shortest paths, the ratio
-    grows by as much as the routes cost more than the theorem says. None where they do so for other reasons (``plain`` is False, or the
-    triangle inequality holds), or nothing is proved of the tour.
+    ``bound`` and the shortest tour, shared by so many ``vehicles``, both along shortest paths, are at most the optimum. Where moves are
+    longer than shortest paths, the ratio grows by as much as the routes cost more than the theorem says. None where they do so for other
+    reasons (``plain`` is False, or the triangle inequality holds), or nothing is proved of the tour.
     """
     if tour.ratio is None:
         return None
@@ -257,7 +257,7 @@ def guaranteed(
         excess = 1.0
     elif tour.metric or not plain or not np.isfinite(excess):
         return None
-    holds = (SYMMETRIC, METRIC) if tour.metric else (SYMMETRIC,)
+    holds: tuple[str, ...] = (SYMMETRIC, METRIC) if tour.metric else (SYMMETRIC,)
     if not tour.metric:
         words = "moves longer than shortest paths " + (f"make up {excess:.9g} times" if excess > 1 else "stay within")
         holds += (f"{words} what the theorem allows",)

@@ -74,7 +74,7 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
 @kernel()
 def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
     """Grow trees of alternating paths from all free surfaces until two of them meet; False without any, or where it was asked to stop."""
-    _, price, mate, top, label, near, parent, _, _, end, inside, _, _, queue, span = state
+    _, price, mate, top, label, near, parent, _, _, end, _, _, _, queue, span = state
     size = len(top)
     label[:] = NONE
     near[:] = -1
@@ -123,9 +123,9 @@ def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
                 elif label[b] == INNER:
                     price[b] -= 2 * step
         for x in range(size):
-            if top[x] == x and near[x] >= 0 and top[near[x]] != x and label[x] != INNER and _slack(state, near[x], x) == 0:
-                if _met(state, n, near[x], end[x, near[x]]):
-                    return True
+            tight = top[x] == x and near[x] >= 0 and top[near[x]] != x and label[x] != INNER and _slack(state, near[x], x) == 0
+            if tight and _met(state, n, near[x], end[x, near[x]]):
+                return True
         for b in range(n, size):
             if top[b] == b and label[b] == INNER and price[b] == 0:
                 _open(state, n, b)
@@ -172,7 +172,7 @@ def _push(state, n, x):  # type: ignore[no-untyped-def]
 @kernel()
 def _met(state, n, u, v):  # type: ignore[no-untyped-def]
     """Outer vertex ``u`` has a tight edge to ``v``: the tree grows, contracts, or meets another one (True)."""
-    _, _, mate, top, label, near, parent, _, seen, end, _, _, _, _, _ = state
+    _, _, mate, top, label, near, parent, _, seen, _, _, _, _, _, _ = state
     x, y = top[u], top[v]
     if label[y] == NONE:
         parent[y] = u

@@ -1,7 +1,7 @@
 """Ways to cut a tour into routes, compiled. Imports numba: import it inside functions only.
 
-Arrays with the rows ``out``, ``on`` and ``back`` hold, for each customer in the order of the tour, the move from the depot, that to the next
-customer (the last entry is not used) and that to the depot.
+Arrays with the rows ``out``, ``on`` and ``back`` hold, for each customer in the order of the tour, the move from the depot, that to the
+next customer (the last entry is not used) and that to the depot.
 """
 
 from __future__ import annotations
@@ -71,8 +71,9 @@ def cheapest_cut(flag, demand, segment, capacity, most, costs):  # type: ignore[
 def best_split(flag, demand, service, ready, due, distance, time, capacity, limits, unit_cost, fixed_cost, most):  # type: ignore[no-untyped-def]
     """The cheapest way to cut a tour into at most ``most`` routes that keep all limits: a shortest path, route by route.
 
-    ``limits`` are the depot's window, the longest duration and the longest distance. Returns whether each customer is the last of its route, and how many customers are
-    on a route of their own that keeps no limit, since they are on no other one; all False where there are too few routes or it was asked to stop.
+    ``limits`` are the depot's window, the longest duration and the longest distance. Returns whether each customer is the last of its
+    route, how many are on a route of their own that breaks a limit, since they fit on no other one, and the cost; all False where there are
+    too few routes, or it was asked to stop.
     """
     n = len(demand)
     opening, closing, max_duration, max_distance = limits
@@ -124,22 +125,23 @@ def best_split(flag, demand, service, ready, due, distance, time, capacity, limi
             if steps > LOOK:
                 steps = 0
                 if asked(flag):
-                    return last, 0
+                    return last, 0, math.inf
     layer = int(np.argmin(value[:, n])) if fleet else 0
     if not value[layer, n] < math.inf:
-        return last, 0
+        return last, 0, math.inf
+    total = value[layer, n]
     broken, at = int(value[layer, n] / penalty), n
     while at > 0:
         last[at - 1] = True
         at = before[layer, at]
         if fleet:
             layer -= 1
-    return last, broken
+    return last, broken, total - broken * penalty
 
 
 @kernel()
 def even_split(flag, costs, most):  # type: ignore[no-untyped-def]
-    """Cut a tour into at most ``most`` routes of which the longest is as short as it can be: whether each customer is the last of its route.
+    """Cut a tour into at most ``most`` routes, the longest as short as it can be: whether each customer is the last of its route.
 
     Among those, no attempt is made to keep the others short. All False where it was asked to stop.
     """

@@ -109,8 +109,8 @@ def nearest_neighbour(flag, costs):  # type: ignore[no-untyped-def]
 def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     """2-opt and Or-opt (Croes 1958; Or 1976) between near nodes, in place, until neither shortens the tour; returns the moves made.
 
-    Or-opt looks for a place next to nodes that are nearer than what taking the path out saves. Nodes without a change around them since they
-    were last looked at are passed over at first (Bentley 1992).
+    Or-opt looks for a place next to nodes that are nearer than what taking the path out saves. Nodes without a change around them since
+    they were last looked at are passed over at first (Bentley 1992).
     """
     n = len(tour)
     place = np.empty(n, np.int64)

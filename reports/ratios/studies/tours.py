@@ -26,7 +26,7 @@ def tour_ratio(of_tour: float) -> Callable[[Any], float]:
 
 
 def partition_ratio(of_tour: float) -> Callable[[Any], float]:
-    """1 + (1 - 1/Q) a for demands of 1, 2 + (1 - 2/Q) a for whole ones and an even Q, 2 + a for others.
+    """1 + (1 - 1/Q) a for demands of 1, 2 + (1 - 2/Q) a for positive whole ones and an even Q, 2 + a for others.
 
     Notes
     -----
@@ -40,12 +40,11 @@ def partition_ratio(of_tour: float) -> Callable[[Any], float]:
         if demand.sum() <= capacity:
             return of_tour
         if np.ptp(demand) == 0:
-            return 1.0 + (1.0 - 1.0 / math.floor(capacity / demand[0])) * of_tour
-        if any(value % 1 for value in demand):
+            return 1.0 + (1.0 - 1.0 / int(capacity / demand[0])) * of_tour
+        if any(value % 1 or value == 0 for value in demand):
             return 2.0 + of_tour
-        unit = math.gcd(*(int(value) for value in demand))
-        whole = math.floor(Fraction(capacity) / unit)
-        return 2.0 + (1.0 - 2.0 / (whole if whole % 2 == 0 else 2 * whole)) * of_tour
+        whole = int(Fraction(capacity) / math.gcd(*(int(value) for value in demand)))
+        return float(2.0 + (1.0 - 2.0 / (whole if whole % 2 == 0 else 2 * whole)) * of_tour)
 
     return ratio
 

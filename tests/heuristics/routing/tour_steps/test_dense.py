@@ -25,9 +25,9 @@ def test_asked_to_stop_it_holds_nothing() -> None:
 
 def test_too_many_sites_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_SITES", 49)
-    with pytest.raises(UsageError, match="a tour of 50 sites .* takes at most 49; savings needs none"):
+    with pytest.raises(UsageError, match=r"a tour of 50 sites .* takes at most 49; savings needs none"):
         dense(TRAVEL.distance, np.arange(50), NEVER, "a tour")
     monkeypatch.setattr(module, "MOST_SITES", 50)
     monkeypatch.setattr("waybound.instances.memory.available", lambda: 1e3)
-    with pytest.raises(UsageError, match="a tour of 50 sites .* needs"):
+    with pytest.raises(UsageError, match=r"a tour of 50 sites .* needs"):
         dense(TRAVEL.distance, np.arange(50), NEVER, "a tour")
