@@ -44,7 +44,7 @@ def greedy_assignment(problem: RoutingProblem, context: Context) -> Outcome:
     Notes
     -----
     Ties go to the first vehicle and the first site. Vehicles leave when their depot opens. Source: Mitchell (2020), algorithm 6, corrected
-    in docs/formulations/routing.md#errata.
+    in docs/formulations/routing.md#approximations.
     """
     return _assigned(problem, context, math.nan)
 
@@ -70,7 +70,7 @@ def pure_greedy(problem: RoutingProblem, context: Context, *, distance_weight: f
 
     Notes
     -----
-    Source: Mitchell (2020), (6.1), corrected in docs/formulations/routing.md#errata.
+    Source: Mitchell (2020), (6.1), corrected in docs/formulations/routing.md#approximations.
     """
     if not (isinstance(distance_weight, int | float) and 0 <= distance_weight < math.inf):
         raise UsageError(f"distance_weight must be a finite number and not negative, not {distance_weight!r}")
