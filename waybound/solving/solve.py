@@ -17,7 +17,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
-from ..formulations.solution import Opinion, Solution, Value, relative_gap
+from ..formulations.solution import Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
@@ -349,22 +349,24 @@ def _certified(
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
-    opinions: tuple[Opinion, ...] = ()
+    heard: list[tuple[str, RawResult]] = []
     if budget is not None and not searched.interrupted and not judge.faults:
         asked = time.perf_counter()
         heard = _second_opinions(judge, run, result, certificate, evaluation, budget - bound_seconds, options)
         spent_asking = time.perf_counter() - asked
         bound_seconds, began = bound_seconds + spent_asking, began + spent_asking
-        answer, better = judge.best()
-        if better is not evaluation:
-            evaluation = better
-            judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
-            certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
-        opinions = tuple(opinion(name, said, result, evaluation) for name, said in heard)
-        for one in opinions:
-            if one.verdict == "is refuted":
-                value = "" if one.objective is None else f" {one.objective!r}"
-                run.notes.append(f"{one.solver} says {one.status}{value}, which the answer refutes")
+    if result.status == "infeasible" and evaluation is None and run.exactness(result).infeasibility_is_valid and not judge.faults:
+        judge.at_hand()
+    answer, better = judge.best() if not judge.faults else found
+    if better is not evaluation:
+        evaluation = better
+        judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
+        certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
+    opinions = tuple(opinion(name, said, result, evaluation) for name, said in heard)
+    for one in opinions:
+        if one.verdict == "is refuted":
+            value = "" if one.objective is None else f" {one.objective!r}"
+            run.notes.append(f"{one.solver} says {one.status}{value}, which the answer refutes")
     size = 0.0 if evaluation is None else evaluation.size
     judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
     check_seconds = spent + time.perf_counter() - began
