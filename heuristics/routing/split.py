@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.ending import CUT_SHORT
+from .insertion import insertion
 from .savings import FEATURES
 from .tour_partitioning import pieces_of, radial_guarantee
 from .tour_steps.cutting import closed_routes, in_turn, routes_of, too_many
@@ -33,7 +35,8 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     context : Context
         The routes of its ``start``, one after the other, are the tour where it is given.
     tour : str
-        Otherwise ``christofides``, ``double-tree`` or ``nearest-neighbour``; with windows, customers by their latest begin too.
+        Otherwise ``christofides``, ``double-tree`` or ``nearest-neighbour``; with windows or limits also the routes of ``insertion`` in a
+        row.
     improve : bool
         Shorten the tour by 2-opt and Or-opt.
     starts : int, >= 1
@@ -78,8 +81,8 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
         if alone.any() and not timed:  # as tour partitioning does, for its guarantee
             orders.append(np.concatenate([found.order[~alone], found.order[alone]]))
         if timed:
-            due = np.minimum(problem.sites.due, 1e300)[costs.nodes[1:]]
-            orders.append(1 + np.argsort(due, kind="stable"))
+            inserted = insertion(problem, replace(context, stop=stop, publish=lambda answer: None)).answer
+            orders.append(_given(inserted, node_of, len(costs.nodes)))
     if starts > 1:
         orders += [
             np.roll(orders[0], -int(k))

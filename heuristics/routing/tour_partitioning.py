@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Guarantee
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
+from ...formulations.tolerance import widened
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.ending import CUT_SHORT
 from .tour_steps.cutting import closed_routes, in_turn, routes_of, too_many
@@ -53,7 +54,7 @@ def pieces_of(problem: RoutingProblem) -> Pieces:
         return Pieces(demand, capacity, math.inf, none, 0.0, 1.0, "cost <= {a} OPT", ("one vehicle carries all demand",), "")
     unit = float(demand[0]) if (demand == demand[0]).all() else float(np.gcd.reduce(demand.astype(np.int64))) if whole else 1.0
     if whole or unit == demand[0]:
-        demand, capacity = np.rint(demand / unit), math.floor(capacity / unit)
+        demand, capacity = np.rint(demand / unit), math.floor(float(widened(capacity)) / unit)
     if (demand == 1).all():
         size = int(capacity)
         share = 1.0 - 1.0 / max(1, size)

@@ -71,6 +71,15 @@ def test_windows_and_limits_are_kept() -> None:
     assert judged.feasible and judged.values[0] == 24.0
 
 
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 8))
+def test_with_windows_it_costs_no_more_than_insertion(seed: int, n: int) -> None:
+    problem = hostile_instances.routing(np.random.default_rng(seed), hostile_instances.Units(), most=n, plain=True)
+    split, inserted = (problem.evaluate(run_heuristic(problem, name, {}, seed).answer) for name in ("split", "insertion"))
+    if inserted.feasible and "time-windows" in problem.features():
+        assert split.feasible and split.values[0] <= inserted.values[0] * (1 + 1e-9)
+
+
 def test_a_limited_fleet_is_part_of_the_search() -> None:
     xy = [(0, 0), (10, 0), (-10, 0), (0, 10)]
     free = RoutingProblem(Sites.of(range(4), demand=[0, 1, 1, 1]), Travel("euclidean", xy), (VehicleType(capacity=2, unit_cost=1.0),))

@@ -27,7 +27,8 @@ def loaded(demand: list[float], capacity: float, travel: Travel | None = None, *
 @pytest.mark.parametrize(
     ("demand", "capacity", "ratio", "source"),
     [
-        ([1] * 9, 3, 2.5 - 1.5 / 3, "Haimovich"), ([0.3] * 9, 0.9, 2.5 - 1.5 / 3, "Haimovich"), ([7] * 9, 10, 1.0, "Haimovich"),
+        ([1] * 9, 3, 2.5 - 1.5 / 3, "Haimovich"), ([0.3] * 9, 0.9, 2.5 - 1.5 / 3, "Haimovich"),
+        ([0.2] * 9, 0.6, 2.5 - 1.5 / 3, "Haimovich"), ([7] * 9, 10, 1.0, "Haimovich"),
         ([2, 4, 6, 2], 8, 3.5 - 3 / 4, "Altinkemer and Gavish (1987)"),  # in units of 2
         ([1, 2, 3, 1], 5, 3.5 - 3 / 10, "Altinkemer and Gavish (1987)"), ([1.5, 2, 3], 4, 3.5, "Altinkemer and Gavish (1987)"),
         ([1, 2, 3, 1], 7, 1.5, "Christofides"), ([1, 2, 3], math.inf, 1.5, "Christofides"), ([0, 0, 0], 1, 1.5, "Christofides"),
