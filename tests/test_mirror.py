@@ -13,6 +13,8 @@ ROOT = TESTS.parent
 FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "waybound")
 
 KERNELS = {
+    "heuristics/routing/insertion_steps/assignment_kernels": "heuristics/routing/greedy_assignment",
+    "heuristics/routing/insertion_steps/insertion_kernels": "heuristics/routing/insertion",
     "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
     "heuristics/selection/greedy_steps/bottleneck": "heuristics/selection/greedy",
     "heuristics/selection/greedy_steps/enumeration": "heuristics/selection/brute_force",

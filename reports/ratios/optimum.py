@@ -16,6 +16,9 @@ from ...formulations.evidence import Evidence
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
+from ...formulations.routing.objective import LongestRoute, Makespan, TotalCost
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.routing.routes import Routes
 from ...formulations.selection.feasibility import allowed
 from ...formulations.selection.selections import Selection
 from ...formulations.selection.submodular_selection import SubmodularSelection
@@ -31,6 +34,10 @@ MOST_SELECTIONS = 200_000
 
 AGREE = 1e-6
 """Relative difference between the two sides of an LP's optimum that is let pass."""
+
+
+MOST_CUSTOMERS = 10
+"""Customers up to which all ways to share them among routes are compared: 59049."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +79,8 @@ def optimum(problem: Problem) -> Optimum:
         return best_shares(problem) if problem.fractional else best_actions(problem)
     if isinstance(problem, MaxMinLP) and problem.sense == "max":
         return best_vector(problem)
+    if isinstance(problem, RoutingProblem):
+        return best_routes(problem)
     raise UsageError(f"no optimum is known for {problem.problem} problems")
 
 
@@ -188,3 +197,73 @@ def _agree(problem: Problem, value: float, bound: float) -> None:
     """A value that some answer attains, and a bound, must meet; where nothing is covered there are no weights to bound by."""
     if not (value == 0.0 and math.isinf(bound)) and abs(bound - value) > AGREE * max(abs(value), abs(bound), 1e-9):
         raise CheckFailedError(f"the linear program of {problem.name} has an answer of {value!r} and a bound of {bound!r}")
+
+
+# -- routes -----------------------------------------------------------------------------------------------------------
+
+
+def best_routes(problem: RoutingProblem) -> Optimum:
+    """The best routes of vehicles of one type that have no limit but capacity: the shortest tour of every set of customers (Held and Karp
+    1962), and the best way to share all customers among such sets.
+
+    Raises
+    ------
+    UsageError
+        If there are other limits, another objective, or too many customers.
+    CheckFailedError
+        If there is no answer.
+    """
+    longest = problem.objective.is_only(LongestRoute) or problem.objective.is_only(Makespan)
+    limits = problem.features() - {
+        "objective:total-cost", "objective:longest-route", "objective:makespan", "capacity", "limited-fleet", "fixed-cost", "service-times",
+        "separate-durations",
+    }  # fmt: skip
+    if limits or not (longest or problem.objective.is_only(TotalCost)):
+        raise UsageError(f"no optimum is known of routes with {', '.join(sorted(limits)) or str(problem.objective)}")
+    customers, vehicle, sites = problem.customers, problem.fleet[0], problem.sites
+    n = len(customers)
+    if n > MOST_CUSTOMERS:
+        raise UsageError(f"{n} customers are too many to enumerate; at most {MOST_CUSTOMERS} are")
+    stops = np.concatenate([[vehicle.start], customers])
+    timed = problem.objective.is_only(Makespan)
+    moves = (problem.travel.durations if timed else problem.travel.distances)[np.ix_(stops, stops)]
+    every = 1 << n
+    ends, before = np.full((every, n), math.inf), np.full((every, n), -1)
+    for k in range(n):
+        ends[1 << k, k] = moves[0, k + 1]
+    for chosen in range(1, every):
+        for k in range(n):
+            if chosen >> k & 1 and chosen != 1 << k:
+                ways = ends[chosen ^ 1 << k] + moves[1:, k + 1]
+                before[chosen, k] = ways.argmin()
+                ends[chosen, k] = ways.min()
+    tour = (ends + moves[1:, 0]).min(axis=1)
+    members = _members(n)
+    cost = tour + members @ sites.service[customers] if timed else tour if longest else vehicle.fixed_cost + vehicle.unit_cost * tour
+    cost[members @ sites.demand[customers] > vehicle.capacity * (1 + 1e-12)] = math.inf
+    most = n if problem.vehicle_limit is None else min(n, problem.vehicle_limit)
+    best, first = np.full((most + 1, every), math.inf), np.zeros((most + 1, every), dtype=np.int64)
+    best[:, 0] = 0.0
+    for chosen in range(1, every):
+        rest = chosen ^ (chosen & -chosen)
+        part = rest
+        while True:  # the sets with the first of the chosen, and any of the others
+            route = chosen ^ part
+            ways = np.maximum(best[:-1, part], cost[route]) if longest else best[:-1, part] + cost[route]
+            better = ways < best[1:, chosen]
+            best[1:, chosen][better], first[1:, chosen][better] = ways[better], route
+            if part == 0:
+                break
+            part = (part - 1) & rest
+    if not math.isfinite(best[most, every - 1]):
+        raise CheckFailedError(f"no {most} routes serve all customers of {problem.name}")
+    routes, left, k = [], every - 1, most
+    while left:
+        route = int(first[k, left])
+        chosen, at, visits = route, int((ends[route] + moves[1:, 0]).argmin()), []
+        while at >= 0:
+            visits.append(int(customers[at]))
+            chosen, at = chosen ^ 1 << at, int(before[chosen, at])
+        routes.append(visits[::-1])
+        left, k = left ^ route, k - 1
+    return attained(problem, Routes.of(routes), "enumeration")

@@ -9,21 +9,29 @@ from pathlib import Path
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
+from ...formulations.routing.problem import RoutingProblem
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from ...instances.instance import Instance
+from ...instances.routing.instance import RoutingInstance
 from ...instances.selection.instance import SelectionInstance
 from ...instances.selection.json_kind import writable
 from .study import Fault, Report
 
 
 def instance_of(problem: Problem, note: str = "") -> Instance | None:
-    """The instance of a problem, told what is wrong with it; None for a set function or constraint that no file can hold."""
+    """The instance of a problem, told what is wrong with it; None for what no file can hold."""
     notes = (note,) if note else ()
     if isinstance(problem, WinnerTakesAllSATA | BottleneckSATA):
         return replace(problem.graph, problem=problem.problem, notes=(*problem.graph.notes, *notes))
     if isinstance(problem, MaxMinLP):
         return replace(problem.instance, notes=(*problem.instance.notes, *notes))
+    if isinstance(problem, RoutingProblem) and problem.forbidden is None:
+        names = tuple(term.name for level in problem.objective.levels() for _, term in level.terms)
+        return RoutingInstance(
+            problem.name, "generated", problem.sites, problem.travel, problem.fleet, problem.problem, (problem.problem,),
+            problem.min_vehicles, names, (*problem.notes, *notes),
+        )  # fmt: skip
     if isinstance(problem, SubmodularSelection) and writable(problem.function, problem.constraint):
         return SelectionInstance(
             problem.function, problem.constraint, problem.element_names, problem.name, problem.problem, notes=(*problem.notes, *notes)

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,8 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.certificate import check_certificate
+from waybound.instances.reading import read_instance
+from waybound.instances.writing import write_instance
 from waybound.solvers.backend import BACKENDS
 from waybound.solvers.interrupts import PATIENCE
 
@@ -32,6 +34,9 @@ SETTLE = 2.0
 FILES = {
     "routes.txt": ("solomon", "customers=60"),
     "large.vrp": ("uchoa", "customers=2500"),
+    "tour.json": ("random", "customers=3000", "capacity=0", "vehicles=1"),
+    "even.json": ("random", "customers=3000", "capacity=0", "vehicles=20"),
+    "outing.json": ("random", "customers=3000", "capacity=0", "vehicles=20"),
     "few.json": ("coverage", "elements=28", "items=1000", "constraint=cardinality", "k=9"),
     "cardinality.json": ("coverage", "elements=3000", "items=8000", "constraint=cardinality", "k=600"),
     "partition.json": ("coverage", "elements=3000", "items=8000", "constraint=partition"),
@@ -42,6 +47,8 @@ FILES = {
 }
 """What keeps the methods below busy for long: generators and their settings."""
 
+OBJECTIVES = {"even.json": ("longest-route",), "outing.json": ("reward",)}
+
 SOLVED = {
     "cpsat": "routes.txt", "highs": "routes.txt", "scip": "routes.txt", "mathopt": "routes.txt", "mathopt:gscip": "knapsack.json",
     "mathopt:highs": "routes.txt", "mathopt:cp-sat": "knapsack.json", "mathopt:glop": "sensing.json", "mathopt:pdlp": "sensing.json",
@@ -51,9 +58,11 @@ SOLVED = {
 }  # fmt: skip
 
 APPROXIMATED = {
-    "brute-force": "few.json", "continuous-greedy": "partition.json", "greedy": "crowd.json", "knapsack-greedy": "knapsack.json",
-    "lazy-greedy": "cardinality.json", "local": "sensing.json", "lp-rounding": "crowd.json", "random": "crowd.json",
-    "savings": "large.vrp", "sequential-greedy": "partition.json", "stochastic-greedy": "cardinality.json",
+    "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",
+    "greedy-assignment": "tour.json", "greedy-orienteering": "outing.json", "insertion": "large.vrp",
+    "knapsack-greedy": "knapsack.json", "lazy-greedy": "cardinality.json", "local": "sensing.json", "lp-rounding": "crowd.json",
+    "pure-greedy": "tour.json", "random": "crowd.json", "savings": "large.vrp", "sequential-greedy": "partition.json",
+    "split": "large.vrp", "stochastic-greedy": "cardinality.json", "tour-partitioning": "large.vrp", "tour-splitting": "even.json",
 }  # fmt: skip
 
 WITH_CHILDREN = ("pulp", "pulp:HiGHS", "ortools", "cvxpy", "cvxpy:HIGHS", "mathopt:highs", "vroom")
@@ -94,6 +103,8 @@ def instances(tmp_path_factory: pytest.TempPathFactory) -> Any:
             kind, *settings = FILES[name]
             words = [word for setting in settings for word in ("--set", setting)]
             subprocess.run([*COMMAND, "generate", kind, *words, "--out", str(path)], check=True, capture_output=True)
+            if name in OBJECTIVES:
+                write_instance(replace(read_instance(path), objective=OBJECTIVES[name]), path)
             problems[name] = wb.read(path)
         return path, problems[name]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -14,6 +15,7 @@ from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
+from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
@@ -98,6 +100,14 @@ def large(kind: str) -> Problem:
             )
         case "tsp":
             return routing(20_000, count=1)
+        case "tour":
+            return routing(6_000, count=1)
+        case "even":
+            return replace(routing(4_000, count=20), objective=Objective.of(LongestRoute()))
+        case "outing":
+            made = routing(4_000, count=20, max_distance=1e5)
+            sites = replace(made.sites, required=np.zeros(4_000, dtype=bool), reward=np.ones(4_000))
+            return replace(made, sites=sites, objective=Objective.of(Reward()))
         case "distances":
             return routing(6_000, max_distance=6e4)
         case _:
@@ -107,6 +117,7 @@ def large(kind: str) -> Problem:
 LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),
+    ("christofides", "tour", {}),
     ("continuous-greedy", "winner-takes-all", {"steps": 100_000}),
     ("continuous-greedy", "cardinality", {"steps": 1_000_000}),
     ("greedy", "winner-takes-all", {"evaluation": "plain"}),
@@ -114,6 +125,11 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("greedy", "dense", {"evaluation": "plain"}),
     ("greedy", "bottleneck", {}),
     ("greedy", "user", {}),
+    ("greedy-assignment", "outing", {}),
+    ("greedy-orienteering", "outing", {}),
+    ("insertion", "routing", {}),
+    ("insertion", "distances", {}),
+    ("insertion", "tour", {}),
     ("knapsack-greedy", "knapsack", {"enumerate": 3}),
     ("knapsack-greedy", "user-knapsack", {}),
     ("lazy-greedy", "winner-takes-all", {}),
@@ -121,13 +137,18 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("local", "bottleneck", {"h": 100, "search": "step", "step": 1e-6}),
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),
     ("lp-rounding", "cardinality", {}),
+    ("pure-greedy", "outing", {}),
     ("random", "winner-takes-all", {}),
     ("savings", "tsp", {}),
     ("savings", "distances", {}),
     ("sequential-greedy", "winner-takes-all", {}),
     ("sequential-greedy", "user-groups", {}),
+    ("split", "distances", {}),
+    ("split", "tour", {"tour": "nearest-neighbour"}),
     ("stochastic-greedy", "dense", {}),
     ("stochastic-greedy", "user", {}),
+    ("tour-partitioning", "routing", {}),
+    ("tour-splitting", "even", {}),
 ]
 
 

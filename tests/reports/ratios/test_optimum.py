@@ -13,10 +13,13 @@ from sata_cases import CASES
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 from waybound.instances.selection.constraints import Cardinality
 from waybound.instances.selection.functions import Coverage, UserFunction
 from waybound.reports.ratios.optimum import MOST_ELEMENTS, allowed_sets, attained, optimum, set_values
@@ -93,3 +96,14 @@ def test_an_optimum_whose_two_sides_differ_is_refused(monkeypatch):
     monkeypatch.setattr(module, "verified_bound", lambda problem, evidence: math.pi)
     with pytest.raises(CheckFailedError, match="bound of"):
         optimum(BottleneckSATA(CASES["S1"].graph, fractional=True))
+
+
+def test_routes_beyond_what_is_enumerated_are_refused():
+    travel = Travel("euclidean", np.arange(24.0).reshape(12, 2))
+    with pytest.raises(UsageError, match="11 customers are too many"):
+        optimum(RoutingProblem(Sites.of(range(12)), travel, (VehicleType(),)))
+    small = Travel("euclidean", np.arange(6.0).reshape(3, 2))
+    with pytest.raises(UsageError, match="time-windows"):
+        optimum(RoutingProblem(Sites.of(range(3), due=[9, 1, 1]), small, (VehicleType(),)))
+    with pytest.raises(CheckFailedError, match="no 1 routes"):
+        optimum(RoutingProblem(Sites.of(range(3), demand=[0, 1, 1]), small, (VehicleType(count=1, capacity=1.0),)))

@@ -11,18 +11,20 @@ from waybound.formulations.problem import problem_from_instance
 from waybound.instances.errors import InputError
 from waybound.instances.writing import write_instance
 from waybound.reports.ratios import max_min_families as graphs
+from waybound.reports.ratios import routing_families as routes
 from waybound.reports.ratios import selection_families as random
 from waybound.reports.ratios.study import Fault, Report
 from waybound.reports.ratios.violations import instance_of, instance_text, summary_lines, write_faults
 from waybound.reports.tables.table import Table
 
 
-@pytest.mark.parametrize("kind", ["bottleneck-lp", "winner-takes-all", "max-min-lp", "selection"])
+@pytest.mark.parametrize("kind", ["bottleneck-lp", "winner-takes-all", "max-min-lp", "selection", "tsp", "cvrp"])
 def test_every_kind_of_instance_is_written_and_read_back(kind, tmp_path):
     problem = {
         "bottleneck-lp": graphs.random_families()[3], "winner-takes-all": random.random_assignments(),
         "max-min-lp": graphs.random_programs(),
-        "selection": random.random_families("knapsack")[2],
+        "selection": random.random_families("knapsack")[2], "tsp": routes.random_families("salesman")[4],
+        "cvrp": routes.random_families("shared")[0],
     }[kind].case(5, 1).problem  # fmt: skip
     path = tmp_path / "instance.json"
     write_instance(instance_of(problem, "something is wrong here"), path)

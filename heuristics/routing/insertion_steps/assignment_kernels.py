@@ -1,0 +1,76 @@
+"""Greedy assignment, compiled. Imports numba: import it inside functions only."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....formulations.kernels import kernel
+from ....formulations.stop_kernel import asked
+
+ROUNDING = 1e-14
+"""Part of a limit by which a route may exceed it: far less than the judge lets pass."""
+
+
+@kernel()
+def earliest_finisher(flag, sites, vehicles, distance, time, weight):  # type: ignore[no-untyped-def]
+    """The vehicle that is free first takes the nearest customer it can still bring home, or that of the largest reward less ``weight``
+    times the distance, until no vehicle can take any.
+
+    Parameters
+    ----------
+    sites : tuple of arrays
+        ``customer, demand, service, ready, due, reward``.
+    vehicles : tuple of arrays
+        ``start, end, capacity, max_duration, max_distance``; all leave when their depot opens.
+    weight : float
+        Not a number: the nearest.
+
+    Returns
+    -------
+    (array, array)
+        Vehicle of each site, -1 for none, and which of its visits it is.
+    """
+    customer, demand, service, ready, due, reward = sites
+    start, end, capacity, max_duration, max_distance = vehicles
+    n, fleet = len(demand), len(start)
+    vehicle_of, place = np.full(n, -1), np.zeros(n, np.int64)
+    left = customer.copy()
+    clock, driven, load = ready[start].copy(), np.zeros(fleet), np.zeros(fleet)
+    at, visits, active = start.copy(), np.zeros(fleet, np.int64), np.ones(fleet, np.bool_)
+    while not asked(flag):
+        v = -1
+        for k in range(fleet):
+            if active[k] and (v < 0 or clock[k] < clock[v]):
+                v = k
+        if v < 0:
+            break
+        opening, closing = ready[start[v]], due[end[v]]
+        chosen, best = -1, -math.inf
+        for u in range(n):
+            if not left[u] or load[v] + demand[u] > capacity[v] * (1 + ROUNDING):
+                continue
+            reached = clock[v] + time[at[v], u]
+            if reached > due[u] + ROUNDING * abs(due[u]):
+                continue
+            finish = max(reached, ready[u]) + service[u] + time[u, end[v]]
+            length = driven[v] + distance[at[v], u] + distance[u, end[v]]
+            if finish > closing + ROUNDING * abs(closing) or finish - opening > max_duration[v] * (1 + ROUNDING):
+                continue
+            if length > max_distance[v] * (1 + ROUNDING):
+                continue
+            worth = -distance[at[v], u] if math.isnan(weight) else reward[u] - weight * distance[at[v], u]
+            if worth > best:
+                chosen, best = u, worth
+        if chosen < 0:
+            active[v] = False
+            continue
+        clock[v] = max(clock[v] + time[at[v], chosen], ready[chosen]) + service[chosen]
+        driven[v] += distance[at[v], chosen]
+        load[v] += demand[chosen]
+        at[v] = chosen
+        vehicle_of[chosen], place[chosen] = v, visits[v]
+        visits[v] += 1
+        left[chosen] = False
+    return vehicle_of, place

@@ -1,0 +1,148 @@
+"""Route first, cluster second: a tour through all customers, cut into routes in the best way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.routing.routes import Routes
+from ...formulations.stop import Stop
+from ...instances.errors import UsageError
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..selection.greedy_steps.ending import CUT_SHORT
+from .insertion import insertion
+from .savings import FEATURES
+from .tour_partitioning import pieces_of, radial_guarantee
+from .tour_steps.cutting import closed_routes, in_turn, routes_of, too_many
+from .tour_steps.giant_tour import Costs, giant_tour, moving_costs
+
+TIMED = frozenset({"time-windows", "depot-windows", "max-duration", "max-distance"})
+FLEET_STATES = 50_000_000
+"""Vehicles times customers up to which a limited fleet is part of the search."""
+
+
+def split(problem: RoutingProblem, context: Context, *, tour: str = "christofides", improve: bool = True, starts: int = 50) -> Outcome:
+    """Build one tour, and cut it into the routes that cost least of all that leave its order as it is.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        One depot, one vehicle type, every site required.
+    context : Context
+        The routes of its ``start``, one after the other, are the tour where it is given.
+    tour : str
+        Otherwise ``christofides``, ``double-tree`` or ``nearest-neighbour``; with windows or limits also the routes of ``insertion`` in a
+        row.
+    improve : bool
+        Shorten the tour by 2-opt and Or-opt.
+    starts : int, >= 1
+        Customers, evenly spread over the tour, at which it is opened to be cut; the first is that after the depot.
+
+    Returns
+    -------
+    Outcome
+        Where iterated tour partitioning has a guarantee for the same tour, it is this one's: the routes cost no more. May use more
+        vehicles than the fleet has, where the order leaves no other way.
+
+    Raises
+    ------
+    UsageError
+        For options out of range, or too many sites.
+
+    Notes
+    -----
+    A shortest path over positions in the tour, of which each move stands for a route; with a limited fleet, over positions and
+    numbers of routes. Source: Beasley (1983), Omega 11; Prins (2004), Computers and Operations Research 31;
+    docs/formulations/routing.md#approximations.
+    """
+    if not (isinstance(starts, int) and starts >= 1):
+        raise UsageError(f"starts must be a whole number of at least 1, not {starts!r}")
+    stop = context.begin()
+    costs = moving_costs(problem, stop)
+    if costs is None:
+        return Outcome(in_turn(problem), message=f"customers in their order: {CUT_SHORT}", limit=stop.reached())
+    timed = bool(problem.features() & TIMED)
+    node_of = np.zeros(len(problem.sites), dtype=np.int64)
+    node_of[costs.nodes[1:]] = np.arange(1, len(costs.nodes))
+    found = None
+    orders = []
+    if context.start is not None:
+        orders.append(_given(context.start, node_of, len(costs.nodes)))
+    else:
+        found = giant_tour(costs, tour, bool(improve), stop)
+        orders.append(found.order)
+        if not costs.symmetric or timed:
+            orders.append(found.order[::-1].copy())
+        alone = pieces_of(problem).alone[found.order - 1]
+        if alone.any() and not timed:  # as tour partitioning does, for its guarantee
+            orders.append(np.concatenate([found.order[~alone], found.order[alone]]))
+        if timed:
+            inserted = insertion(problem, replace(context, stop=stop, publish=lambda answer: None)).answer
+            orders.append(_given(inserted, node_of, len(costs.nodes)))
+    if starts > 1:
+        orders += [
+            np.roll(orders[0], -int(k))
+            for k in np.unique(np.linspace(0, len(orders[0]), min(starts, len(orders[0])), False, dtype=int))[1:]
+        ]
+    best, rank = in_turn(problem), (len(orders[0]) + 1, len(orders[0]), np.inf)
+    for order in orders:
+        if stop.reached():
+            break
+        last, found_rank = _cut(problem, costs, order, stop)
+        if last.any() and found_rank < rank:
+            best, rank = Routes(tuple(routes_of(costs.nodes[order], last))).canonical(), found_rank
+            context.publish(best)
+    cut, judged, guarantee = stop.reached(), problem.evaluate(best), None
+    if found is not None and judged.feasible and not cut:
+        guarantee = radial_guarantee(problem, found, judged.values[0], plain=not timed and problem.vehicle_limit is None)
+    words = ("" if found is None else found.message, too_many(problem, best, "split"), CUT_SHORT if cut else "")
+    statistics: dict[str, Any] = {"routes": len(best)} | ({} if found is None else {"tour": found.length})
+    return Outcome(best, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")
+
+
+def _given(start: Routes, node_of: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    """The visits of an answer one after the other, each once; customers that it leaves out at the end."""
+    visits = [int(node_of[site]) for route in start for site in route.visits]
+    kept = [node for node in dict.fromkeys(visits) if node > 0]
+    return np.array([*kept, *sorted(set(range(1, n)) - set(kept))], dtype=np.int64)
+
+
+def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: Stop) -> tuple[NDArray[np.bool_], tuple[int, int, float]]:
+    """Whether each customer is the last of its route; how many break limits, how many routes are too many, and the cost."""
+    from .tour_steps.splitting_kernels import best_split
+
+    sites, vehicle, travel = problem.sites, problem.fleet[0], problem.travel
+    visits, depot = costs.nodes[order], vehicle.start
+    moves = ((depot, visits), (visits, np.roll(visits, -1)), (visits, depot))
+    distance = np.stack([travel.distance(a, b) for a, b in moves])
+    time = distance if travel.duration_matrix is None else np.stack([travel.duration(a, b) for a, b in moves])
+    limits = (float(sites.ready[depot]), float(sites.due[depot]), vehicle.max_duration, vehicle.max_distance)
+    n, limit = len(order), problem.vehicle_limit
+    given = (
+        sites.demand[visits], sites.service[visits], sites.ready[visits], sites.due[visits], distance, time, vehicle.capacity, limits,
+        vehicle.unit_cost, vehicle.fixed_cost,
+    )  # fmt: skip
+    last, broken, value = best_split(stop.flag, *given, n)
+    if limit is not None and last.sum() > limit and limit * n <= FLEET_STATES:
+        fewer, worse, dearer = best_split(stop.flag, *given, limit)
+        if fewer.any() and worse <= broken:
+            last, broken, value = fewer, worse, dearer
+    return last, (int(broken), 0 if limit is None else max(0, int(last.sum()) - limit), float(value))
+
+
+HEURISTICS.add(
+    "split",
+    Heuristic(
+        name="split",
+        families=("routing",),
+        features=FEATURES,
+        run=split,
+        summary="a tour through all customers, cut into routes in the best way; with windows and limits",
+        stated="that of tour-partitioning, without windows and limits",
+        refuses=closed_routes,
+    ),
+)

@@ -1,0 +1,340 @@
+"""Minimum-weight perfect matching of a complete graph, compiled. Imports numba: import it inside functions only.
+
+Blossom method with prices (Edmonds 1965), in O(n^3) with the least slack of each surface (Gabow 1976; Galil 1986). Vertices are
+``0..n-1``, blossoms have the numbers from ``n`` on, and a *surface* is a vertex or blossom within no other one. ``end[x, y]`` is the
+vertex of ``x`` at which its edge of least slack to ``y`` ends: all vertices of a blossom change their prices alike, so that this edge stays
+the same one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....formulations.kernels import kernel
+from ....formulations.stop_kernel import asked
+
+NONE, OUTER, INNER = -1, 0, 1
+FAR = 1 << 62
+
+
+@kernel()
+def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-def]
+    """Partner of each vertex; -1 for some where it was asked to stop.
+
+    Parameters
+    ----------
+    flag : array
+        Of a ``Stop``.
+    weights : int array of shape (n, n), n even
+        Symmetric, at most 2^57 in size.
+    """
+    n = len(weights)
+    doubled = 2 * weights  # then all prices of outer vertices stay of one parity
+    size = n + n // 2 + 1
+    price = np.zeros(size, np.int64)
+    mate = np.full(size, -1)
+    top = np.full(size, -1)
+    label = np.full(size, NONE)
+    near = np.full(size, -1)
+    parent = np.full(size, -1)
+    member = np.full(size, -1)
+    seen = np.zeros(size, np.int64)
+    end = np.full((size, size), -1)
+    inside = np.full((size - n, n), -1)
+    cycle = np.zeros((size - n, n), np.int64)
+    length = np.zeros(size - n, np.int64)
+    queue = np.zeros(n + 1, np.int64)
+    span = np.zeros(2, np.int64)  # of what waits in the queue
+    for u in range(n):
+        top[u] = member[u] = u
+        end[u, :n] = u
+        least = FAR
+        for v in range(n):
+            if v != u:
+                least = min(least, doubled[u, v])
+        price[u] = least
+    for u in range(n):  # as high as the others' prices allow, with a partner where one is free
+        if mate[u] >= 0:
+            continue
+        least, best = FAR, -1
+        for v in range(n):
+            if v != u:
+                slack = 2 * doubled[u, v] - price[v]
+                if slack < least or (slack == least and mate[best] >= 0 and mate[v] < 0):
+                    least, best = slack, v
+        price[u] = least
+        if best >= 0 and mate[best] < 0:
+            mate[u], mate[best] = best, u
+    state = (doubled, price, mate, top, label, near, parent, member, seen, end, inside, cycle, length, queue, span)
+    while _augmented(flag, state, n):
+        pass
+    return mate[:n].copy()
+
+
+@kernel()
+def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
+    """Grow trees of alternating paths from all free surfaces until two of them meet; False without any, or where it was asked to stop."""
+    _, price, mate, top, label, near, parent, _, _, end, _, _, _, queue, span = state
+    size = len(top)
+    label[:] = NONE
+    near[:] = -1
+    span[:] = 0
+    for x in range(size):
+        if top[x] == x and mate[x] < 0:
+            parent[x] = -1
+            label[x] = OUTER
+            _push(state, n, x)
+    if span[1] == 0:
+        return False
+    while True:
+        while span[0] < span[1]:
+            if asked(flag):
+                return False
+            u = queue[span[0]]
+            span[0] += 1
+            for v in range(n):
+                if top[u] != top[v]:
+                    if _slack(state, u, v) == 0:
+                        if _met(state, n, u, v):
+                            return True
+                    else:
+                        _note(state, u, top[v])
+        if asked(flag):
+            return False
+        span[:] = 0
+        step = FAR
+        for x in range(size):
+            if top[x] != x:
+                continue
+            if x >= n and label[x] == INNER:
+                step = min(step, price[x] // 2)
+            if near[x] >= 0 and label[x] != INNER:
+                slack = _slack(state, near[x], x)
+                step = min(step, slack if label[x] == NONE else slack // 2)
+        for u in range(n):
+            if label[top[u]] == OUTER:
+                price[u] += step
+            elif label[top[u]] == INNER:
+                price[u] -= step
+        for b in range(n, size):
+            if top[b] == b:
+                if label[b] == OUTER:
+                    price[b] += 2 * step
+                elif label[b] == INNER:
+                    price[b] -= 2 * step
+        for x in range(size):
+            tight = top[x] == x and near[x] >= 0 and top[near[x]] != x and label[x] != INNER and _slack(state, near[x], x) == 0
+            if tight and _met(state, n, near[x], end[x, near[x]]):
+                return True
+        for b in range(n, size):
+            if top[b] == b and label[b] == INNER and price[b] == 0:
+                _open(state, n, b)
+
+
+@kernel()
+def _slack(state, x, y):  # type: ignore[no-untyped-def]
+    """Of the edge of least slack between ``x`` and ``y``."""
+    doubled, price, end = state[0], state[1], state[9]
+    u, v = end[x, y], end[y, x]
+    return 2 * doubled[u, v] - price[u] - price[v]
+
+
+@kernel()
+def _note(state, u, x):  # type: ignore[no-untyped-def]
+    near = state[5]
+    if near[x] < 0 or _slack(state, u, x) < _slack(state, near[x], x):
+        near[x] = u
+
+
+@kernel()
+def _look(state, n, x):  # type: ignore[no-untyped-def]
+    """The outer vertex nearest to surface ``x``, from scratch."""
+    top, label, near = state[3], state[4], state[5]
+    near[x] = -1
+    for u in range(n):
+        if top[u] != x and label[top[u]] == OUTER:
+            _note(state, u, x)
+
+
+@kernel()
+def _push(state, n, x):  # type: ignore[no-untyped-def]
+    inside, queue, span = state[10], state[13], state[14]
+    if x < n:
+        queue[span[1]] = x
+        span[1] += 1
+    else:
+        for v in range(n):
+            if inside[x - n, v] >= 0:
+                queue[span[1]] = v
+                span[1] += 1
+
+
+@kernel()
+def _met(state, n, u, v):  # type: ignore[no-untyped-def]
+    """Outer vertex ``u`` has a tight edge to ``v``: the tree grows, contracts, or meets another one (True)."""
+    _, _, mate, top, label, near, parent, _, seen, _, _, _, _, _, _ = state
+    x, y = top[u], top[v]
+    if label[y] == NONE:
+        parent[y] = u
+        label[y] = INNER
+        z = top[mate[y]]
+        near[y] = near[z] = -1
+        label[z] = OUTER
+        _push(state, n, z)
+    elif label[y] == OUTER:
+        stamp = seen.max() + 1
+        base, a, b = -1, x, y
+        while a >= 0 or b >= 0:
+            if a >= 0:
+                if seen[a] == stamp:
+                    base = a
+                    break
+                seen[a] = stamp
+                a = top[parent[top[mate[a]]]] if mate[a] >= 0 else -1
+            a, b = b, a
+        if base < 0:
+            _flip(state, n, x, u, v)
+            _flip(state, n, y, v, u)
+            return True
+        _contract(state, n, x, base, y)
+    return False
+
+
+@kernel()
+def _reverse(row, first, last):  # type: ignore[no-untyped-def]
+    """Turn ``row[first:last]`` round in place."""
+    last -= 1
+    while first < last:
+        row[first], row[last] = row[last], row[first]
+        first += 1
+        last -= 1
+
+
+@kernel()
+def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
+    """Where ``child`` stands in the cycle of ``b``, whose direction is such that this is an even number."""
+    cycle, length = state[11], state[12]
+    k, at = length[b - n], 0
+    while cycle[b - n, at] != child:
+        at += 1
+    if at % 2 == 1:
+        _reverse(cycle[b - n], 1, k)
+        at = k - at
+    return at
+
+
+@kernel()
+def _flip(state, n, x, u, v):  # type: ignore[no-untyped-def]
+    """Match surface ``x`` along the edge from its vertex ``u`` to ``v``, and all that follows on the way to the root."""
+    mate, top, parent, end = state[2], state[3], state[6], state[9]
+    while True:
+        old = mate[x]
+        _match(state, n, x, u, v)
+        if old < 0:
+            return
+        y = top[old]
+        u = parent[y]
+        v = end[y, u]
+        _match(state, n, y, v, u)
+        x = top[u]
+
+
+@kernel()
+def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
+    """Match ``x`` along the edge from its vertex ``u`` to ``v``, with all blossoms within it."""
+    _, _, mate, _, _, _, _, _, _, end, inside, cycle, length, _, _ = state
+    waiting = [(x, u, v)]
+    while len(waiting) > 0:
+        x, u, v = waiting.pop()
+        mate[x] = v
+        if x < n:
+            continue
+        child = inside[x - n, u]
+        at, row = _turn(state, n, x, child), cycle[x - n]
+        for i in range(0, at, 2):
+            a, b = row[i], row[i + 1]
+            waiting.append((a, end[a, b], end[b, a]))
+            waiting.append((b, end[b, a], end[a, b]))
+        waiting.append((child, u, v))
+        k = length[x - n]
+        _reverse(row, 0, at)  # three turns rotate
+        _reverse(row, at, k)
+        _reverse(row, 0, k)
+
+
+@kernel()
+def _contract(state, n, x, base, y):  # type: ignore[no-untyped-def]
+    """A blossom of the cycle through ``base``, ``x`` and ``y``."""
+    _, price, mate, top, label, _, parent, member, _, end, inside, cycle, length, _, _ = state
+    size, b = len(top), n
+    while top[b] >= 0:
+        b += 1
+    row = cycle[b - n]
+    row[0] = base
+    k = 1
+    while x != base:
+        row[k] = x
+        row[k + 1] = inner = top[mate[x]]
+        k += 2
+        _push(state, n, inner)
+        x = top[parent[inner]]
+    _reverse(row, 1, k)
+    while y != base:
+        row[k] = y
+        row[k + 1] = inner = top[mate[y]]
+        k += 2
+        _push(state, n, inner)
+        y = top[parent[inner]]
+    length[b - n], member[b], mate[b] = k, member[base], mate[base]
+    price[b], label[b], top[b] = 0, OUTER, b
+    for i in range(k):
+        child = row[i]
+        top[child] = b
+        if child < n:
+            inside[b - n, child] = child
+        else:
+            for v in range(n):
+                if inside[child - n, v] >= 0:
+                    inside[b - n, v] = child
+                    top[v] = b
+    for other in range(size):
+        if top[other] < 0 or top[member[other]] == b:
+            continue
+        best, least = -1, FAR
+        for i in range(k):
+            slack = _slack(state, row[i], other)
+            if slack < least:
+                best, least = row[i], slack
+        end[b, other], end[other, b] = end[best, other], end[other, best]
+    _look(state, n, b)
+
+
+@kernel()
+def _open(state, n, b):  # type: ignore[no-untyped-def]
+    """Inner blossom ``b`` has no price left: its children are surfaces again, those between its two tree edges part of the tree."""
+    _, _, _, top, label, near, parent, _, _, end, inside, cycle, length, _, _ = state
+    k = length[b - n]
+    entry = inside[b - n, end[b, parent[b]]]
+    at, row = _turn(state, n, b, entry), cycle[b - n]
+    for i in range(k):
+        top[row[i]] = row[i]
+    for v in range(n):
+        if inside[b - n, v] >= 0:
+            top[v] = inside[b - n, v]
+            inside[b - n, v] = -1
+    top[b] = -1
+    label[b] = NONE
+    for i in range(k):
+        label[row[i]] = NONE
+        near[row[i]] = -1
+    for i in range(0, at, 2):
+        inner, outer = row[i], row[i + 1]
+        parent[inner] = end[outer, inner]
+        label[inner] = INNER
+        label[outer] = OUTER
+        _push(state, n, outer)
+    label[entry] = INNER
+    parent[entry] = parent[b]
+    for i in range(k):
+        if label[row[i]] != INNER:
+            _look(state, n, row[i])

@@ -1,0 +1,82 @@
+"""Tours and their cuts: Christofides, iterated tour partitioning, optimal split and tour splitting, against their ratios."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from .. import routing_families as families
+from ..guarantees import guarantee_study
+from ..judging import Configuration
+
+
+def metric(problem: Any) -> bool:
+    """Whether no detour is shorter."""
+    d = problem.travel.distances
+    return bool((d[:, :, None] + d[None] >= d[:, None] * (1 - 1e-12)).all())
+
+
+def tour_ratio(of_tour: float) -> Callable[[Any], float]:
+    """That of the tour; any where the triangle inequality fails, since it is as much larger as the instance asks for."""
+    return lambda problem: of_tour if metric(problem) else math.inf
+
+
+def partition_ratio(of_tour: float) -> Callable[[Any], float]:
+    """1 + (1 - 1/Q) a for demands of 1, 2 + (1 - 2/Q) a for positive whole ones and an even Q, 2 + a for others.
+
+    Notes
+    -----
+    Source: Haimovich and Rinnooy Kan (1985); Altinkemer and Gavish (1987, 1990).
+    """
+
+    def ratio(problem: Any) -> float:
+        demand, capacity = problem.sites.demand[problem.customers], problem.fleet[0].capacity
+        if not metric(problem):
+            return math.inf
+        if demand.sum() <= capacity:
+            return of_tour
+        if np.ptp(demand) == 0:
+            return 1.0 + (1.0 - 1.0 / int(capacity / demand[0])) * of_tour
+        if any(value % 1 or value == 0 for value in demand):
+            return 2.0 + of_tour
+        whole = int(Fraction(capacity) / math.gcd(*(int(value) for value in demand)))
+        return float(2.0 + (1.0 - 2.0 / (whole if whole % 2 == 0 else 2 * whole)) * of_tour)
+
+    return ratio
+
+
+def splitting_ratio(of_tour: float) -> Callable[[Any], float]:
+    """a + 1 - 1/k for k vehicles (Frederickson, Hecht and Kim 1978)."""
+    return lambda problem: of_tour + 1.0 - 1.0 / min(len(problem.customers), problem.vehicle_limit) if metric(problem) else math.inf
+
+
+def _ways(heuristic: str, ratio: Callable[[float], Callable[[Any], float]]) -> list[Configuration]:
+    return [
+        Configuration("christofides", heuristic, ratio(1.5), {"improve": False}),
+        Configuration("christofides, improved", heuristic, ratio(1.5)),
+        Configuration("double tree", heuristic, ratio(2.0), {"tour": "double-tree", "improve": False}),
+    ]
+
+
+guarantee_study(
+    "christofides", "tree and matching, stated 3/2", 1000,
+    [
+        Configuration("as built", "christofides", tour_ratio(1.5), {"improve": False}),
+        Configuration("improved", "christofides", tour_ratio(1.5)),
+    ],
+    (*families.random_families("salesman"), families.strips()),
+)  # fmt: skip
+LOADS = (*families.random_families("loads"), *families.load_traps())
+guarantee_study(
+    "tour-partitioning", "a tour cut after each full vehicle, stated 5/2 - 3/(2Q) and 7/2 - 3/Q", 1000,
+    _ways("tour-partitioning", partition_ratio), LOADS,
+)  # fmt: skip
+guarantee_study("split", "a tour cut in the best way, stated as tour-partitioning", 1000, _ways("split", partition_ratio), LOADS)
+guarantee_study(
+    "tour-splitting", "a tour cut evenly among k vehicles, stated 5/2 - 1/k", 1000, _ways("tour-splitting", splitting_ratio),
+    (*families.random_families("shared"), *families.share_traps()),
+)  # fmt: skip

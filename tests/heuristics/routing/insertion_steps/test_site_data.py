@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import NEVER, Stop
+from waybound.heuristics.routing.insertion_steps.site_data import site_data
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+
+
+def problem(**travel: object) -> RoutingProblem:
+    sites = Sites.of("abcd", depot=[True, False, True, False], demand=[0, 3, 0, 5], ready=[1, 2, 0, 0], due=[9, 9, 8, 7])
+    made = Travel(EXPLICIT, matrix=np.arange(16.0).reshape(4, 4), **travel)  # type: ignore[arg-type]
+    return RoutingProblem(sites, made, (VehicleType(start=0, end=2, max_distance=50.0),))
+
+
+def test_nodes_are_the_start_the_customers_and_the_end() -> None:
+    found = site_data(problem(), NEVER)
+    assert found is not None
+    nodes, (demand, _, ready, due, distance, time), limits = found
+    assert nodes.tolist() == [0, 1, 3, 2]
+    assert (demand.tolist(), ready.tolist(), due.tolist()) == ([0, 3, 5, 0], [1, 2, 0, 0], [9, 9, 7, 8])
+    assert distance[1].tolist() == [4, 0, 7, 6] and time is distance
+    assert limits == (1.0, 8.0, math.inf, 50.0)
+
+
+def test_durations_of_their_own_are_kept_apart() -> None:
+    found = site_data(problem(duration_matrix=np.ones((4, 4))), NEVER)
+    assert found is not None and found[1][5][0].tolist() == [0, 1, 1, 1]
+
+
+def test_asked_to_stop_there_is_nothing() -> None:
+    assert site_data(problem(), Stop(0.0)) is None
