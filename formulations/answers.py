@@ -124,10 +124,15 @@ INDENTED = 1_000_000
 def json_text(data: Any) -> str:
     """Standard JSON, one key a line unless it is long; numbers that JSON does not know are null, characters that cannot be printed are
     escaped."""
-    plain = finite(data)
-    text = json.dumps(plain, ensure_ascii=False, allow_nan=False)
+    try:
+        text = json.dumps(
+            data, ensure_ascii=False, allow_nan=False
+        )  # most data are plain already, and going through all of it takes as long again
+    except (TypeError, ValueError):
+        data = finite(data)
+        text = json.dumps(data, ensure_ascii=False, allow_nan=False)
     if len(text) <= INDENTED:
-        text = json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
     if not all(line.isprintable() for line in text.split("\n")):  # the standard lets DEL, C1 controls and overrides stand as they are
         text = "".join(c if c == "\n" or c.isprintable() else _escaped(c) for c in text)
     return text + "\n"

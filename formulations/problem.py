@@ -107,6 +107,10 @@ class Problem(ABC):
         """
         return iter(())
 
+    def answer_at_hand(self) -> Any | None:
+        """An answer that needs no search, where there may be one: what refutes a solver that claims there is none. It is judged first."""
+        return None
+
     # -- parts of all answers ----------------------------------------------------------------------------------------
 
     def check_statement(self, statement: Any) -> None:

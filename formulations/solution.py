@@ -241,11 +241,15 @@ def status_line(solution: Solution) -> Line:
 
 
 def _seconded(solution: Solution) -> str:
-    """Who was asked for a second opinion, and says the same; or that nobody does."""
-    agree = [o.solver for o in solution.opinions if o.verdict == "agrees"]
-    if agree:
-        return f" and {', '.join(agree)}"
-    return f" alone: {', '.join(o.solver for o in solution.opinions)} undecided" if solution.opinions else ""
+    """Who was asked for a second opinion, and says the same; or what the others say instead."""
+
+    def told(verdict: str) -> str:
+        return ", ".join(o.solver for o in solution.opinions if o.verdict == verdict)
+
+    if told("agrees"):
+        return f" and {told('agrees')}"
+    others = "; ".join(f"{names} {verdict}" for verdict in ("undecided", "is refuted") if (names := told(verdict)))
+    return f" alone: {others}" if others else ""
 
 
 def solution_lines(solution: Solution) -> list[Line]:

@@ -101,7 +101,10 @@ class ProgramBackend(Backend):
 
     def chain(self, program: Program) -> Chain:
         """The steps from ``program`` to what is searched; raises Irreducible."""
-        return _tidied(program).then((UNITS, *self.reductions))
+        return self._reduced(_tidied(program))
+
+    def _reduced(self, tidied: Chain) -> Chain:
+        return tidied.then((UNITS, *self.reductions))
 
     def refusal(self, missing: Iterable[str], program: Program) -> UnsupportedError:
         """That ``program`` cannot be taken, and who can."""
@@ -122,11 +125,12 @@ class ProgramBackend(Backend):
         lacking = self.lacking(program)
         if lacking:
             raise self.refusal(lacking, program)
-        result = settled(_tidied(program).program)
+        tidied = _tidied(program)
+        result = settled(tidied.program)
         if result is not None:
             return result
         try:
-            chain = self.chain(program)
+            chain = self._reduced(tidied)
         except Irreducible as fault:
             raise self.refusal({str(fault)}, program) from None
         start = None if options.start is None else chain.encoded(np.asarray(options.start, dtype=np.float64))

@@ -6,6 +6,7 @@ import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,15 @@ def benchmarks() -> Path:
     if not folder or not Path(folder).is_dir():
         pytest.skip("WAYBOUND_BENCHMARKS names no folder: real benchmark files are not tested here")
     return Path(folder)
+
+
+@pytest.fixture
+def without_trees() -> Iterator[None]:
+    """Bounds are found without the method that searches: it takes all its time, and proves what a test may want claimed."""
+    from waybound.solvers.bounds import BOUNDS
+
+    with BOUNDS.temporary("branching-tree", replace(BOUNDS["branching-tree"], missing=lambda problem: frozenset({"a test"}))):
+        yield
 
 
 @pytest.fixture

@@ -223,6 +223,10 @@ class ProgramTruth(Truth):
                     self.best, self.samples = found, _vectors(x)
                     self.size = sum((abs(Fraction(c) * v) for c, v in zip(p.cost.tolist(), x, strict=True)), abs(Fraction(float(p.offset))))
         self.best = self.lenient = None if self.unbounded else self.best
+        if self.best is None:  # an answer may pass all the same, by a hair: the largest terms that it can have
+            widest = np.maximum(np.abs(p.lower), np.abs(p.upper))
+            terms = zip(p.cost[np.isfinite(widest)].tolist(), widest[np.isfinite(widest)].tolist(), strict=True)
+            self.size = sum((abs(Fraction(c) * Fraction(w)) for c, w in terms), abs(Fraction(float(p.offset))))
 
     def value(self, answer: Any) -> Values | None:
         """Up to 1e-6 of what solvers count as 1: of a row's size, where that is 1/16 or more, of 1."""

@@ -31,6 +31,7 @@ KERNELS = {
 """Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
 
 ELSEWHERE = {
+    "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     "solvers/engines/local_max_min/robot": "solvers/engines/local_max_min/test_messages.py",  # a robot alone has nobody to talk to
     "waybound/_version": "test_packaging.py",  # one line
     "waybound/_guard": "conformance/test_imports.py",  # one line, which fails where it must: in other processes

@@ -122,6 +122,11 @@ class ArrayProblem(Problem):
         violations = tuple(v for _, found in judged for v in found)
         return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), self._precision)
 
+    def answer_at_hand(self) -> Floats:
+        """The vector nearest to 0."""
+        p = self.program
+        return np.asarray(np.clip(0.0, np.where(p.integer, np.ceil(p.lower), p.lower), np.where(p.integer, np.floor(p.upper), p.upper)))
+
     @cached_property
     def _precision(self) -> float:
         """Sums of whole numbers times costs are as exact as any sum."""

@@ -113,6 +113,15 @@ class BottleneckSATA(DecidedElements):
         """
         return self._evaluate_shares(answer) if self.fractional else self._evaluate_selection(answer)
 
+    def answer_at_hand(self) -> Any:
+        """Each robot's first action."""
+        first = np.unique(self.graph.robot_of_action, return_index=True)[1]
+        if not self.fractional:
+            return Selection.of(first.tolist())
+        shares = np.zeros(self.graph.num_actions)
+        shares[first] = 1.0
+        return shares
+
     def _evaluate_shares(self, answer: Any) -> Evaluation:
         g, x = self.graph, self._shares(answer)
         with np.errstate(invalid="ignore"):

@@ -124,6 +124,12 @@ class MaxMinLP(Problem):
         priced = value if violations else self._price(np.maximum(x, 0.0))
         return Evaluation((priced,), tuple(check for check, _ in judged), violations, {}, precision=VECTOR)
 
+    def answer_at_hand(self) -> Floats | None:
+        """All variables alike, as large (``max``) or small (``min``) as the rows let them be."""
+        matrix, worst = (self.packing, np.max) if self.sense == "max" else (self.covering, np.min)
+        limit = float(worst(_rows(matrix, np.ones(self.num_variables))))
+        return np.full(self.num_variables, 1.0 / limit) if 0.0 < limit < math.inf else None
+
     def _price(self, x: Floats) -> float:
         """The objective at the nearest multiple of ``x`` that breaks no row."""
         most, least = float(_rows(self.packing, x).max()), float(_rows(self.covering, x).min())

@@ -113,6 +113,10 @@ class SubmodularSelection(DecidedElements):
         """What each element adds to the value of those before it, shape (elements,)."""
         return self.function.gains(elements)
 
+    def answer_at_hand(self) -> Selection:
+        """No element."""
+        return Selection.of([])
+
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute the value, and test that the elements exist, none twice, and that the constraint holds."""
         if not isinstance(answer, Selection):

@@ -277,12 +277,7 @@ class SensingGraph:
 
     def action_name(self, action: int) -> str:
         """The action's own name, or that of its robot and its position among the robot's actions: "3.1"."""
-        if self.action_names is not None:
-            return self.action_names[action]
-        robot = int(self.robot_of_action[action])
-        starts, actions = self.by_robot
-        position = int(np.searchsorted(actions[starts[robot] : starts[robot + 1]], action))
-        return f"{self.robot_name(robot)}.{position + 1}"
+        return self.action_labels[action]
 
     @cached_property
     def action_labels(self) -> tuple[str, ...]:

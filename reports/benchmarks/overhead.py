@@ -1,11 +1,11 @@
-"""CPU time of PyVRP and OR-Tools through waybound against the bare libraries, on the same integers, with the same routes.
+"""CPU time of PyVRP, OR-Tools and VROOM through waybound against the bare libraries, on the same integers, with the same routes.
 
-Run as ``python -m waybound.reports.benchmarks.overhead [--repeats 3] [--iterations 20000] [--solutions 1500] [--instance NAME ...]``.
-Each run is a fresh process; bare and wrapped runs alternate. Work is fixed (iterations of PyVRP, solutions of OR-Tools), so
-that both sides do the same. ``engine`` is the CPU time of building the library's model and searching, ``whole`` that of the
-whole process and its children, with imports, reading, checking and, for OR-Tools, the process of its own that it needs.
-Instances are bundled ones, and C101, R101 and X-n101-k25 if ``WAYBOUND_BENCHMARKS`` names their folder. Exits with 1 if routes
-differ.
+Run as ``python -m waybound.reports.benchmarks.overhead [--repeats 3] [--iterations 20000] [--solutions 1500] [--level 5]
+[--instance NAME ...]``. Each run is a fresh process; bare and wrapped runs alternate. Work is fixed, so that both sides do the same:
+iterations of PyVRP, solutions of OR-Tools, the exploration level of VROOM (before which waybound has it search at level 0). ``engine`` is
+the CPU time of building the library's model and searching, ``whole`` that of the whole process and its children, with imports, reading,
+checking and, for OR-Tools and VROOM, the process of its own that they need. Instances are bundled ones, and C101, R101 and X-n101-k25 if
+``WAYBOUND_BENCHMARKS`` names their folder. Exits with 1 if routes differ.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ import numpy as np
 
 from waybound import read
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.solvers.backend import BACKENDS
 
 TARGET = 1.03
 """Most CPU time that the wrapped library may take, relative to the bare one."""
@@ -106,7 +107,31 @@ for k in range(v):
 engine = time.process_time() - start
 """
     + TELL,
+    "vroom": LOAD
+    + """
+import vroom
+start = time.process_time()
+made = vroom.Input()
+made.set_costs_matrix("car", d["distance"])
+made.set_durations_matrix("car", d["distance"] if "due" in d else np.zeros_like(d["distance"]))
+window = lambda i: vroom.TimeWindow(int(d["ready"][i]), int(d["due"][i]))
+timed = (lambda i: {"default_service": int(d["service"][i]), "time_windows": [window(i)]}) if "due" in d else lambda i: {}
+made.add_job([vroom.Job(i, i, delivery=[int(d["demand"][i])], **timed(i)) for i in range(1, len(d["demand"]))])
+shift = {"time_window": window(0)} if "due" in d else {}
+capacity = [min(int(d["capacity"]), int(d["demand"].sum()))]
+made.add_vehicle([vroom.Vehicle(k, start=0, end=0, capacity=capacity, **shift) for k in range(int(d["vehicles"]))])
+found = made.solve(exploration_level=work, nb_threads=1)
+frame = found.routes[found.routes["type"] == "job"]
+routes = [[int(i) for i in part["location_index"]] for _, part in frame.groupby("vehicle_id")]
+engine = time.process_time() - start
+"""
+    + TELL,
 }
+
+FIXED = """
+work = int(sys.argv[2])
+options, limits = ({"exploration_level": work}, {}) if sys.argv[3] == "vroom" else ({}, {"iterations": work})
+"""
 
 ENGINE = (
     """
@@ -114,12 +139,15 @@ import json, resource, sys, time
 import waybound as wb
 from waybound.solvers.backend import BACKENDS, Control, Options
 problem = wb.read(sys.argv[1], **json.loads(sys.argv[4]))
+"""
+    + FIXED
+    + """
 backend = BACKENDS[sys.argv[3]]()
 import importlib
 for module in backend.modules:
     importlib.import_module(module)
 start = time.process_time()
-result = backend.run(problem, Options(time_limit=3600.0, iterations=int(sys.argv[2]), seed=1), Control())
+result = backend.run(problem, Options(time_limit=3600.0, seed=1, extra=options, **limits), Control())
 engine = time.process_time() - start
 routes = [list(r.visits) for r in result.answer]
 """
@@ -131,7 +159,10 @@ WHOLE = (
 import json, resource, sys
 import waybound as wb
 problem = wb.read(sys.argv[1], **json.loads(sys.argv[4]))
-solution = wb.solve(problem, sys.argv[3], time_limit=3600.0, iterations=int(sys.argv[2]), seed=1, bound_time=0)
+"""
+    + FIXED
+    + """
+solution = wb.solve(problem, sys.argv[3], time_limit=3600.0, seed=1, bound_time=0, options=options, **limits)
 engine = None
 routes = [list(r.visits) for r in solution.answer]
 """
@@ -197,13 +228,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--iterations", type=int, default=20_000, help="of PyVRP")
     parser.add_argument("--solutions", type=int, default=1_500, help="of OR-Tools")
+    parser.add_argument("--level", type=int, default=5, help="of VROOM's exploration")
     parser.add_argument("--instance", action="append", help="only this one; may be repeated")
     given = parser.parse_args(arguments)
     heads = ("instance", "engine", "work", "routes", "bare s", "wrapped s", "ratio", "bare whole s", "wrapped whole s", "ratio")
     print("  ".join(heads))
     sound = True
     for name, source, settings in cases(given.instance):
-        for engine, work in (("pyvrp", given.iterations), ("ortools", given.solutions)):
+        for engine, work in (("pyvrp", given.iterations), ("ortools", given.solutions), ("vroom", given.level)):
+            if not BACKENDS[engine].installed():
+                print(f"{name}: {engine} is not installed")
+                continue
             row = compare(name, source, settings, engine, work, given.repeats)
             sound = sound and row["same"]
             figures = [name, engine, str(work), "same" if row["same"] else "DIFFER"]

@@ -16,7 +16,7 @@ FIRST_ORDER = {"highs": {"solver": "pdlp", "kkt_tolerance": 1e-4}}
 """For large selections: 0.3 s and a bound 0.001 % off, where interior points took 5 s (210,000 entries, a cardinality limit) and 36 s (a
 partition matroid). It may be stopped at any time: all duals prove something."""
 
-FIRST_ORDER_FORMS = frozenset({"facility-location", "strong-linearisation", "weak-linearisation", "product"})
+FIRST_ORDER_FORMS = frozenset({"facility-location", "strong-linearisation", "weak-linearisation"})
 """Whose programs the first-order method suits from ``SMALL`` entries on."""
 
 SMALL = 20_000

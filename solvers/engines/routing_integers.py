@@ -62,8 +62,8 @@ class Scale:
         return np.where(_whole(scaled), np.rint(scaled), scaled) if self.exact else scaled
 
 
-def scale_of(*values: ArrayLike) -> Scale:
-    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats; else ``FINE``.
+def scale_of(*values: ArrayLike, fine: int = FINE) -> Scale:
+    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats; else ``fine``.
 
     Each times a power of two, where the largest value is very small or very large.
     """
@@ -79,7 +79,7 @@ def scale_of(*values: ArrayLike) -> Scale:
         for factor in (1, 10, 100, 1000):
             if _whole(every * unit * factor).all():
                 return Scale(_plain(unit * factor), True)
-    return Scale(_plain((1.0 if _SMALL <= exponent <= _BASE else other) * FINE), False)
+    return Scale(_plain((1.0 if _SMALL <= exponent <= _BASE else other) * fine), False)
 
 
 def _plain(factor: float) -> float:
@@ -148,7 +148,7 @@ class IntegerRouting:
         return Link("whole-numbers", self.holds, units)
 
 
-def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int = 2**60) -> IntegerRouting:
+def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int = 2**60, fine: int = FINE) -> IntegerRouting:
     """The data of ``problem`` in integers.
 
     Parameters
@@ -159,6 +159,8 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         Largest integer that the engine takes as a single value.
     total : int
         Largest sum along a whole answer that it can hold.
+    fine : int
+        Scale of data that three decimals cannot hold, for engines with little room.
 
     Raises
     ------
@@ -169,13 +171,13 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     goal = scalarised(problem)
     n = len(sites)
 
-    per_unit = scale_of(goal.unit)
-    length = scale_of(travel.distances, goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
+    per_unit = scale_of(goal.unit, fine=fine)
+    length = scale_of(travel.distances, goal.fixed * per_unit.factor, goal.prize * per_unit.factor, fine=fine)
     cost = Scale(length.factor * per_unit.factor, length.exact and per_unit.exact)
     served = np.where(sites.depot, 0.0, sites.service)
-    clock = scale_of(travel.durations, served, sites.ready, sites.due)
+    clock = scale_of(travel.durations, served, sites.ready, sites.due, fine=fine)
     carried = np.where(sites.depot, 0.0, sites.demand)
-    load = scale_of(carried)
+    load = scale_of(carried, fine=fine)
 
     origin = min(0.0, float(sites.ready.min()))
     ready, due = clock.up(sites.ready - origin), clock.down(sites.due - origin)

@@ -76,6 +76,12 @@ d = np.array([[0, 2, 9], [9, 0, 3], [4, 9, 0]])
 data = pyvrp.ProblemData([pyvrp.Location(0, 0)] * 3, [pyvrp.Client(1), pyvrp.Client(2)], [pyvrp.Depot(0)], [pyvrp.VehicleType()], [d], [d])
 assert pyvrp.solve(data, pyvrp.stop.MaxIterations(20), display=False).cost() == 9
 """
+VROOM = """
+import vroom
+made = vroom.Input(); made.set_durations_matrix("car", [[0, 2, 9], [9, 0, 3], [4, 9, 0]])
+made.add_job([vroom.Job(1, 1), vroom.Job(2, 2)]); made.add_vehicle(vroom.Vehicle(1, start=0, end=0))
+assert made.solve(exploration_level=1, nb_threads=1).summary.cost == 9
+"""
 SCIPY = """
 import numpy as np
 from scipy.optimize import LinearConstraint, milp
@@ -93,8 +99,8 @@ PACKAGES = {
     "pyvrp": ("import pyvrp", PYVRP),
     "scipy": ("import scipy.optimize", SCIPY),
 }
-if importlib.util.find_spec("pyscipopt") is not None:  # an extra
-    PACKAGES["pyscipopt"] = ("import pyscipopt", SCIP)
+EXTRAS = {"pyscipopt": ("import pyscipopt", SCIP), "vroom": ("import vroom", VROOM)}
+PACKAGES |= {name: code for name, code in EXTRAS.items() if importlib.util.find_spec(name) is not None}
 PAIRS = list(itertools.combinations(PACKAGES, 2))
 RISKY = [("highspy", "routing"), ("highspy", "mathopt"), ("cvxpy", "cp_model"), ("pulp", "routing"), ("pyvrp", "highspy")]
 RISKY += [("pyscipopt", "mathopt")] if "pyscipopt" in PACKAGES else []  # both bring SCIP

@@ -47,7 +47,7 @@ SOLVED = {
     "mathopt:highs": "routes.txt", "mathopt:cp-sat": "knapsack.json", "mathopt:glop": "sensing.json", "mathopt:pdlp": "sensing.json",
     "cvxpy": "sensing.json", "cvxpy:CLARABEL": "sensing.json", "cvxpy:SCS": "sensing.json", "cvxpy:HIGHS": "sata.json",
     "pulp": "routes.txt", "pulp:CBC": "knapsack.json", "pulp:HiGHS": "routes.txt", "pyvrp": "routes.txt", "ortools": "routes.txt",
-    "saddle": "sensing.json",
+    "saddle": "sensing.json", "vroom": "large.vrp",
 }  # fmt: skip
 
 APPROXIMATED = {
@@ -56,7 +56,7 @@ APPROXIMATED = {
     "savings": "large.vrp", "sequential-greedy": "partition.json", "stochastic-greedy": "cardinality.json",
 }  # fmt: skip
 
-WITH_CHILDREN = ("pulp", "pulp:HiGHS", "ortools", "cvxpy", "cvxpy:HIGHS", "mathopt:highs")
+WITH_CHILDREN = ("pulp", "pulp:HiGHS", "ortools", "cvxpy", "cvxpy:HIGHS", "mathopt:highs", "vroom")
 
 pytestmark = pytest.mark.timeout(3600)
 
@@ -192,6 +192,19 @@ class Run:
         return found
 
 
+def running_at(instant: float, case: Case, path: Path, folder: Path, rng: np.random.Generator, tally: Any) -> tuple[Run, float]:
+    """A command that still runs after so many seconds: one that has ended by then is begun once more, for an earlier instant."""
+    for attempt in itertools.count():
+        run = Run(case, path, folder.with_name(f"{folder.name}-{attempt}"))
+        time.sleep(instant)
+        if run.process.poll() is None:
+            break
+        run.process.communicate()
+        tally["commands that ended before their signal"] += 1
+        instant *= float(rng.uniform(0.3, 0.9))
+    return run, instant
+
+
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_answer(part, share, tally, instances, tmp_path) -> None:
     rng = np.random.default_rng(part)
@@ -204,14 +217,7 @@ def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_ans
         case, number = CASES[at], (signal.SIGINT, signal.SIGTERM)[int(rng.integers(2))]
         path, problem = instances(case.file)
         instant = wall + float(rng.uniform(0.0, latest))
-        for attempt in itertools.count():  # a command that has ended is begun once more, for an earlier signal
-            run = Run(case, path, tmp_path / f"{k}-{attempt}")
-            time.sleep(instant)
-            if run.process.poll() is None:
-                break
-            run.process.communicate()
-            tally["commands that ended before their signal"] += 1
-            instant *= float(rng.uniform(0.3, 0.9))
+        run, instant = running_at(instant, case, path, tmp_path / str(k), rng, tally)
         what = f"{' '.join(case.words)}, {number.name} after {instant:.2f} s"
         seconds = run.end(number)
         faults += [f"{what}: {fault}" for fault in [too_late(seconds), *run.faults(number, problem)] if fault]
@@ -232,10 +238,7 @@ def test_a_parent_that_is_killed_or_hung_up_on_takes_its_children_along(part, sh
         number = (signal.SIGKILL, signal.SIGHUP, signal.SIGQUIT)[k % 3]
         case = Case(("solve", SOLVED[solver], "--solver", solver), SOLVED[solver], ("out", "certificate"))
         path, problem = instances(case.file)
-        run = Run(case, path, tmp_path / str(k))
-        instant = wall + float(rng.uniform(0.5, 4.0))
-        time.sleep(instant)
-        assert run.process.poll() is None
+        run, instant = running_at(wall + float(rng.uniform(0.5, 4.0)), case, path, tmp_path / str(k), rng, tally)
         seconds = run.end(number)
         what = f"{solver}, {number.name} after {instant:.2f} s"
         assert number is signal.SIGHUP or run.process.returncode == -number

@@ -38,6 +38,7 @@ CLAIM = 1e-5
 SOLVERS = {
     "highs": 100, "saddle": 100, "scip": 30, "cpsat": 30, "pulp": 20, "pulp:HiGHS": 5, "mathopt:highs": 5, "mathopt:gscip": 20,
     "mathopt:glop": 20, "mathopt:cp-sat": 10, "mathopt:pdlp": 10, "cvxpy": 2, "cvxpy:HIGHS": 2, "cvxpy:SCS": 2, "pyvrp": 30, "ortools": 10,
+    "vroom": 10,
 }  # fmt: skip
 """Solvers, and how many problems of each family they get."""
 

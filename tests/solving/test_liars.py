@@ -172,3 +172,27 @@ def test_a_search_ends_at_the_gap_that_is_asked_for() -> None:
     assert found.seconds["solve"] < 10
     assert found.gap is not None
     assert found.gap <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("problem", "value"),
+    [
+        (ArrayProblem(program([3.0, 2.0], [[2.0, 3.0]], -np.inf, 10.5, 1, [4, 5], integer=[0, 1], sense="max")), 5.0),
+        (wb.MaxMinLP([[1.0, 2.0]], [[1.0, 1.0]]), 2.0 / 3.0),
+        (wb.MaxMinLP([[1.0, 2.0]], [[1.0, 4.0]], sense="min"), 3.0 / 5.0),
+        (wb.generate("sata", seed=1, robots=3, actions=2, targets=4, phi=40), None),
+        (wb.generate("coverage", seed=1, elements=5, items=6, k=2), 0.0),
+    ],
+)
+def test_who_says_that_there_is_no_answer_is_refuted_by_one_that_needs_no_search(backend: Any, problem: Any, value: float | None) -> None:
+    solution = wb.solve(problem, backend(RawResult("infeasible")), bound_time=0)
+    assert (solution.status, len(solution.faults)) == ("feasible", 1)
+    assert solution.evaluation.feasible
+    if value is not None:
+        assert solution.objective == pytest.approx(value)
+
+
+def test_where_no_answer_is_at_hand_the_claim_stands() -> None:
+    empty = ArrayProblem(program([1.0, 1.0], [[2.0, 2.0]], 3.0, 3.0, 0, 5, integer=[0, 1]))
+    assert not empty.evaluate(empty.answer_at_hand()).feasible
+    assert wb.solve(empty, "highs", bound_time=0).status == "infeasible"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,13 @@ from programs import program
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.programs.program import INTEGERS
+from waybound.formulations.solution import Opinion, status_line
 from waybound.solvers.backend import BACKENDS, RawResult
 from waybound.solvers.program_backend import ProgramBackend
 from waybound.solving import opinions
 from waybound.solving.opinions import independent
+
+pytestmark = pytest.mark.usefixtures("without_trees")
 
 KNAPSACK = ArrayProblem(program([3.0, 2.0], [[2.0, 3.0]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max", offset=1.0))
 """13 at (4, 0); its relaxation is worth 14 2/3, of which the checker makes 14."""
@@ -88,6 +92,35 @@ def test_an_engine_is_asked_once_by_whatever_road_and_never_about_its_own_word()
     assert "HiGHS" not in engines.values()
     assert len(set(engines.values())) == len(engines) >= 3
     assert "SCIP" not in [BACKENDS[n.partition(":")[0]](n.partition(":")[2]).engine for n in independent(made, "mathopt")]
+
+
+def test_an_opinion_whose_solver_crashes_costs_nothing(registered, says):
+    def search(self: Any, *given: Any) -> RawResult:
+        raise RuntimeError("a fault of the library")
+
+    says(RawResult("unknown"), "crasher", order=-1)
+    registered(BACKENDS, "crasher", type("Crashes", (BACKENDS["crasher"],), {"search": search}))
+    solution = wb.solve(KNAPSACK, "highs")
+    assert (solution.status, solution.objective) == ("optimal", 13.0)
+    assert solution.opinions and "crasher" not in {o.solver for o in solution.opinions}
+
+
+@pytest.mark.parametrize(("given", "alone"), [({}, False), ({"isolate": True}, True), ({"memory_limit": 4000.0}, True)])
+def test_whoever_is_asked_keeps_to_the_isolation_of_the_first(monkeypatch, given, alone):
+    asked: list[float | None] = []
+    inside = opinions.run_in_process
+    monkeypatch.setattr(
+        opinions, "run_in_process", lambda work, told, control: asked.append(told.memory_limit) or inside(work, told, control)
+    )
+    monkeypatch.setattr(opinions, "independent", lambda made, solver: ["scip"])
+    assert wb.solve(KNAPSACK, "highs", **given).opinions[0].verdict == "agrees"
+    assert asked == ([given.get("memory_limit")] if alone else [])
+
+
+def test_who_is_refuted_is_not_called_undecided():
+    opinions = tuple(Opinion(name, "unknown", None, None, verdict) for name, verdict in (("scip", "is refuted"), ("pulp", "undecided")))
+    solution = wb.solve(KNAPSACK, "highs")
+    assert "optimal according to highs alone: pulp undecided; scip is refuted" in status_line(replace(solution, opinions=opinions)).text
 
 
 def test_an_opinion_that_cannot_be_had_is_none(monkeypatch):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -70,6 +71,14 @@ class Judge:
         judged = self._consider(answer, lambda a: a, "the start", False)
         if judged is not None and not judged.feasible:
             self.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
+
+    def at_hand(self) -> None:
+        """Judge an answer that needs no search; it counts where it passes, and is not heard of where it does not."""
+        with suppress(Exception):
+            answer = self.problem.answer_at_hand()
+            judged = None if answer is None else self.problem.evaluate(answer)
+            if judged is not None and judged.feasible:
+                self._judged.append((answer, judged))
 
     def hear(self, check: Callable[..., None], *words: Any) -> None:
         """Hold a claim against what was checked; a contradiction is kept as a fault."""

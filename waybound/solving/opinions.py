@@ -12,7 +12,6 @@ from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.program import Program
 from ..formulations.solution import Opinion
 from ..formulations.tolerance import same
-from ..instances.errors import WayboundError
 from ..solvers.backend import Control, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.program_backend import ProgramBackend, takers
@@ -38,25 +37,28 @@ def independent(made: Compiled, solver: str) -> list[str]:
     return [name for *_, name in sorted(found.values())]
 
 
-def second_opinions(made: Compiled, solver: str, seconds: float, options: Options) -> Iterator[tuple[str, RawResult]]:
-    """What at most ``MOST`` other engines say of the program within ``seconds``; those that fail say nothing."""
+def second_opinions(made: Compiled, solver: str, seconds: float, options: Options, isolate: bool) -> Iterator[tuple[str, RawResult]]:
+    """What at most ``MOST`` other engines say of the program within ``seconds``, each in a process of its own where the first was.
+
+    Who fails says nothing.
+    """
     began, heard = time.perf_counter(), 0
     for name in independent(made, solver):
         left = seconds - (time.perf_counter() - began)
         if heard >= MOST or left < LEAST_SECONDS:
             return
         backend = solver_named(name)
-        told = replace(
-            options, time_limit=left, iterations=None, no_improvement=None, gap=0.0, start=None, memory_limit=None, extra={},
-        )  # fmt: skip
+        told = replace(options, time_limit=left, iterations=None, no_improvement=None, gap=0.0, start=None, extra={})
         work = SolverWork(name, made.program, told)
 
-        def ask(control: Control, work: SolverWork = work, told: Options = told, alone: bool = backend.needs_process) -> RawResult:
+        def ask(
+            control: Control, work: SolverWork = work, told: Options = told, alone: bool = isolate or backend.needs_process
+        ) -> RawResult:
             return run_in_process(work, told, control) if alone else work(control)
 
         try:
             found = search(ask, Control(), left)
-        except WayboundError:
+        except Exception:  # of whatever kind: an opinion never costs what it is about
             continue
         if found.interrupted:
             return

@@ -17,7 +17,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
-from ..formulations.solution import Opinion, Solution, Value, relative_gap
+from ..formulations.solution import Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import CheckFailedError, InputError, UnsupportedError, UsageError, WayboundError, in_words
@@ -56,6 +56,7 @@ class _Run:
     compile_seconds: float = 0.0
     bounds: bool = True
     heuristic: bool = False
+    isolated: bool = False
 
     @property
     def form(self) -> str | None:
@@ -110,7 +111,8 @@ def solve(
     time_limit : float, seconds
         Wall time for the engine alone.
     bound_time : float, seconds, optional
-        Budget for bounding after it: a tenth of the limit, at least 1 s, by default; 0 turns it off.
+        Budget for bounding after it, or beside it on a free core, and then for second opinions on what was claimed: a tenth of the limit,
+        at least 1 s, by default; 0 turns it off.
     iterations, gap, seed, threads, memory_limit, no_improvement
         See ``Options``. What the solver or heuristic does not keep to is refused by name.
     start : answer, Solution, mapping or path, optional
@@ -152,8 +154,7 @@ def solve(
         check_number("bound_time", bound_time)
     if memory_limit is not None:
         check_number("memory_limit", memory_limit, above=0)
-    if memory_limit is not None and not isolate:
-        isolate = True
+    isolate = isolate or memory_limit is not None
     budget = max(1.0, time_limit / 10.0) if bound_time is None else bound_time
     given: Compiled | None = None
     if isinstance(problem, Program):
@@ -250,7 +251,7 @@ def _solver_run(
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     hinted = replace(options, start=start)
-    return _Run(solver, _going(solver, made.program, hinted, isolate), versions, notes, made, compiled)
+    return _Run(solver, _going(solver, made.program, hinted, isolate), versions, notes, made, compiled, isolated=isolate)
 
 
 def _linear(options: Options) -> LinearPrograms:
@@ -348,22 +349,24 @@ def _certified(
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
-    opinions: tuple[Opinion, ...] = ()
+    heard: list[tuple[str, RawResult]] = []
     if budget is not None and not searched.interrupted and not judge.faults:
         asked = time.perf_counter()
         heard = _second_opinions(judge, run, result, certificate, evaluation, budget - bound_seconds, options)
         spent_asking = time.perf_counter() - asked
         bound_seconds, began = bound_seconds + spent_asking, began + spent_asking
-        answer, better = judge.best()
-        if better is not evaluation:
-            evaluation = better
-            judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
-            certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
-        opinions = tuple(opinion(name, said, result, evaluation) for name, said in heard)
-        for one in opinions:
-            if one.verdict == "is refuted":
-                value = "" if one.objective is None else f" {one.objective!r}"
-                run.notes.append(f"{one.solver} says {one.status}{value}, which the answer refutes")
+    if result.status == "infeasible" and evaluation is None and run.exactness(result).infeasibility_is_valid and not judge.faults:
+        judge.at_hand()
+    answer, better = judge.best() if not judge.faults else found
+    if better is not evaluation:
+        evaluation = better
+        judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
+        certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
+    opinions = tuple(opinion(name, said, result, evaluation) for name, said in heard)
+    for one in opinions:
+        if one.verdict == "is refuted":
+            value = "" if one.objective is None else f" {one.objective!r}"
+            run.notes.append(f"{one.solver} says {one.status}{value}, which the answer refutes")
     size = 0.0 if evaluation is None else evaluation.size
     judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
     check_seconds = spent + time.perf_counter() - began
@@ -414,7 +417,7 @@ def _second_opinions(
     claims_it = exactness.infeasibility_is_valid if evaluation is None else _claims_optimum(exactness, result, evaluation)
     if made is None or not claims_it or not unproved(result, certificate, evaluation, made.program):
         return []
-    heard = list(second_opinions(made, run.name, seconds, options))
+    heard = list(second_opinions(made, run.name, seconds, options, run.isolated))
     for name, said in heard:
         judge.opinion(name, said.answer)
     return heard

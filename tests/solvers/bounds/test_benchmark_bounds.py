@@ -12,6 +12,8 @@ from waybound.formulations.problem import problem_from_instance
 from waybound.instances.reading import read_instance
 from waybound.solving.bounding import find_bounds
 
+pytestmark = pytest.mark.usefixtures("without_trees")
+
 CONVENTIONS = {"tsplib-nint": "file", "tsplib": "file", "dimacs-trunc1": "trunc1", "euclidean-double": "exact"}
 
 # family, instance, largest gap in percent that the best bound found within a few seconds leaves

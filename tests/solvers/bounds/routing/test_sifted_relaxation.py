@@ -103,3 +103,14 @@ def test_it_says_what_it_proves_nothing_for():
     two = RoutingProblem(problem.sites, problem.travel, (VehicleType(name="a"), VehicleType(name="b", capacity=3.0)))
     assert method.missing(problem) == frozenset()
     assert "heterogeneous-fleet" in method.missing(two)
+
+
+def test_where_some_customers_ask_for_nothing_the_order_of_visits_is_priced_too():
+    rng = np.random.default_rng(3)
+    xy = rng.integers(0, 100, (13, 2)).astype(float)
+    sites = Sites.of(range(13), demand=np.append(0.0, rng.integers(0, 3, 12)))
+    problem = RoutingProblem(sites, Travel("EUC_2D", coordinates=xy), (VehicleType(capacity=4.0),))
+    evidence = sifted_relaxation_bound(problem, Stop(10.0))
+    assert evidence is not None
+    assert "order" in evidence.data["resources"]
+    assert evidence.value == pytest.approx(np.ceil(optimum_of_the_whole_lp(problem) - 1e-6))

@@ -1,0 +1,114 @@
+"""How often versions of HiGHS are wrong about small routing programs, by themselves: the bare library with its own options.
+
+Run as ``python -m waybound.reports.benchmarks.highs_versions [--versions 1.10.0 1.12.0 ...] [--count 1500] [--seed 1]
+[--option presolve_rule_off=4096]``. Each version is installed by pip into a folder that is deleted afterwards; the installed one is left
+alone. Programs and optima are the battery's, of the kind ``time-windows``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from waybound.instances.errors import WayboundError
+from waybound.reports.battery.cases import Draw, cases
+from waybound.reports.battery.truth import Truth
+
+VERSIONS = ("1.10.0", "1.11.0", "1.12.0", "1.13.1", "1.14.0", "1.15.1")
+FORMS = ("two-index-mtz", "three-index")
+KIND = "time-windows"
+EQUAL = 1e-5
+"""Relative difference up to which a value is the optimum."""
+
+
+def written(form: str, count: int, seed: int, file: Path) -> list[Truth]:
+    """The programs of a draw in one file, and what is true of them."""
+    arrays: dict[str, Any] = {"count": count}
+    true = []
+    for k, case in enumerate(cases(Draw(count, seed, KIND, form))):
+        p = case.program
+        assert p.sense == "min" and p.offset == 0 and p.quadratic is None
+        for name in ("cost", "lower", "upper", "row_lower", "row_upper", "indptr", "indices", "data", "integer"):
+            arrays[f"{k}/{name}"] = getattr(p, name)
+        true.append(case.truth)
+    np.savez(file, **arrays)
+    return true
+
+
+def installed(version: str, folder: Path) -> None:
+    """Put one version into a folder; raises WayboundError where pip cannot."""
+    words = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--no-deps",
+        "--target",
+        str(folder),
+        f"highspy=={version}",
+    ]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise WayboundError(
+            f"highspy {version} cannot be installed: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'pip failed'}"
+        )
+
+
+def said(folder: Path, programs: Path, options: dict[str, Any]) -> tuple[str, list[tuple[str, float]]]:
+    """The version that is in ``folder``, and its word on each program."""
+    words = [sys.executable, str(Path(__file__).with_name("_bare_highs.py")), str(folder), str(programs), json.dumps(options)]
+    version, *lines = subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()
+    told = (line.split("\t") for line in lines if "\t" in line)
+    return version, [(status, float(value)) for status, value in told]
+
+
+def wrong(true: Sequence[Truth], told: Sequence[tuple[str, float]]) -> tuple[int, int]:
+    """False infeasibilities and wrong optima."""
+    empty = optima = 0
+    for truth, (status, value) in zip(true, told, strict=True):
+        if status == "Infeasible":
+            empty += truth.value is not None
+        elif status == "Optimal":
+            optima += truth.value is None or abs(value - float(truth.value)) > EQUAL * max(1.0, abs(float(truth.value)))
+    return empty, optima
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m waybound.reports.benchmarks.highs_versions", description=__doc__.splitlines()[0])
+    parser.add_argument("--versions", nargs="+", default=list(VERSIONS), metavar="VERSION")
+    parser.add_argument("--forms", nargs="+", default=list(FORMS), metavar="FORM")
+    parser.add_argument("--count", type=int, default=1500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--option", action="append", default=[], metavar="KEY=VALUE", help="of HiGHS, for all versions")
+    given = parser.parse_args(arguments)
+    options = {key: int(value) if value.isdigit() else value for key, _, value in (o.partition("=") for o in given.option)}
+    with tempfile.TemporaryDirectory() as place:
+        files = {form: Path(place) / f"{form}.npz" for form in given.forms}
+        true = {form: written(form, given.count, given.seed, file) for form, file in files.items()}
+        print(f"{given.count} programs of {KIND} each, options {options or 'its own'}: false infeasible / wrong optimum")
+        print("| version |" + "".join(f" `{form}` |" for form in files) + "\n|---|" + "---|" * len(files))
+        for version in given.versions:
+            folder = Path(place) / version
+            try:
+                installed(version, folder)
+            except WayboundError as fault:
+                print(f"| {version} | {fault} |")
+                continue
+            found = {form: said(folder, file, options) for form, file in files.items()}
+            counts = [f" {a} / {b} |" for a, b in (wrong(true[form], told) for form, (_, told) in found.items())]
+            print(f"| {next(iter(found.values()))[0]} |" + "".join(counts), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
