@@ -8,6 +8,7 @@ import time
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,3 +135,20 @@ def _set(flag: weakref.ref[Flag]) -> None:
 
 NEVER = Stop()
 """For whoever has nobody to ask; nobody asks it."""
+
+_CURRENT: ContextVar[Stop] = ContextVar("stop", default=NEVER)
+
+
+def current_stop() -> Stop:
+    """That of the innermost block ``until``; ``NEVER`` outside of all."""
+    return _CURRENT.get()
+
+
+@contextmanager
+def until(stop: Stop) -> Iterator[None]:
+    """Within the block checkers that may take long give up when ``stop`` is reached, and then prove nothing."""
+    token = _CURRENT.set(stop)
+    try:
+        yield
+    finally:
+        _CURRENT.reset(token)

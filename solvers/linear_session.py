@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..formulations.programs.program import Floats, Program
 from ..formulations.stop import Stop
+
+Longs = NDArray[np.int64]
 
 SLICE = 0.2
 """Seconds after which a run looks whether it has to end."""
@@ -60,6 +63,7 @@ class LinearSession:
         self._most = self._model.getOptionValue("simplex_iteration_limit")[1]
         self.lower, self.upper = program.lower.copy(), program.upper.copy()
         self.iterations = 0
+        self._columns_added = False
 
     def bound(self, lower: Floats, upper: Floats) -> None:
         """Bounds of all variables from now on."""
@@ -72,6 +76,15 @@ class LinearSession:
         """Ask for any point from now on."""
         columns = np.arange(self._program.num_variables, dtype=np.int32)
         self._model.changeColsCost(len(columns), columns, np.zeros(len(columns)))
+
+    def add(self, cost: Floats, starts: Longs, rows: Longs, values: Floats) -> None:
+        """Further columns from 0 upwards, without an end; ``starts`` says where the entries of each begin."""
+        size, none = len(cost), np.zeros(len(cost))
+        self._model.addCols(
+            size, cost, none, np.full(size, math.inf), len(rows), starts.astype(np.int32), rows.astype(np.int32), values.astype(np.float64)
+        )
+        self.lower, self.upper = np.append(self.lower, none), np.append(self.upper, np.full(size, math.inf))
+        self._columns_added = True
 
     def basis(self) -> Any:
         """Where the session stands, for ``start``."""
@@ -115,6 +128,8 @@ class LinearSession:
 
     def _broken_row(self) -> Floats | None:
         """The ray of one row that no values within the bounds can meet; HiGHS, which sees these first, has none then."""
+        if self._columns_added:
+            return None
         p, up = self._program, self._program.data > 0
         row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))
         lower, upper = self.lower[p.indices], self.upper[p.indices]

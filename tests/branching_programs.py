@@ -37,3 +37,11 @@ def knapsack() -> ArrayProblem:
 def without_answer() -> ArrayProblem:
     """x + y = 1.5 and the like: a relaxation that has points, none of them whole."""
     return ArrayProblem(program([1, 1, 1], [[2, 2, 2]], [3], [3], 0.0, 1.0, integer=[0, 1, 2]))
+
+
+def hard(seed: int = 3, rows: int = 40, columns: int = 60) -> ArrayProblem:
+    """A multi-dimensional knapsack that no tree of some seconds closes."""
+    rng = np.random.default_rng(seed)
+    matrix = rng.integers(1, 100, (rows, columns)).astype(float)
+    cost = matrix.sum(axis=0) / rows + rng.integers(0, 50, columns)
+    return ArrayProblem(program(cost, matrix, -math.inf, matrix.sum(axis=1) / 2.0, 0.0, 1.0, integer=range(columns), sense="max"))

@@ -23,8 +23,8 @@ def optimum(problem: RoutingProblem) -> float | None:
     return None if found is None else found[0]
 
 
-def set_partitioning_bound(problem: RoutingProblem) -> float:
-    """LP value of choosing routes from all feasible ones (one vehicle type, all customers required, total cost)."""
+def set_partitioning_bound(problem: RoutingProblem, fewest: int = 0) -> float:
+    """LP value of choosing ``fewest`` routes or more from all feasible ones (one vehicle type, all customers required, total cost)."""
     from scipy.optimize import linprog
 
     truth = RoutingTruth(problem)
@@ -33,7 +33,7 @@ def set_partitioning_bound(problem: RoutingProblem) -> float:
     count = problem.fleet[0].count
     found = linprog(
         [float(truth.values([c])[0]) for c in columns], A_eq=visits, b_eq=np.ones(len(visits)),
-        A_ub=np.ones((1, len(columns))), b_ub=[len(visits) if count is None else count],
+        A_ub=np.outer([1.0, -1.0], np.ones(len(columns))), b_ub=[len(visits) if count is None else count, -fewest],
     )  # fmt: skip
     return math.inf if found.fun is None else float(found.fun)
 

@@ -192,3 +192,11 @@ WHOLE_FAMILY = (
     "groups", "several-windows", "skills", "penalties", "reloads", "recharging", "initial-energy", "closing-moves", "committed-vehicles",
 )  # fmt: skip
 """What ``varied`` knows."""
+
+
+def plane(seed: int, customers: int, capacity: float, count: int | None = None) -> RoutingProblem:
+    """Customers in a square, whole demands of 1 to 9."""
+    rng = np.random.default_rng(seed)
+    sites = Sites.of(range(customers + 1), demand=[0, *rng.integers(1, 10, customers)])
+    travel = Travel("EUC_2D", rng.integers(0, 100, (customers + 1, 2)).astype(float))
+    return RoutingProblem(sites, travel, (VehicleType(count, capacity),))

@@ -279,19 +279,26 @@ class RoutingProblem(Problem):
         return self.sites.index()
 
     def check_statement(self, statement: Any) -> None:
-        """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between."""
-        arc = statement["arc"] if isinstance(statement, Mapping) and statement.keys() == {"arc"} else None
+        """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between. ``{"routes": k}``: there are k
+        routes at most."""
+        given = statement if isinstance(statement, Mapping) and len(statement) == 1 else {}
+        arc, routes = given.get("arc"), given.get("routes")
+        if type(routes) is int and 1 <= routes <= len(self.sites):
+            return
         if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in self._index for site in arc):
-            expected = '{"arc": [the id of a site, the id of a site]}'
-            raise InputError("not a statement on a move", expected=expected, found=printable(str(statement), 80))
+            expected = '{"arc": [the id of a site, the id of a site]}, or {"routes": a number of them}'
+            raise InputError("not a statement on a move or on the number of routes", expected=expected, found=printable(str(statement), 80))
 
     def restricted(self, decisions: Sequence[Decision]) -> RoutingProblem:
         """The same problem without moves: one that is not made, and those that are not made beside one that is, for a customer is left and
-        entered once."""
+        entered once. Of each type of vehicle there are as many as there are routes at most."""
         moves = np.zeros((len(self.sites),) * 2, dtype=bool) if self.forbidden is None else self.forbidden.copy()
-        depot = self.sites.depot
+        depot, least, most = self.sites.depot, self.min_vehicles, len(self.sites)
         for statement, holds in decisions:
             self.check_statement(statement)
+            if "routes" in statement:
+                least, most = (least, min(most, statement["routes"])) if holds else (max(least, statement["routes"] + 1), most)
+                continue
             i, j = (self._index[site] for site in statement["arc"])
             if not holds:
                 moves[i, j] = True
@@ -303,7 +310,8 @@ class RoutingProblem(Problem):
                 moves[:, j] = True
             moves[i, j] = kept
         made = copy.copy(self)
-        made.__dict__["forbidden"] = moves
+        fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in self.fleet)
+        made.__dict__.update(forbidden=moves, min_vehicles=least, fleet=fleet if most < len(self.sites) else self.fleet)
         return made
 
     def in_words(self, statement: Any, holds: bool) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,7 +49,7 @@ def travel_of(rng: Rng, kind: str, n: int) -> Travel:
     return Travel("euclidean", rng.uniform(0, 100, (n, 2)))
 
 
-def _sites(n: int, **given: NDArray[np.float64]) -> Sites:
+def _sites(n: int, **given: Any) -> Sites:
     return Sites.of(range(n), **given)
 
 

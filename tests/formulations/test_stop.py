@@ -9,7 +9,7 @@ import time
 import pytest
 
 from waybound.formulations.kernels import kernel
-from waybound.formulations.stop import NEVER, Stop, Stopped
+from waybound.formulations.stop import NEVER, Stop, Stopped, current_stop, until
 from waybound.formulations.stop_kernel import asked
 
 
@@ -84,3 +84,19 @@ def test_no_clock_outlives_its_flag() -> None:
     while threading.active_count() > before and time.perf_counter() < deadline:
         time.sleep(0.01)
     assert threading.active_count() <= before
+
+
+def test_the_innermost_block_says_when_to_give_up() -> None:
+    first, second = Stop(60.0), Stop(60.0)
+    assert current_stop() is NEVER
+    with until(first):
+        with pytest.raises(ValueError), until(second):
+            assert current_stop() is second
+            raise ValueError
+        assert current_stop() is first
+        elsewhere = []
+        thread = threading.Thread(target=lambda: elsewhere.append(current_stop()))
+        thread.start()
+        thread.join()
+        assert elsewhere == [NEVER]  # a block is one thread's own
+    assert current_stop() is NEVER

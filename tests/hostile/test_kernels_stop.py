@@ -108,6 +108,8 @@ def large(kind: str) -> Problem:
             made = routing(4_000, count=20, max_distance=1e5)
             sites = replace(made.sites, required=np.zeros(4_000, dtype=bool), reward=np.ones(4_000))
             return replace(made, sites=sites, objective=Objective.of(Reward()))
+        case "routes":
+            return routing(200, capacity=200)
         case "distances":
             return routing(6_000, max_distance=6e4)
         case _:
@@ -187,7 +189,7 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
         tally["heuristics that were asked to stop"] += 1
 
 
-@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "tsp"])
+@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp"])
 @pytest.mark.parametrize("name", sorted(BOUNDS))
 def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: Any) -> None:
     problem, method, rng = large(kind), BOUNDS[name], np.random.default_rng(8)

@@ -70,3 +70,33 @@ def test_a_limit_of_iterations_is_kept_and_the_next_run_goes_on() -> None:
     session = LinearSession(p)
     assert session.solve(NEVER, 1).status == "iterations"
     assert session.solve(NEVER).status == "optimal"
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_columns_that_are_added_count_as_if_they_had_always_been_there(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    m, n = 4, 9
+    matrix = rng.integers(-2, 5, (m, n)).astype(float)
+    right, cost = matrix @ rng.integers(0, 3, n), rng.integers(1, 9, n).astype(float)
+    session = LinearSession(program(cost[:3], matrix[:, :3], right, right, 0.0, math.inf))
+    session.solve(NEVER)
+    for first, last in ((3, 4), (4, 9)):
+        rows, columns = np.nonzero(matrix[:, first:last])
+        order = np.lexsort((rows, columns))
+        starts = np.searchsorted(columns[order], np.arange(last - first))
+        session.add(cost[first:last], starts, rows[order], matrix[:, first:last].T[matrix[:, first:last].T != 0])
+        found = session.solve(NEVER)
+        p = program(cost[:last], matrix[:, :last], right, right, 0.0, math.inf)
+        status, value = afresh(p, np.zeros(last), np.full(last, math.inf))
+        assert found.status == {0: "optimal", 2: "infeasible"}[status]
+        if status == 0:
+            assert found.value == pytest.approx(value, abs=1e-7) and len(found.x) == last
+    assert found.status == "optimal"
+    upper = session.upper.copy()
+    upper[n - 1] = 0.0
+    session.bound(session.lower, upper)
+    status, value = afresh(p, np.zeros(n), upper)
+    found = session.solve(NEVER)
+    assert found.status == {0: "optimal", 2: "infeasible"}[status]
+    if status == 0:
+        assert found.value == pytest.approx(value, abs=1e-7)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.routing.checking.known_features import unknown_features
-from ....formulations.routing.preparation import every_move, limited_resources, tightened
+from ....formulations.routing.preparation import Resource, every_move, limited_resources, tightened
 from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
 from ....instances.memory import fits
@@ -46,12 +46,15 @@ class Arcs:
         Cost in the first level of the objective; infinite for arcs that no route can use.
     fewest, most : int
         Limits on the number of routes.
+    resources : dict of Resource
+        What a route may use, over nodes of which the last one is the end of routes.
     """
 
     customers: NDArray[np.int64]
     cost: Floats
     fewest: int
     most: int
+    resources: dict[str, Resource]
 
 
 def lacks_arc_costs(problem: Problem) -> frozenset[str]:
@@ -112,9 +115,9 @@ def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
         distance, duration, at_nodes(sites.service), at_nodes(sites.demand),
     )  # fmt: skip
     allowed = every_move(n + 2)
-    tightened(resources, allowed)
+    resources = tightened(resources, allowed)
     cost[1:, 1:][~allowed[1:-1, 1:-1]] = math.inf
     cost[0, 1:][~allowed[0, 1:-1]] = cost[1:, 0][~allowed[1:-1, -1]] = cost[0, 0] = math.inf
 
     most = len(at) if problem.vehicle_limit is None else min(len(at), problem.vehicle_limit)
-    return Arcs(at, cost, minimum_vehicles(problem), most)
+    return Arcs(at, cost, minimum_vehicles(problem), most, resources)

@@ -60,10 +60,18 @@ def moves(problem: RoutingProblem, answer: Routes) -> set[tuple[str, str]]:
     return made
 
 
-def drawn(problem: RoutingProblem, rng: np.random.Generator) -> list[tuple[dict[str, list[str]], bool]]:
+def drawn(problem: RoutingProblem, rng: np.random.Generator) -> list[tuple[dict[str, Any], bool]]:
+    """Some decisions on moves, and often one on the number of routes."""
     pairs = [(a, b) for a in problem.sites.ids for b in problem.sites.ids if a != b]
     some = rng.choice(len(pairs), int(rng.integers(1, 7)), replace=False)
-    return [({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some]
+    numbers = [({"routes": int(rng.integers(1, 5))}, bool(rng.random() < 0.5)) for _ in range(int(rng.integers(0, 3)))]
+    return [*(({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some), *numbers]
+
+
+def holds_as_decided(answer: Routes, made: set[tuple[str, str]], decision: tuple[dict[str, Any], bool]) -> bool:
+    statement, holds = decision
+    truth = len(answer) <= statement["routes"] if "routes" in statement else tuple(statement["arc"]) in made
+    return truth is holds
 
 
 @pytest.mark.parametrize("feature", FEATURES)
@@ -77,7 +85,7 @@ def test_restricted_problems_keep_every_answer_of_their_decisions_and_no_evidenc
         decisions = drawn(whole, rng)
         problem = whole.restricted(decisions)
         for answer, made, _ in judged:
-            if all((tuple(statement["arc"]) in made) is holds for statement, holds in decisions):
+            if all(holds_as_decided(answer, made, decision) for decision in decisions):
                 assert problem.evaluate(answer).feasible
         best = min((e.values[0] for answer, _, e in judged if problem.evaluate(answer).feasible), default=math.inf)
         for evidence in _attempts(whole, n, rng):
@@ -93,6 +101,9 @@ def _attempts(problem: RoutingProblem, n: int, rng: np.random.Generator) -> Iter
         data: dict[str, Any] = {"out": some(scale), "in": some(scale), "fleet": float(rng.normal() * scale), "resources": resources}
         yield Evidence("arc-multipliers", "", 0.0, data)
         yield Evidence("arc-multipliers", "", 0.0, {**data, "ray": True})
+        routes = {"visits": some(scale), "memory": int(rng.integers(0, n))}
+        yield Evidence("set-partitioning-duals", "", 0.0, routes)
+        yield Evidence("set-partitioning-duals", "", 0.0, {**routes, "ray": True})
         yield Evidence("spanning-tree", "", 0.0, {"multipliers": some(scale), "depot": float(rng.normal() * scale)})
     for site in problem.customers.tolist():
         yield Evidence("infeasible-site", "", 0.0, {"site": problem.sites.ids[site]})
@@ -137,7 +148,8 @@ def test_a_forbidden_move_breaks_an_answer_in_words() -> None:
 
 @pytest.mark.parametrize(
     "statement", [None, "1-2", {"arc": ["1"]}, {"arc": ["1", "nobody"]}, {"arc": [1, 2]}, {"arc": ["1", "2", "3"]}, {"arc": ["1", ["2"]]},
-                  {"arc": ["1", "2"], "used": True}, {"arc": {"1": "2"}}]
+                  {"arc": ["1", "2"], "used": True}, {"arc": {"1": "2"}}, {"routes": 0}, {"routes": 1.0}, {"routes": True}, {"routes": 99},
+                  {"routes": 2, "arc": ["1", "2"]}]
 )  # fmt: skip
 def test_what_is_no_statement_on_a_move_is_refused(statement: object) -> None:
     with pytest.raises(InputError, match="not a statement on a move"):

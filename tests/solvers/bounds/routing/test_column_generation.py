@@ -1,0 +1,183 @@
+"""Branch and price: small problems are proved, nothing false is, and what it finds is what trying all routes finds."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import threading
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from exact_routing import best_values, routes
+from hypothesis import given, settings
+from oracles import set_partitioning_bound, small_problems
+from small_routing import plane, small
+
+from waybound.formulations.certificate import certify, check_certificate, verified_bound
+from waybound.formulations.evidence import Evidence
+from waybound.formulations.routing.checking.relaxation import relax
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import Stop
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+from waybound.solvers.bounds import BOUNDS
+from waybound.solvers.bounds.routing import column_generation
+from waybound.solvers.bounds.routing.column_generation import column_generation_bound
+
+PROVED = (
+    "capacity", "time-windows", "depot-windows", "service-times", "max-distance", "travel", "elapsed-fixed-start", "limited-fleet",
+    "fixed-cost", "open-routes",
+)  # fmt: skip
+
+
+def leaves(evidence: Evidence) -> list[dict[str, Any]]:
+    return [node for node in evidence.data["nodes"] if "branch" not in node]
+
+
+@pytest.mark.parametrize("feature", PROVED)
+@pytest.mark.parametrize("seed", range(6))
+def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
+    problem = small(feature, seed, "exact")
+    best = best_values(problem)
+    evidence = column_generation_bound(problem, Stop(60.0))
+    assert evidence is not None
+    made = certify(problem, None, [evidence])
+    again = check_certificate(problem, json.loads(json.dumps(made.to_json(with_evidence=True), allow_nan=False)), None)
+    if best is None:
+        assert again.infeasible
+    else:
+        assert again.bound == pytest.approx(best[0], rel=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(problem=small_problems(most=3, hetero=True))
+def test_nothing_more_than_the_optimum_is_proved(problem: RoutingProblem) -> None:
+    if BOUNDS["column-generation"].missing(problem):
+        return
+    evidence, best = column_generation_bound(problem, Stop(20.0)), best_values(problem)
+    if evidence is not None:
+        bound = verified_bound(problem, evidence)
+        assert bound <= (math.inf if best is None else best[0] + 1e-9 * abs(best[0]))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_root_is_the_linear_relaxation_of_set_partitioning(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = small("time-windows", seed, "exact")
+    monkeypatch.setattr(column_generation._Tree, "branch", lambda self, node: False)
+    evidence = column_generation_bound(problem, Stop(60.0))
+    assert evidence is not None and evidence.kind == "set-partitioning-duals"
+    relaxed = relax(problem)
+    assert relaxed is not None
+    assert verified_bound(problem, evidence) == pytest.approx(set_partitioning_bound(problem, relaxed.fewest), rel=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_capacities_alone_take_branchings(seed: int) -> None:
+    problem = plane(seed, 12, 20.0)
+    evidence = column_generation_bound(problem, Stop(120.0))
+    assert evidence is not None
+    bound = verified_bound(problem, evidence)
+    assert bound == evidence.value
+    import waybound as wb
+
+    solution = wb.solve(problem, "pyvrp", iterations=300, bound_time=0)
+    assert bound == solution.objective
+    told = column_generation_bound(problem, Stop(120.0), target=solution.objective)
+    assert told is not None and verified_bound(problem, told) == bound
+
+
+def test_numbers_of_routes_and_moves_are_branched_on() -> None:
+    seen = set[str]()
+    for seed in range(12):
+        evidence = column_generation_bound(plane(seed, 9, 17.0), Stop(60.0))
+        assert evidence is not None
+        if evidence.kind == "branching-tree":
+            seen |= {key for node in evidence.data["nodes"] for key in node.get("branch", ())}
+            assert all(leaf["kind"] == "set-partitioning-duals" for leaf in leaves(evidence) if leaf)
+    assert seen == {"arc", "routes"}
+
+
+def test_a_fleet_that_is_too_small_for_the_packing_is_proved_so() -> None:
+    # Loads 6, 6, 6, 6, 6 and 3: two vehicles of 18 hold the sum, and no more than three each; a third of them is not there.
+    rng = np.random.default_rng(1)
+    sites = Sites.of(range(8), demand=[0, 7, 7, 7, 7, 7, 1, 0])
+    problem = RoutingProblem(sites, Travel("EUC_2D", rng.integers(0, 50, (8, 2)).astype(float)), (VehicleType(2, 18.0),))
+    assert best_values(problem) is None
+    evidence = column_generation_bound(problem, Stop(60.0))
+    assert evidence is not None and verified_bound(problem, evidence) == math.inf
+
+
+def test_more_is_remembered_where_a_route_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(column_generation, "MEMORY", 0)
+    for seed in range(4):
+        problem = plane(seed, 6, 20.0)
+        best, evidence = best_values(problem), column_generation_bound(problem, Stop(60.0))
+        assert best is not None and evidence is not None
+        assert verified_bound(problem, evidence) == pytest.approx(best[0])
+
+
+def test_where_labels_are_too_many_it_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(column_generation, "LABELS", 5)
+    assert column_generation_bound(plane(1, 10, 30.0), Stop(10.0)) is None
+
+
+def test_what_proves_nothing_to_the_checker_counts_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    from waybound.formulations.routing.checking import set_partitioning_duals
+
+    monkeypatch.setattr(set_partitioning_duals, "LABELS", 3)
+    evidence = column_generation_bound(plane(1, 10, 30.0), Stop(5.0))
+    assert evidence is None or verified_bound(plane(1, 10, 30.0), evidence) == -math.inf
+
+
+def test_it_ends_when_it_is_asked_to_and_hands_over_what_it_has() -> None:
+    problem = plane(5, 60, 60.0)
+    column_generation._prepare()
+    for seconds in (0.0, 0.05, 0.5, 3.0):
+        stop = Stop(120.0)
+        clock = threading.Timer(seconds, stop.ask)
+        clock.start()
+        began = time.perf_counter()
+        evidence = column_generation_bound(problem, stop)
+        assert time.perf_counter() - began < seconds + 2.0
+        if evidence is not None:
+            assert verified_bound(problem, evidence) == evidence.value
+
+
+def test_the_same_seed_gives_the_same_evidence() -> None:
+    first, second = (column_generation_bound(plane(2, 12, 25.0), Stop(120.0)) for _ in range(2))
+    assert first == second and first is not None
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_labels_find_the_cheapest_of_all_routes(seed: int) -> None:
+    from waybound.formulations.stop import NEVER
+    from waybound.solvers.bounds.routing.arcs import arc_costs
+    from waybound.solvers.bounds.routing.route_label_kernels import DONE, cheapest_routes
+
+    problem, rng = small("service-times", seed, "exact"), np.random.default_rng(seed)
+    arcs = arc_costs(problem)
+    assert arcs is not None
+    tree = column_generation._Tree(problem, arcs, None, Stop(60.0), 1)
+    prices = rng.uniform(0.0, 60.0, len(arcs.cost))
+    reduced = arcs.cost.copy()
+    reduced[:, 1:] -= prices[1:]
+    memory = column_generation._bits(np.ones(arcs.cost.shape, dtype=bool))
+    truth = {}
+    for visits in routes(problem, problem.fleet[0]):
+        stops = [0, *visits, 0]  # the depot is site 0, and nodes are sites
+        truth[visits] = float(sum(reduced[i, j] for i, j in itertools.pairwise(stops)))
+    status, least, totals, lengths, visited = cheapest_routes(
+        NEVER.flag, reduced, tree.weight, tree.way, tree.start, tree.lower, tree.upper, memory, True, 100_000, 10, 0.0
+    )
+    assert status == DONE and least == pytest.approx(min(truth.values()))
+    found = [tuple(part.tolist()) for part in np.split(visited, np.cumsum(lengths)[:-1])] if len(lengths) else []
+    assert len(found) == min(10, len(found)) and totals.tolist() == sorted(totals.tolist())
+    for route, total in zip(found, totals.tolist(), strict=True):
+        assert truth[route] == pytest.approx(total) and total < 0.0
+    careless = cheapest_routes(
+        NEVER.flag, reduced, tree.weight, tree.way, tree.start, tree.lower, tree.upper, memory, False, 100_000, 10, 0.0
+    )
+    assert careless[1] >= least - 1e-9
