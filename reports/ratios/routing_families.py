@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.routing.objective import LongestRoute, Makespan, Objective
 from ...formulations.routing.problem import RoutingProblem
