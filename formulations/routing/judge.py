@@ -121,10 +121,6 @@ def _check_stops(problem: RoutingProblem, name: str, route: Route, judge: Checkl
     """Stops that this vehicle may not make at all."""
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
     pauses = {*vehicle.reloads, *vehicle.stations}
-    if problem.forbidden is not None:
-        for tail, head in itertools.pairwise([vehicle.start, *route.visits, vehicle.end]):
-            words = f"{name} goes from {sites.ids[tail]} to {sites.ids[head]}, which is forbidden"
-            judge.test("moves", float(problem.forbidden[tail, head]), words, vehicle=name, site=sites.ids[head])
     for site in route.visits:
         if sites.depot[site] and site not in pauses:
             judge.test("visits", 1.0, f"{name} visits the depot {sites.ids[site]} on its way", vehicle=name, site=sites.ids[site])

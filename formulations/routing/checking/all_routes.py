@@ -70,7 +70,11 @@ def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     found = [value for (done, count), value in ways.items() if done & must == must and count >= problem.min_vehicles]
     if not found:
         return verdict(problem, proved=True)
-    return min(found) - n * doubt if least else max(found) + n * doubt
+    depots = sum(weight for weight, term in problem.objective.levels()[0].terms if term.name == "reward") * math.fsum(
+        problem.sites.reward[problem.sites.depots].tolist()
+    )
+    best = min(found) - n * doubt if least else max(found) + n * doubt
+    return best + depots - (1.0 if least else -1.0) * 4.0 * _EPS * (abs(best) + abs(depots)) if depots else best
 
 
 def _keep(ways: dict[Any, float], way: Any, value: float, least: bool) -> None:
