@@ -97,7 +97,9 @@ def _missing(problem: Problem) -> frozenset[str]:
     p = problem.program
     missing = {"a quadratic objective"} if p.quadratic is not None else set()
     missing |= {"cones"} if p.cones else set()
-    return frozenset(missing | (set() if (np.isinf(p.lower) | np.isinf(p.upper)).any() else {"variables with bounds alone"}))
+    gain = -p.cost if p.sense == "min" else p.cost
+    gains = ((gain > 0) & np.isinf(p.upper)) | ((gain < 0) & np.isinf(p.lower))
+    return frozenset(missing | (set() if gains.any() else {"bounds on all that gains"}))
 
 
 BOUNDS.add("endless-ray", BoundMethod("endless-ray", _missing, endless_ray, order=8))

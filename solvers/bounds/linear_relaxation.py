@@ -68,7 +68,7 @@ def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: Linear
     found = linear.solve(made.relaxed().program, stop, FIRST_ORDER if first_order else INTERIOR_POINT)
     duals = found.row_duals
     evidence = None if duals is None or not np.isfinite(duals).all() else made.dual_evidence(duals)
-    if found.status == "infeasible" or (evidence is not None and not math.isfinite(verified_bound(problem, evidence))):
+    if found.status == "infeasible" or (evidence is not None and not first_order and not math.isfinite(verified_bound(problem, evidence))):
         return vertex(made, stop, linear.seed) or evidence
     return evidence
 

@@ -38,8 +38,9 @@ def test_endless_programs_are_proved_to_be_so(kind: str) -> None:
 def test_it_applies_to_linear_programs_with_variables_that_have_no_bound() -> None:
     missing = BOUNDS["endless-ray"].missing
     assert missing(ENDLESS) == frozenset()
-    assert missing(ArrayProblem(program([1.0], [[1.0]], 0, 1, 0, 1))) == {"variables with bounds alone"}
-    assert missing(ArrayProblem(program([1.0], [[1.0]], 0, 1, quadratic=[[1.0]]))) == {"a quadratic objective"}
+    assert missing(ArrayProblem(program([1.0], [[1.0]], 0, 1, 0, 1))) == {"bounds on all that gains"}
+    assert missing(ArrayProblem(program([1.0], [[1.0]], 0, INF))) == {"bounds on all that gains"}
+    assert missing(ArrayProblem(program([-1.0], [[1.0]], 0, 1, quadratic=[[1.0]]))) == {"a quadratic objective"}
     assert missing(wb.generate("random", seed=1, customers=4)) == {"routing problems"}
 
 
