@@ -354,5 +354,6 @@ def best_values(problem: RoutingProblem) -> tuple[float, ...] | None:
 
 def routes(problem: RoutingProblem, vehicle: VehicleType) -> list[tuple[int, ...]]:
     """The visits of every route that ``vehicle``, of the fleet of ``problem`` or of any other, can drive."""
-    roads = Roads(replace(problem, fleet=(vehicle,)))
+    nobody = replace(problem.sites, required=np.zeros(len(problem.sites), dtype=bool))
+    roads = Roads(replace(problem, sites=nobody, fleet=(vehicle,), min_vehicles=0))
     return [visits for visits, _ in roads.routes(0)]

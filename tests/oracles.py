@@ -32,7 +32,7 @@ def set_partitioning_bound(problem: RoutingProblem) -> float:
     visits = np.array([[float(i in route) for _, route in columns] for i in problem.customers])
     count = problem.fleet[0].count
     found = linprog(
-        [float(truth.values([truth.driven[c]])[0]) for c in columns], A_eq=visits, b_eq=np.ones(len(visits)),
+        [float(truth.values([c])[0]) for c in columns], A_eq=visits, b_eq=np.ones(len(visits)),
         A_ub=np.ones((1, len(columns))), b_ub=[len(visits) if count is None else count],
     )  # fmt: skip
     return math.inf if found.fun is None else float(found.fun)

@@ -24,7 +24,30 @@ if TYPE_CHECKING:
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
-    from .formulations.routing.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
+    from .formulations.routing.members import (
+        cvrp,
+        makespan_orienteering,
+        mdvrp,
+        min_cost_vrp,
+        min_makespan_vrp,
+        orienteering,
+        pdptw,
+        recharging_vrp,
+        team_orienteering,
+        tsp,
+        vrptw,
+    )
+    from .formulations.routing.objective import (
+        LatestReturn,
+        LongestRoute,
+        Makespan,
+        Objective,
+        Penalties,
+        Reward,
+        TotalCost,
+        TotalDuration,
+        Vehicles,
+    )
     from .formulations.routing.problem import RoutingProblem
     from .formulations.routing.routes import Route, Routes
     from .formulations.selection.selections import Selection
@@ -41,7 +64,7 @@ if TYPE_CHECKING:
         UsageError,
         WayboundError,
     )
-    from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
+    from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
     from .instances.routing.travel import Travel
     from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
     from .instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
@@ -59,7 +82,30 @@ _MODULES = {
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
     "formulations.programs.exactness": ("Exactness",),
-    "formulations.routing.objective": ("LongestRoute", "Makespan", "Objective", "Reward", "TotalCost", "Vehicles"),
+    "formulations.routing.members": (
+        "cvrp",
+        "makespan_orienteering",
+        "mdvrp",
+        "min_cost_vrp",
+        "min_makespan_vrp",
+        "orienteering",
+        "pdptw",
+        "recharging_vrp",
+        "team_orienteering",
+        "tsp",
+        "vrptw",
+    ),
+    "formulations.routing.objective": (
+        "LatestReturn",
+        "LongestRoute",
+        "Makespan",
+        "Objective",
+        "Penalties",
+        "Reward",
+        "TotalCost",
+        "TotalDuration",
+        "Vehicles",
+    ),
     "formulations.problem": ("Problem",),
     "formulations.max_min.bottleneck_sata": ("BottleneckSATA",),
     "formulations.max_min.max_min_lp": ("MaxMinLP",),
@@ -81,7 +127,7 @@ _MODULES = {
         "UsageError",
         "WayboundError",
     ),
-    "instances.routing.instance": ("Energy", "RoutingInstance", "Sites", "VehicleType"),
+    "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
     "instances.selection.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
     "instances.selection.functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
     "instances.selection.instance": ("SelectionInstance",),
@@ -111,9 +157,11 @@ __all__ = [
     "Exactness",
     "Explanation",
     "FacilityLocation",
+    "Group",
     "Guarantee",
     "InputError",
     "Knapsack",
+    "LatestReturn",
     "LongestRoute",
     "Makespan",
     "MaxMinLP",
@@ -121,6 +169,7 @@ __all__ = [
     "NoAnswerError",
     "Objective",
     "PartitionMatroid",
+    "Penalties",
     "Problem",
     "Program",
     "Reward",
@@ -132,10 +181,12 @@ __all__ = [
     "Selection",
     "SelectionInstance",
     "SensingGraph",
+    "Shipment",
     "Sites",
     "Solution",
     "SubmodularSelection",
     "TotalCost",
+    "TotalDuration",
     "Travel",
     "UnsupportedError",
     "UsageError",
@@ -150,13 +201,24 @@ __all__ = [
     "bound",
     "check",
     "check_submodular",
+    "cvrp",
     "explain",
     "generate",
     "heuristics",
+    "makespan_orienteering",
+    "mdvrp",
+    "min_cost_vrp",
+    "min_makespan_vrp",
+    "orienteering",
+    "pdptw",
     "read",
+    "recharging_vrp",
     "run",
     "solve",
     "solvers",
+    "team_orienteering",
+    "tsp",
+    "vrptw",
 ]
 
 

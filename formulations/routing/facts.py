@@ -1,4 +1,4 @@
-"""What ``waybound info`` shows of a routing problem."""
+"""What ``waybound info`` shows of a routing problem, and the hash of its data."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.instance import digest
 from ...instances.routing.features import features
+from ...instances.routing.travel import EXPLICIT
 from .reachability import unreachable
 
 if TYPE_CHECKING:
@@ -101,6 +103,30 @@ def _vehicle(vehicle: VehicleType, sites: Sites) -> dict[str, Any]:
             store["stations"] = [sites.ids[k] for k in vehicle.energy.stations]
         made["energy"] = store
     return made
+
+
+def digested(problem: RoutingProblem) -> str:
+    """Hash of all data; what most problems do not have leaves it as it is without."""
+    s, further = problem.sites, list[Any]()
+    for name in ("penalty", "pickup", "further_demand", "further_pickup"):
+        values = getattr(s, name)
+        further += [name, values] if values.any() or (name == "further_demand" and values.size) else []
+    for name in ("windows", "shipments", "groups"):
+        further += [name, getattr(s, name)] if getattr(s, name) else []
+    further += ["skills", [sorted(needs) for needs in s.skills]] if any(s.skills) else []
+    for travel in (v.travel for v in problem.fleet):
+        further += [] if travel is None else [*_moves(travel), travel.closing]
+    further += [part for part in (problem.travel.closing, problem.forbidden) if part is not None]
+    return digest(
+        "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, *_moves(problem.travel),
+        tuple(v if v.travel is None else dataclasses.replace(v, travel=None) for v in problem.fleet), problem.min_vehicles,
+        str(problem.objective), *further,
+    )  # fmt: skip
+
+
+def _moves(travel: Travel) -> list[Any]:
+    raw = travel.matrix if travel.metric == EXPLICIT else travel.coordinates
+    return [travel.metric, raw, travel.duration_matrix, travel.convention]
 
 
 def _spread(values: NDArray[np.float64]) -> dict[str, float]:

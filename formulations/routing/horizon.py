@@ -69,9 +69,10 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
         sites, windows=tuple(() if k in starts else w for k, w in enumerate(sites.windows)),
         groups=tuple(g for g in sites.groups if not taken & set(g.sites)), **columns,
     )  # fmt: skip
+    forbidden = None if problem.forbidden is None else problem.forbidden[np.ix_(keep, keep)]
     return replace(
-        problem, sites=changed.subset(keep), travel=problem.travel.subset(keep), fleet=tuple(placed(v, keep) for v in fleet),
-        min_vehicles=0, name=f"{problem.name} from {time:g}",
+        problem, forbidden=forbidden, sites=changed.subset(keep), travel=problem.travel.subset(keep),
+        fleet=tuple(placed(v, keep) for v in fleet), min_vehicles=0, name=f"{problem.name} from {time:g}",
     )  # fmt: skip
 
 

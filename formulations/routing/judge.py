@@ -29,8 +29,14 @@ Floats = NDArray[np.float64]
 CHECKS = ("visits", "fleet", "load", "time-windows", "duration", "distance", "energy")
 """Of every answer."""
 
-FURTHER_CHECKS = {"skills": "skills", "shipments": "shipments", "groups": "groups", "reloads": "reloads", "closing-moves": "closing-moves",
-                  "forbidden-moves": "moves"}  # fmt: skip
+FURTHER_CHECKS = {
+    "forbidden-moves": "moves",
+    "skills": "skills",
+    "shipments": "shipments",
+    "groups": "groups",
+    "reloads": "reloads",
+    "closing-moves": "closing-moves",
+}
 """By feature: what is checked besides where the data have it."""
 
 
@@ -52,6 +58,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
             used[route.vehicle] += 1
             np.add.at(count, np.array(route.visits, dtype=np.int64), 1)
             _check_stops(problem, name, route, judge)
+        _check_moves(problem, name, route, judge)
         _check_times(problem, name, route, plan, judge)
         _check_limits(name, vehicle, plan, judge)
         beyond = max(0.0, plan.duration - vehicle.regular_duration)
@@ -114,10 +121,6 @@ def _check_stops(problem: RoutingProblem, name: str, route: Route, judge: Checkl
     """Stops that this vehicle may not make at all."""
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
     pauses = {*vehicle.reloads, *vehicle.stations}
-    if problem.forbidden is not None:
-        for tail, head in itertools.pairwise([vehicle.start, *route.visits, vehicle.end]):
-            words = f"{name} goes from {sites.ids[tail]} to {sites.ids[head]}, which is forbidden"
-            judge.test("moves", float(problem.forbidden[tail, head]), words, vehicle=name, site=sites.ids[head])
     for site in route.visits:
         if sites.depot[site] and site not in pauses:
             judge.test("visits", 1.0, f"{name} visits the depot {sites.ids[site]} on its way", vehicle=name, site=sites.ids[site])
@@ -131,6 +134,15 @@ def _check_stops(problem: RoutingProblem, name: str, route: Route, judge: Checkl
         often = sum(site in vehicle.reloads for site in route.visits)
         most = math.inf if vehicle.max_reloads is None else vehicle.max_reloads
         judge.test("reloads", often - most, f"{name} reloads {often} times, {most:g} at most", vehicle=name)
+
+
+def _check_moves(problem: RoutingProblem, name: str, route: Route, judge: Checklist) -> None:
+    if problem.forbidden is None:
+        return
+    sites, vehicle = problem.sites, problem.fleet[route.vehicle]
+    for tail, head in itertools.pairwise([vehicle.start, *route.visits, vehicle.end]):
+        words = f"{name} goes from {sites.ids[tail]} to {sites.ids[head]}, which is forbidden"
+        judge.test("moves", float(problem.forbidden[tail, head]), words, vehicle=name, site=sites.ids[head])
 
 
 def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedule, judge: Checklist) -> None:

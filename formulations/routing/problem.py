@@ -15,18 +15,17 @@ from numpy.typing import NDArray
 
 from ...instances.document import dump_json
 from ...instances.errors import InputError, UsageError
-from ...instances.instance import digest
 from ...instances.printable import printable
 from ...instances.routing.features import restrictions
 from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
-from ...instances.routing.travel import EXPLICIT, Travel, convention_named
+from ...instances.routing.travel import Travel, convention_named
 from ..evaluation import Evaluation
 from ..evidence import Evidence, Reason
 from ..problem import Decision, Problem
 from ..references import indices_of
 from .answers import routes_from_json, routes_to_frame, routes_to_json
-from .facts import facts
+from .facts import digested, facts
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes
 from .objective import Composable, Objective, Reward
@@ -240,22 +239,7 @@ class RoutingProblem(Problem):
         return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}>"
 
     def digest(self) -> str:
-        s, own = self.sites, [v.travel for v in self.fleet if v.travel is not None]
-        further: list[Any] = []  # what is not there leaves the digest as it was before there was such a thing
-        for name in ("penalty", "pickup", "further_demand", "further_pickup"):
-            values = getattr(s, name)
-            further += [name, values] if values.any() or (name == "further_demand" and values.size) else []
-        for name in ("windows", "shipments", "groups"):
-            further += [name, getattr(s, name)] if getattr(s, name) else []
-        further += ["skills", [sorted(needs) for needs in s.skills]] if any(s.skills) else []
-        for travel in own:
-            further += _digested(travel)
-        further += [self.travel.closing] if self.travel.closing is not None else []
-        further += [self.forbidden] if self.forbidden is not None else []
-        return digest(
-            "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, *_digested(self.travel)[:4],
-            tuple(v if v.travel is None else replace(v, travel=None) for v in self.fleet), self.min_vehicles, str(self.objective), *further,
-        )  # fmt: skip
+        return digested(self)
 
     def features(self) -> frozenset[str]:
         """Features a solver must support: those of ``instances.routing.features`` that restrict routes, ``objective:<term>`` for each term,
@@ -426,11 +410,8 @@ class RoutingProblem(Problem):
     def _need_one_type(self) -> None:
         if len(self.fleet) > 1:
             raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
-
-
-def _digested(travel: Travel) -> list[Any]:
-    raw = travel.matrix if travel.metric == EXPLICIT else travel.coordinates
-    return [travel.metric, raw, travel.duration_matrix, travel.convention, travel.closing]
+        if any(v.reloads or v.stations for v in self.fleet):
+            raise UsageError("such a file has no place for stops at depots on the way; use .json")
 
 
 def _whole(name: str, value: Any) -> int:

@@ -12,6 +12,7 @@ from ...formulations.routing.reachability import unreachable
 from ...formulations.routing.routes import Routes
 from ...instances.printable import printable
 from . import TABLES, Tables
+from .facts import plain_text
 from .table import Column, Row, Table, short
 
 SHOWN_ID = 60
@@ -102,8 +103,13 @@ def _fleet(fleet: list[dict[str, Any]]) -> list[Row]:
         limits = [f"{words[key]} {v[key]:g}" for key in words if math.isfinite(v[key])]
         if v["energy"] is not None:
             limits.append("energy {capacity:g} at rate {rate:g} ({charge})".format(**v["energy"]))
+        limits += [f"{name.replace('_', ' ')} {plain_text(value)}" for name, value in v.items() if name not in USUAL]
         rows.append(("fleet", f"{v['name']}: " + ", ".join([count, *limits])))
     return rows
+
+
+USUAL = ("name", "count", "capacity", "start", "end", "max_duration", "max_distance", "energy", "fixed_cost", "unit_cost")
+"""Of a vehicle type, told in words of its own or not at all; all else is told by its name where it is not what is usual."""
 
 
 def _least(routes: int) -> list[Row]:

@@ -34,7 +34,8 @@ KNOWN = frozenset(
         "limited-fleet", "min-vehicles", "heterogeneous-fleet", "multiple-depots", "open-routes", "max-duration", "max-distance",
         "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "fixed-cost", "unit-cost", "separate-durations",
         "duration-cost", "overtime", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
-        "several-windows", "skills", "penalties", "initial-energy", "closing-moves", "committed-vehicles", "forbidden-moves",
+        "several-windows", "skills", "penalties", "initial-energy", "closing-moves", "committed-vehicles",
+        "forbidden-moves",
     }
 )  # fmt: skip
 

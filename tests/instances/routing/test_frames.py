@@ -108,3 +108,71 @@ def test_a_pair_without_a_path_is_named() -> None:
 def test_what_makes_no_sense_is_refused_by_name(frame: pd.DataFrame, options: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         instance_from_frame(frame, **options)
+
+
+# -- the whole family ----------------------------------------------------------------------------------------------------
+
+PLACES = pd.DataFrame(
+    {
+        "id": ["yard", "port", "a", "b", "c"], "x": [0, 9, 1, 2, 3], "y": 0.0, "depot": [True, True, False, False, False],
+        "demand": [0, 0, 1, 2, 3], "demand2": [0, 0, 4, 5, 6], "pickup": [0, 0, 0, 7, 0], "penalty": [0, 0, 0, 0, 8],
+        "required": [False, False, True, True, False], "skills": ["", None, "cold, tall", "", ""],
+    }
+)  # fmt: skip
+
+
+def test_every_column_and_every_relation_is_taken() -> None:
+    closing = pd.DataFrame(9.0, index=PLACES["id"], columns=PLACES["id"])
+    made = instance_from_frame(
+        PLACES, closing=closing, windows={"b": [(5, 9), (0, 3)]}, shipments=[("a", "b", 2.5)], min_vehicles=1,
+        groups=[{"sites": ["c"], "required": False}][:0], fleet=[{"capacity": [5, 9], "skills": ["cold", "tall"]}],
+    )  # fmt: skip
+    sites = made.sites
+    assert sites.further_demand.ravel().tolist() == [0, 0, 4, 5, 6] and sites.pickup.tolist() == [0, 0, 0, 7, 0]
+    assert sites.penalty[4] == 8 and sites.skills[2] == {"cold", "tall"} and sites.skills[3] == frozenset()
+    assert sites.windows[3] == ((0.0, 3.0), (5.0, 9.0)) and sites.shipments[0].load == (2.5,)
+    assert made.travel.closing is not None and made.travel.closing[0, 1] == 9 and made.min_vehicles == 1
+    assert made.fleet[0].capacities == (5, 9)
+
+
+def test_a_group_is_a_list_of_ids_or_says_whether_it_is_required() -> None:
+    frame = PLACES.drop(columns=["required", "penalty"])
+    made = instance_from_frame(frame, groups=[["a", "b"], {"sites": ["c"], "required": False}], fleet=[{"skills": ["cold", "tall"]}])
+    assert [(g.sites, g.required) for g in made.sites.groups] == [((2, 3), True), ((4,), False)]
+    assert not made.sites.required.any()
+
+
+def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
+    fleet = pd.DataFrame(
+        {"name": ["drone", "rover"], "count": [2, None], "start": ["port", "yard"], "end": ["port", "yard"], "speed": [3.0, None]}
+    )
+    made = instance_from_frame(PLACES.drop(columns=["skills"]), fleet=fleet)
+    assert [(v.name, v.count, v.start, v.speed) for v in made.fleet] == [("drone", 2, 1, 3), ("rover", None, 0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"fleet": [{"wheels": 4}]}, "fleet[0] has an unknown key 'wheels'"),
+        ({"fleet": [{}], "vehicles": 3}, "fleet tells the vehicles already"),
+        ({"fleet": [{"start": "a"}]}, "starts or ends at site 2, which is no depot"),
+        ({"fleet": [{"name": "v"}, {"name": "v"}]}, "vehicle types must have different names"),
+        ({"fleet": ["v"]}, "fleet[0] must be a mapping or a VehicleType"),
+        ({"fleet": []}, "the fleet is empty"),
+        ({"shipments": [("a", "z")]}, "shipments name the unknown site 'z'"),
+        ({"shipments": ["ab"]}, "a shipment has a pickup, a delivery and perhaps a load"),
+        ({"groups": [["c", "c"]]}, "group 1 has the site c twice"),
+        ({"windows": {"z": [(0, 1)]}}, "windows name the unknown site 'z'"),
+        ({"closing": np.full((5, 5), "x")}, "closing times must be numbers"),
+        ({"closing": np.full((4, 4), 1.0)}, "closing times must have one entry a move"),
+        ({"closing": np.full((5, 5), np.nan)}, "closing time of the move from site 0 to site 1 must be a number"),
+        ({"fleet": [{"energy": {"capacity": 1.5}}]}, "the energy of no vehicle lasts to any site and back; expected at least 2; found 1.5"),
+        ({"travel": np.full((5, 5), -1.0)}, "distance from site yard to site port must be finite and not negative"),
+        ({"travel": np.full((5, 5), np.inf)}, "distance from site yard to site port must be finite"),
+    ],
+)
+def test_what_is_wrong_with_more_than_columns_is_named(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as error:
+        instance_from_frame(PLACES.drop(columns=["skills"]), **given)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)

@@ -1,0 +1,44 @@
+"""What is told of a problem: always the same of what all have, and the rest where there is any."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.routing.instance import Energy, Group, Shipment, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+
+XY = np.arange(10.0).reshape(5, 2)
+
+
+def told(vehicle: VehicleType | None = None, travel: Travel | None = None, **sites):
+    return RoutingProblem(Sites.of("oabcd", **sites), travel or Travel("euclidean", XY), [vehicle or VehicleType()]).facts()
+
+
+def test_plain_problems_tell_nothing_of_what_they_do_not_have():
+    assert told().keys() == {"objective", "sites", "demand", "service", "windows", "travel", "fleet", "min_vehicles"}
+    assert told()["fleet"][0].keys() == {
+        "name", "count", "capacity", "start", "end", "max_duration", "max_distance", "energy", "fixed_cost", "unit_cost"
+    }  # fmt: skip
+
+
+def test_what_holds_of_sites_and_between_them_is_told():
+    facts = told(
+        VehicleType(skills=frozenset(["cold", "tall"])), demand=[[0, 0], [1, 2], [0, 0], [0, 0], [0, 0]], pickup=[0, 3, 0, 0, 0],
+        penalty=[0, 0, 4, 0, 0], windows={1: [(0, 1), (3, 4)]}, skills={2: ["tall", "cold"]}, shipments=[Shipment(1, 2, (5.0,))],
+        groups=[Group((3, 4))], reward=[0, 1, 2, 3, 4], travel=Travel("euclidean", XY, closing=np.where(np.eye(5), np.inf, 7.0)),
+    )  # fmt: skip
+    assert facts["further_demand"] == [{"total": 2, "least": 0, "largest": 2}]
+    assert facts["pickup"]["total"] == 3 and facts["penalty"]["total"] == 4 and facts["reward"]["total"] == 10
+    assert facts["several_windows"] == {"sites": 1, "most": 2}
+    assert facts["skills"] == {"sites": 1, "names": ["cold", "tall"]}
+    assert facts["shipments"] == {"count": 1, "load": 5} and facts["groups"] == {"count": 1, "required": 1}
+    assert facts["travel"]["closing_moves"] == 20
+
+
+def test_a_vehicle_names_sites_by_their_ids():
+    vehicle = VehicleType(2, reloads=(0,), energy=Energy(9, stations=(0,)), shift=(1, 9), travel=Travel("manhattan", XY), speed=2)
+    (fleet,) = told(vehicle)["fleet"]
+    assert (fleet["reloads"], fleet["energy"]["stations"], fleet["shift"], fleet["speed"]) == (["o"], ["o"], [1, 9], 2)
+    assert fleet["travel"] == {"metric": "manhattan", "coordinates": False, "own_durations": False}
+    assert "initial" not in fleet["energy"]

@@ -1,0 +1,120 @@
+"""The standard members of the family: what each asks, and what it needs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from waybound.formulations.problem import PROBLEMS, problem_from_instance
+from waybound.formulations.routing import members
+from waybound.formulations.routing.objective import TERMS, Objective, TotalCost
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.routing.fleet import with_problems
+from waybound.instances.routing.instance import Energy, RoutingInstance, Shipment, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
+
+XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
+TRAVEL = Travel("euclidean", XY)
+PLAIN = Sites.of("oabc", demand=[0, 1, 2, 3], reward=[0, 4, 10, 5])
+NAMES = {
+    "vrptw": (members.vrptw, Sites.of("oabc", due=50.0), {"capacity": 9}, "total-cost"),
+    "cvrp": (members.cvrp, PLAIN, {"capacity": 9}, "total-cost"),
+    "tsp": (members.tsp, PLAIN, {}, "total-cost"),
+    "mdvrp": (members.mdvrp, Sites.of("oabc", depot=[True, True, False, False]), {"vehicles": 2}, "total-cost"),
+    "min-cost-vrp": (members.min_cost_vrp, PLAIN, {"max_duration": 14}, "total-cost"),
+    "min-makespan-vrp": (members.min_makespan_vrp, PLAIN, {"vehicles": 2}, "makespan"),
+    "orienteering": (members.orienteering, PLAIN, {"max_duration": 9}, "reward"),
+    "team-orienteering": (members.team_orienteering, PLAIN, {"max_duration": 9, "vehicles": 2}, "reward"),
+    "makespan-orienteering": (members.makespan_orienteering, PLAIN, {"max_duration": 9, "vehicles": 2}, "reward, then makespan"),
+    "recharging-vrp": (members.recharging_vrp, PLAIN, {"energy": 12}, "makespan"),
+    "pdptw": (members.pdptw, Sites.of("oabc", shipments=[Shipment(1, 2)]), {"capacity": 9}, "vehicles, then total-cost"),
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_has_its_name_and_its_objective(name):
+    build, sites, given, objective = NAMES[name]
+    problem = build(sites, TRAVEL, **given)
+    assert (problem.problem, str(problem.objective)) == (name, objective)
+    assert str(members.DEFAULT_OBJECTIVE[name]) == objective and name in PROBLEMS
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_can_be_asked_of_data_that_suit_it(name):
+    build, sites, given, objective = NAMES[name]
+    made = build(sites, TRAVEL, **given)
+    instance = with_problems(RoutingInstance("i", "test", made.sites, TRAVEL, made.fleet))
+    assert name in instance.problems
+    assert str(problem_from_instance(instance, name).objective) == objective
+
+
+def test_the_objective_of_a_file_is_that_of_its_own_problem():
+    names = ("vrptw", "min-cost-vrp", "min-makespan-vrp")
+    instance = RoutingInstance("i", "test", PLAIN, TRAVEL, (VehicleType(2),), "vrptw", names, objective=("vehicles", "total-cost"))
+    asked = {name: str(problem_from_instance(instance, name).objective) for name in instance.problems}
+    assert asked == {"vrptw": "vehicles, then total-cost", "min-cost-vrp": "vehicles, then total-cost", "min-makespan-vrp": "makespan"}
+
+
+def test_whatever_a_vehicle_type_takes_may_be_added():
+    problem = members.cvrp(
+        PLAIN, TRAVEL, capacity=9, vehicles=2, shift=(1, 50), skills={"cold"}, unit_duration_cost=2, min_vehicles=1, name="x"
+    )
+    assert (problem.fleet[0].shift, problem.fleet[0].skills, problem.min_vehicles, problem.name) == ((1, 50), {"cold"}, 1, "x")
+    own = members.min_cost_vrp(PLAIN, TRAVEL, fleet=[VehicleType(1, speed=2)], objective=Objective.of(TotalCost()))
+    assert own.fleet[0].speed == 2
+
+
+@pytest.mark.parametrize(
+    ("build", "given", "message"),
+    [
+        (members.vrptw, {}, "no site has a time window"),
+        (members.mdvrp, {}, "there is one depot only"),
+        (members.pdptw, {"capacity": 5}, "there are no shipments"),
+        (members.makespan_orienteering, {"vehicles": 1, "weight": "printed"}, "the printed weight needs a limit of duration"),
+    ],
+)
+def test_data_that_lack_what_the_name_stands_for_are_refused(build, given, message):
+    with pytest.raises(InputError, match=message):
+        build(PLAIN, TRAVEL, **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"wheels": 4}, "min-cost-vrp does not know wheels"),
+        ({"fleet": [VehicleType()], "vehicles": 3}, "fleet tells the vehicles already"),
+        ({"fleet": [VehicleType()], "max_duration": 3}, "fleet tells the vehicles already; leave out vehicles, max_duration"),
+    ],
+)
+def test_settings_that_mean_nothing_are_refused(given, message):
+    with pytest.raises(UsageError, match=message):
+        members.min_cost_vrp(PLAIN, TRAVEL, **given)
+
+
+@pytest.mark.parametrize("build", [members.orienteering, members.team_orienteering])
+def test_orienteering_needs_rewards(build):
+    with pytest.raises(InputError, match="no site has a reward"):
+        build(Sites.of("oabc"), TRAVEL, **({} if build is members.orienteering else {"vehicles": 1}))
+
+
+def test_an_unknown_weight_is_refused():
+    with pytest.raises(UsageError, match="unknown weight 'large'"):
+        members.makespan_orienteering(PLAIN, TRAVEL, vehicles=1, max_duration=9, weight="large")
+
+
+@pytest.mark.parametrize(("limits", "weight"), [({"max_duration": 10}, 0.4), ({"energy": Energy(16, rate=2)}, 0.5)])
+def test_the_printed_weight_is_the_least_reward_over_the_longest_route(limits, weight):
+    problem = members.makespan_orienteering(PLAIN, TRAVEL, vehicles=2, weight="printed", **limits)
+    assert str(problem.objective) == f"reward - {weight}*makespan"
+
+
+def test_homes_of_recharging_vehicles_are_counted():
+    sites = Sites.of("oabc", depot=[True, True, False, False])
+    problem = members.recharging_vrp(sites, TRAVEL, energy=9, homes=[1, 0, 1], rate=2)
+    assert [(v.start, v.end, v.count, v.stations) for v in problem.fleet] == [(1, 1, 2, (0, 1)), (0, 0, 1, (0, 1))]
+    with pytest.raises(InputError, match="starts or ends at site 3, which is no depot"):
+        members.recharging_vrp(sites, TRAVEL, energy=9, homes=[3])
+
+
+def test_every_term_has_a_name_of_its_own():
+    assert {"total-duration", "latest-return", "penalties"} <= TERMS.keys()
