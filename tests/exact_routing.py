@@ -317,8 +317,9 @@ class RoutingTruth(Truth):
         u, roads, parts = self.unit, self.roads, [self.driven[r] for r in routes]
         visited = {k for _, visits in routes for k in visits}
         opens = min(roads._opening(v) for v in self.problem.fleet)
+        home = sum(roads.reward[k] for k in self.problem.sites.depots.tolist())
         terms = {
-            "total-cost": sum(p.cost for p in parts), "reward": sum(p.reward for p in parts) * u,
+            "total-cost": sum(p.cost for p in parts), "reward": (sum(p.reward for p in parts) + home) * u,
             "vehicles": sum(bool(visits) for _, visits in routes) * u * u,
             "longest-route": max((p.distance for p in parts), default=0) * u, "makespan": max((p.duration for p in parts), default=0) * u,
             "total-duration": sum(p.duration for p in parts) * u, "latest-return": max([opens, *(p.finish for p in parts)]) * u,
