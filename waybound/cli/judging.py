@@ -41,7 +41,7 @@ STATED_TOLERANCE = 1e-6
 def check(
     file: File,
     solution: Annotated[
-        Path, typer.Argument(metavar="SOLUTION", help="Solution file: .json; of routes also .sol or .tour.", show_default=False)
+        Path, typer.Argument(metavar="SOLUTION", help="Solution file: .json; of routes also .sol, .tour or .vroom.", show_default=False)
     ],
     certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Verify this certificate's bound too.")] = None,
     format: Format = None,  # noqa: A002

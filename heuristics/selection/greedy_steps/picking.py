@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ....formulations.selection.feasibility import Openings
 from ....formulations.selection.submodular_selection import SubmodularSelection
 from ....formulations.stop import Stop
+from ....formulations.tolerance import LIMIT
 from ....instances.errors import UsageError
 from ....instances.selection.functions import AT_ITEM, IN_MATRIX, Floats, ItemWeights, SetFunction
 from ....solvers.bounds.selection.growing_sets import GrowingSet, WeightedSet, empty_set
@@ -121,7 +122,7 @@ def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[in
     known, plain, ended = np.full(problem.num_elements, np.inf), 0, "full"
     while len(left := openings.open()):
         element, gain = _lazy_round(chosen, left, known, stop) if how == "lazy" else chosen.best_of(left, stop)
-        if element < 0 or gain < eps:
+        if element < 0 or gain < eps - LIMIT * abs(chosen.value):  # what is gained is a difference of two sums
             ended = "stopped" if element < 0 else "eps"
             break
         plain += len(left)
