@@ -68,8 +68,7 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     timed = bool(problem.features() & TIMED)
     node_of = np.zeros(len(problem.sites), dtype=np.int64)
     node_of[costs.nodes[1:]] = np.arange(1, len(costs.nodes))
-    found = None
-    orders = []
+    found, orders, best, rank = None, [], in_turn(problem), (len(problem.customers) + 1, 0, np.inf)
     if context.start is not None:
         orders.append(_given(context.start, node_of, len(costs.nodes)))
     else:
@@ -82,19 +81,21 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
             orders.append(np.concatenate([found.order[~alone], found.order[alone]]))
         if timed:
             inserted = insertion(problem, replace(context, stop=stop, publish=lambda answer: None)).answer
-            orders.append(_given(inserted, node_of, len(costs.nodes)))
+            orders.insert(0, _given(inserted, node_of, len(costs.nodes)))
+            judged = problem.evaluate(inserted)
+            if judged.feasible:
+                best, rank = inserted, (0, 0, judged.values[0])
     if starts > 1:
         orders += [
             np.roll(orders[0], -int(k))
             for k in np.unique(np.linspace(0, len(orders[0]), min(starts, len(orders[0])), False, dtype=int))[1:]
         ]
-    best, rank = in_turn(problem), (len(orders[0]) + 1, len(orders[0]), np.inf)
     for order in orders:
         if stop.reached():
             break
-        last, found_rank = _cut(problem, costs, order, stop)
-        if last.any() and found_rank < rank:
-            best, rank = Routes(tuple(routes_of(costs.nodes[order], last))).canonical(), found_rank
+        last, reached = _cut(problem, costs, order, stop)
+        if last.any() and reached < rank:
+            best, rank = Routes(tuple(routes_of(costs.nodes[order], last))).canonical(), reached
             context.publish(best)
     cut, judged, guarantee = stop.reached(), problem.evaluate(best), None
     if found is not None and judged.feasible and not cut:
