@@ -465,7 +465,7 @@ class _Tree(ProofTree[_Node]):
         """What to branch on; None if nothing is left."""
         assert node.flow is not None
         number = float(node.flow[0].sum())
-        if part.fewest < part.most and abs(number - round(number)) > WHOLE:
+        if part.fewest < part.most and number > 1.0 and abs(number - round(number)) > WHOLE:
             return {"routes": math.floor(number)}
         usable = np.isfinite(part.cost)
         more_out, more_in = usable.sum(axis=1) > 1, usable.sum(axis=0) > 1  # of customers, who are left and entered by one move

@@ -33,6 +33,12 @@ PROVED = (
 )  # fmt: skip
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    """Kernels are compiled before a budget begins, as ``find_bounds`` does it."""
+    column_generation._prepare()
+
+
 def leaves(evidence: Evidence) -> list[dict[str, Any]]:
     return [node for node in evidence.data["nodes"] if "branch" not in node]
 
@@ -134,7 +140,6 @@ def test_what_proves_nothing_to_the_checker_counts_for_nothing(monkeypatch: pyte
 
 def test_it_ends_when_it_is_asked_to_and_hands_over_what_it_has() -> None:
     problem = plane(5, 60, 60.0)
-    column_generation._prepare()
     for seconds in (0.0, 0.05, 0.5, 3.0):
         stop = Stop(120.0)
         clock = threading.Timer(seconds, stop.ask)
