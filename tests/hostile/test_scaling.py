@@ -238,12 +238,14 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
     per = {
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
-        "bin-packing": {"threshold": unit("load")}, "too-little-time": {"from": unit("time"), "until": unit("time")},
+        "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor}, "too-little-time": {"from": unit("time"), "until": unit("time")},
     }.get(e.kind, {})  # fmt: skip
     made = {name: times(value, per.get(name, 1.0)) for name, value in e.data.items() if name != "resources"}
     if "resources" in e.data:
         own = {"time": "time", "duration": "time", "load": "load", "distance": "distance", "energy": "energy"}
-        made["resources"] = {name: times(values, factor / unit(own[name])) for name, values in e.data["resources"].items()}
+        made["resources"] = {
+            name: times(values, factor / (unit(own[name]) if name in own else 1.0)) for name, values in e.data["resources"].items()
+        }
     return made
 
 

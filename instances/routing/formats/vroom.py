@@ -11,7 +11,7 @@ an end has the depot ``anywhere``, which is no distance from any site.
 Costs per hour and kilometre are taken as they are, not rounded to whole numbers as VROOM does. Breaks, setup times, numbers of tasks, and
 limits of distance beside costs by time have no place in the data and are refused by name.
 
-Source: VROOM, Coupey, Nicod and Varnier, docs/API.md of version 1.14.
+Source: VROOM, Coupey, Nicod and Varnier, the description of its API, version 1.14.
 """
 
 from __future__ import annotations
