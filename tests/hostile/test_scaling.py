@@ -238,7 +238,8 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
     per = {
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
-        "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor}, "too-little-time": {"from": unit("time"), "until": unit("time")},
+        "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
+        "too-little-time": {"from": unit("time"), "until": unit("time")},
     }.get(e.kind, {})  # fmt: skip
     made = {name: times(value, per.get(name, 1.0)) for name, value in e.data.items() if name != "resources"}
     if "resources" in e.data:
@@ -252,6 +253,8 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
 def times(value: Any, factor: float) -> Any:
     if isinstance(value, list):
         return [times(v, factor) for v in value]
+    if isinstance(value, dict):  # a list without its zeros
+        return {**value, "values": times(value["values"], factor)}
     return value * factor if isinstance(value, float) else value
 
 
