@@ -253,7 +253,7 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
 def times(value: Any, factor: float) -> Any:
     if isinstance(value, list):
         return [times(v, factor) for v in value]
-    if isinstance(value, dict):  # a list without its zeros
+    if isinstance(value, dict) and "values" in value:  # a list without its zeros
         return {**value, "values": times(value["values"], factor)}
     return value * factor if isinstance(value, float) else value
 
