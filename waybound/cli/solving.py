@@ -82,7 +82,9 @@ def solve(
         float | None,
         typer.Option("--memory-limit", metavar="MB", help="Memory of that process, beyond what it takes idle; kept on Linux only."),
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the answer: .json; routes also .sol, .tour or .vroom.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the answer: .json; routes also .sol, .tour or .vroom.")
+    ] = None,
     certificate: Annotated[
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")
     ] = None,
