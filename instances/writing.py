@@ -42,7 +42,7 @@ def format_of_suffix(path: str | PathLike[str], kind: str = "routing") -> Format
     for entry in able:
         if suffix in entry.suffixes:
             return entry
-    known = ", ".join(dict.fromkeys(s for entry in able for s in entry.suffixes))
+    known = ", ".join(sorted({s for entry in able for s in entry.suffixes}))
     names = ", ".join(entry.name for entry in able)
     raise UsageError(f"{path}: the suffix stands for no format of a {kind} instance; use one of {known}, or name a format of {names}")
 

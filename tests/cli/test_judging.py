@@ -193,3 +193,46 @@ def test_a_certificate_that_holds_a_tree_is_verified_and_refused_where_a_leaf_wa
     proof.write_text(json.dumps(data))
     said = refused("check", graph, answer, "--problem", "winner-takes-all", "--certificate", proof, code=2)
     assert "the branching tree lacks nodes" in said
+
+
+@pytest.mark.parametrize(
+    ("instance", "solution", "options", "objective"),
+    [
+        ("op/oplib-gen1/gr48-gen1-50.oplib", "gr48-gen1-50.sol", (), 31.0),
+        ("top/set1/p1.2.c.txt", "p1.2.c.sol", (), 20.0),
+        ("pdptw-lilim/100/lc101.txt", "lc101.hier.sol", ("--problem", "min-cost-vrp"), 828.9368669428338),
+        ("vrpspd-salhi/CMT1X.vrpspd", "CMT1X.sol", ("--set", "vehicles=unlimited"), 466.7729),
+        ("minmax-mtsp/mtsplib/eil51-m5.txt", "eil51-m5.sol", (), 118.133753),
+        ("tsplib/gr17.tsp", "gr17.tour", (), 2085.0),
+    ],
+)
+def test_a_solution_file_of_each_family_is_exit_0_and_a_visit_made_twice_exit_5(
+    run, strict_json, benchmarks, tmp_path, instance, solution, options, objective
+):
+    place = (benchmarks / instance).parent
+    result = run("check", benchmarks / instance, place / solution, *options, "--json")
+    data = strict_json(result.stdout)
+    assert (result.exit_code, data["feasible"], data["objective"]) == (0, True, pytest.approx(objective, rel=1e-6))
+    text = (place / solution).read_text()
+    spoilt = tmp_path / solution
+    if "SECTION" in text:
+        head, _, rest = text.partition("SECTION\n")
+        nodes = rest.split("\n")
+        claims = "".join(f"{line}\n" for line in head.split("\n")[:-1] if not line.startswith(("ROUTE_NODES", "DIMENSION")))
+        title = head.split("\n")[-1]
+        spoilt.write_text(f"{claims}{title}SECTION\n" + "\n".join([*nodes[:2], *nodes[1:]]))
+    else:
+        first = next(line for line in text.split("\n") if ":" in line)
+        spoilt.write_text(text.replace(first, f"{first} {first.split()[-1]}", 1))
+    assert run("check", benchmarks / instance, spoilt, *options).exit_code == 5
+
+
+def test_a_file_of_two_formats_is_exit_2_until_one_is_chosen(run, benchmarks):
+    path = benchmarks / "toptw" / "c101.txt"
+    refused = run("info", path)
+    assert refused.exit_code == 2
+    assert (
+        "choose with --format, or --problem, from cordeau (mdvrp, cvrp, vrptw, min-cost-vrp); toptw (team-orienteering," in refused.output
+    )
+    for options in (("--format", "toptw"), ("--problem", "team-orienteering", "--set", "vehicles=3", "--convention", "trunc1")):
+        assert run("info", path, *options).exit_code == 0

@@ -235,6 +235,10 @@ def test_solvers_in_other_units(solver: str, share: Callable[[int, int], int], t
 
 def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[str, Any]:
     """The data of an evidence as the same evidence in other units has them."""
+    if e.kind == "branching-tree":
+        leaves = [Evidence(node.get("kind", ""), "", 0.0, node.get("data", {})) for node in e.data["nodes"]]
+        pairs = zip(e.data["nodes"], leaves, strict=True)
+        return {"nodes": [{**node, "data": in_units(leaf, factor, unit)} if "data" in node else node for node, leaf in pairs]}
     per = {
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
