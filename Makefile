@@ -23,10 +23,10 @@ demo: $(READY)
 	@echo "The map is in demo/demo-c25.png"
 
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 -q -rs $(PYTEST_FLAGS)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(PYTEST_FLAGS)
 
 test-all: $(READY)
-	$(BIN)/python -m pytest -n 2 -q -rs -m "not hostile" $(PYTEST_FLAGS)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
 
 test-hostile: $(READY)
 	WAYBOUND_HOSTILE=1 $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
