@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -40,11 +41,11 @@ class DecidedElements(Problem):
     dropped: Elements = NONE
 
     @property
-    def num_elements(self) -> int:
-        raise NotImplementedError
+    @abstractmethod
+    def num_elements(self) -> int: ...
 
-    def element_name(self, element: int) -> str:
-        raise NotImplementedError
+    @abstractmethod
+    def element_name(self, element: int) -> str: ...
 
     @property
     def decided(self) -> bool:
