@@ -9,7 +9,7 @@ The sum of the right side for c = 0 is at most 0 wherever there is an x; a ray y
 A dual that points to a side that is not there is set to 0 first: that too is a dual vector. What makes such a bound fail in practice
 is a reduced cost of 1e-17 on a variable without a bound. Three remedies are tried in turn: bounds that single rows imply for the variable,
 duals moved by a rounding so that the reduced cost points to a side that has a bound, and its sign in exact arithmetic. Where none
-helps nothing is proved.
+helps, duals of a small program are moved in fractions until it is 0; else nothing is proved.
 """
 
 from __future__ import annotations
@@ -37,6 +37,9 @@ _VANISHING = 1e-250
 
 _SMALLEST, _NORMAL = math.ulp(0.0), sys.float_info.min
 _PASSES = 3
+MOST_FRACTIONS = 2_000
+"""Entries of a program whose bound is worked out in fractions where doubles are not enough."""
+
 _WIDEST = 1e12
 """Implied bounds beyond this are not worth having: the rounding of a reduced cost times it would swallow the bound."""
 
@@ -137,6 +140,8 @@ def _bound(p: _Arrays, y: Floats) -> float:
         for j in np.nonzero(_endless(low, high, lower, upper))[0]:
             exact = _exact_reduced_cost(p, y, int(j))
             low[j], high[j] = (0.0 if exact >= 0 else low[j]), (0.0 if exact <= 0 else high[j])
+        if _endless(low, high, lower, upper).any():
+            return _in_fractions(p, y)
     corners = [(low, lower), (low, upper), (high, lower), (high, upper)]
     least = np.minimum.reduce([_times(a, x) for a, x in corners])
     sides = np.where(y > 0, p.row_lower, np.where(y < 0, p.row_upper, 0.0))
@@ -146,6 +151,74 @@ def _bound(p: _Arrays, y: Floats) -> float:
     if not math.isfinite(error):
         return -math.inf
     return math.fsum(rows) + math.fsum(least) - error
+
+
+def _in_fractions(p: _Arrays, y: Floats) -> float:
+    """The bound in fractions, at duals near ``y`` whose reduced costs are 0 wherever they would drive a variable to infinity."""
+    columns: list[list[tuple[int, Fraction]]] = [[] for _ in p.cost]
+    if len(p.value) > MOST_FRACTIONS:
+        return -math.inf
+    for i, j, a in zip(p.row.tolist(), p.column.tolist(), p.value.tolist(), strict=True):
+        columns[j].append((i, Fraction(a)))
+    given = [Fraction(v) for v in y.tolist()]
+    free = {j for j, (a, b) in enumerate(zip(p.lower.tolist(), p.upper.tolist(), strict=True)) if a == -math.inf and b == math.inf}
+    for _ in range(_PASSES):
+        duals = _moved(columns, given, p.cost.tolist(), sorted(free))
+        if duals is None:
+            return -math.inf
+        reduced = [
+            Fraction(c) - sum((a * duals[i] for i, a in entries), Fraction(0)) for c, entries in zip(p.cost.tolist(), columns, strict=True)
+        ]
+        ends = [*zip(reduced, p.lower.tolist(), p.upper.tolist(), strict=True)]
+        wrong = {j for j, (d, low, high) in enumerate(ends) if (d > 0 and low == -math.inf) or (d < 0 and high == math.inf)}
+        if not wrong:
+            ends += zip(duals, p.row_lower.tolist(), p.row_upper.tolist(), strict=True)
+            sides = [(d, low if d > 0 else high) for d, low, high in ends if d]
+            if any(math.isinf(side) for _, side in sides):
+                return -math.inf
+            exact = sum((d * Fraction(side) for d, side in sides), Fraction(0))
+            try:
+                bound = float(exact)
+            except OverflowError:
+                return -math.inf
+            return bound if bound <= exact else math.nextafter(bound, -math.inf)
+        free |= wrong
+    return -math.inf
+
+
+def _moved(columns: list[list[tuple[int, Fraction]]], duals: list[Fraction], cost: list[float], free: list[int]) -> list[Fraction] | None:
+    """Duals near the given ones, 0 where these are, at which the columns ``free`` have no reduced cost; None if there are none."""
+    rows = sorted({i for j in free for i, _ in columns[j] if duals[i]})
+    system = []
+    for j in free:
+        entries = dict.fromkeys(rows, Fraction(0))
+        rest = Fraction(cost[j])
+        for i, a in columns[j]:
+            rest -= a * duals[i]
+            if i in entries:
+                entries[i] += a
+        system.append([*entries.values(), rest])
+    made, done = list(duals), 0
+    pivots = []
+    for _ in system:
+        left = [(abs(equation[k]), k, e) for e, equation in enumerate(system[done:], start=done) for k in range(len(rows)) if equation[k]]
+        if not left:
+            break
+        _, k, e = max(left)
+        system[done], system[e] = system[e], system[done]
+        pivot = system[done]
+        pivot[:] = [v / pivot[k] for v in pivot]
+        for other in system:
+            if other is not pivot and other[k]:
+                factor = other[k]
+                other[:] = [v - factor * w for v, w in zip(other, pivot, strict=True)]
+        pivots.append(k)
+        done += 1
+    if any(equation[-1] for equation in system[done:]):
+        return None
+    for equation, k in zip(system, pivots, strict=False):
+        made[rows[k]] += equation[-1]
+    return made
 
 
 def _vanishing(a: Floats, x: Floats) -> NDArray[np.bool_]:

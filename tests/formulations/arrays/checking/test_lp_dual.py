@@ -188,3 +188,26 @@ def test_products_below_the_normal_doubles_lose_no_more_than_is_conceded(unit: f
 def test_a_bound_of_nothing_stays_one() -> None:
     problem = arrays([1.0], [[1.0]], [0.0], [np.inf], [0.0], [5.0])
     assert check_lp_dual(problem, {"duals": [0.5]}) == 0.0
+
+
+@given(seed=st.integers(0, 10**6))
+def test_rounded_duals_of_programs_with_free_variables_prove_almost_the_optimum(seed: int) -> None:
+    # Free variables that share rows: no single dual can be turned until all reduced costs vanish, and in doubles they do not.
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(2, 5)), int(rng.integers(5, 8))
+    matrix = rng.uniform(0.1, 3.0, (m, n)) * rng.choice([1.0, -1.0], (m, n))
+    cost = matrix.T @ rng.uniform(0.5, 2.0, m)  # duals within their signs: the optimum is finite
+    problem = arrays(
+        cost, matrix, matrix @ rng.uniform(-1.0, 1.0, n) - 1.0, np.full(m, math.inf), np.full(n, -math.inf), np.full(n, math.inf)
+    )
+    value, duals = optimum(problem)
+    assert value is not None and duals is not None
+    bound = check_lp_dual(problem, {"duals": np.round(duals, 7).tolist()})
+    assert bound <= value + 1e-9 * max(1.0, abs(value))
+    assert bound >= value - 1e-3 * max(1.0, abs(value))
+
+
+def test_what_no_fractions_mend_proves_nothing():
+    # The free variable is in no row: nothing can keep its reduced cost from driving it away.
+    lost = arrays([1.0, 1.0], [[0.0, 1.0]], [0.0], [math.inf], [-math.inf, 0.0], [math.inf, 1.0])
+    assert check_lp_dual(lost, {"duals": [0.5]}) == -math.inf
