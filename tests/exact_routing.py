@@ -326,6 +326,8 @@ class RoutingTruth(Truth):
             "penalties": sum(roads.penalty[k] for k in roads.customers if k not in visited) * u,
         }  # fmt: skip
         levels = self.problem.objective.levels()
+        if self.mixed:  # what is added up may be far larger than what is left of it
+            self.size = max(self.size, sum(abs(Fraction(w) * Fraction(terms[t.name], u * u)) for w, t in levels[0].terms))
         return tuple(sum((Fraction(w) * Fraction(terms[t.name], u * u) for w, t in level.terms), Fraction(0)) for level in levels)
 
     def value(self, answer: Any) -> Values | None:

@@ -21,6 +21,7 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.certificate import check_certificate
+from waybound.formulations.certificate_files import read_certificate
 from waybound.instances.reading import read_instance
 from waybound.instances.writing import write_instance
 from waybound.solvers.backend import BACKENDS
@@ -195,7 +196,7 @@ class Run:
             if not checked.feasible or code != 0:
                 found.append(f"exit code {code} with an answer, feasible {checked.feasible}")
         elif "certificate" in written:
-            check_certificate(problem, written["certificate"], None)
+            check_certificate(problem, read_certificate(self.paths["certificate"]), None)
         return found + self.remains(0.2)
 
     def remains(self, seconds: float) -> list[str]:
