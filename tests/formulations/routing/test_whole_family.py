@@ -9,7 +9,7 @@ from small_routing import WHOLE_FAMILY, varied
 
 from waybound.formulations.routing.routes import Route, Routes
 
-SEEDS = range(10)
+SEEDS = range(6)
 
 
 def drawn(feature, seed):
