@@ -205,7 +205,8 @@ class Run:
         while found:
             found = [f"left running: {words}" for words in left_over(self.temporary)]
             found += [f"left: {path}" for path in self.temporary.rglob("*")]
-            found += [f"left: {path}" for path in self.outputs.iterdir() if path not in self.paths.values()]
+            evidence = {path.with_suffix(".evidence.json.gz") for path in self.paths.values() if path.exists()}
+            found += [f"left: {path}" for path in self.outputs.iterdir() if path not in {*self.paths.values(), *evidence}]
             if time.perf_counter() > end:
                 break
             time.sleep(0.02)

@@ -184,7 +184,8 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
         late, result = lateness(go, seconds)
         assert late < LATE
         if result.answer is not None:
-            assert problem.evaluate(result.answer).feasible
+            # A fleet of few is not what construction begins with: ``solve`` takes such an answer for none.
+            assert {v.check for v in problem.evaluate(result.answer).violations} <= {"fleet"}
         assert result.limit in ("interrupt", "none")
         tally["heuristics that were asked to stop"] += 1
 
