@@ -184,8 +184,9 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
         late, result = lateness(go, seconds)
         assert late < LATE
         if result.answer is not None:
-            # A fleet of few is not what construction begins with: ``solve`` takes such an answer for none.
-            assert {v.check for v in problem.evaluate(result.answer).violations} <= {"fleet"}
+            # Insertion begins with a route for each customer, more than the one vehicle: ``solve`` takes such an answer for none.
+            excused = {"fleet"} if (name, kind) == ("insertion", "tour") else set()
+            assert {v.check for v in problem.evaluate(result.answer).violations} <= excused
         assert result.limit in ("interrupt", "none")
         tally["heuristics that were asked to stop"] += 1
 
