@@ -38,6 +38,10 @@ STATUS_MAP = {
 """The library's account of its search. It proves nothing about the problem: its fleet is cut to size, its data rounded."""
 
 
+DURATIONS = frozenset({"max-duration", "energy:elapsed", "duration-cost", "overtime", "objective:total-duration"})
+"""Features that ask for the least duration of a route."""
+
+
 @BACKENDS.register("ortools")
 class ORTools(Engine):
     """OR-Tools routing library (Perron & Furnon): cheapest insertion, then guided local search, or tabu search
@@ -66,7 +70,8 @@ class ORTools(Engine):
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
             "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "initial-energy", "shifts",
             "duration-cost", "overtime", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
-            "several-windows", "skills", "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
+            "several-windows", "skills", "closing-moves", "committed-vehicles",
+            "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
             "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
             "objective:priorities",
         }
@@ -89,10 +94,20 @@ class ORTools(Engine):
 
 def _beyond(problem: RoutingProblem) -> frozenset[str]:
     """Features that the library has, put together as it does not."""
+    held = problem.features()
     lacking = unscalable(problem) | (entangled(problem) - {"shipments of sites with demands or pickups"})
-    if "objective:makespan" in problem.features() and awaited(problem):
+    if "objective:makespan" in held and awaited(problem):
         # Spans of the library's dimensions are costs one by one; the largest of several is one only where all begin together.
         lacking |= {"objective:makespan with waiting"}
+    if "closing-moves" in held:
+        ways = [problem.travel_of(k).closing for k in range(len(problem.fleet))]
+        closed = [w for w in ways if w is not None]
+        if len(closed) < len(ways) or any(not np.array_equal(w, closed[0]) for w in closed):
+            lacking |= {"closing-moves of some vehicles"}
+        if awaited(problem):  # least durations depart late, and moves close
+            lacking |= {f"{name} with closing-moves" for name in held & DURATIONS}
+    if {"committed-vehicles", "objective:vehicles"} <= held:
+        lacking |= {"objective:vehicles with committed-vehicles"}
     return lacking
 
 
@@ -109,8 +124,7 @@ class _Search:
         self.claim: float | None = None
 
     def run(self) -> RawResult:
-        customers = self.problem.customers
-        if not len(customers):
+        if not len(self.problem.customers) and not any(v.committed for v in self.problem.fleet):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
         for most, droppable in self._attempts():
             model = Model(self.problem, self.data, most, droppable)

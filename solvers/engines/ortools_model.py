@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...formulations.routing.routes import Route, Routes
-from .routing_integers import UNLIMITED, IntegerRouting, Integers
+from .integer_scales import UNLIMITED, Integers
+from .routing_integers import IntegerRouting
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
@@ -51,8 +52,10 @@ class Model:
         self.problem, self.data = problem, data
         self.types = [
             k for k, v in enumerate(problem.fleet) if data.closes[k] >= data.opens[k]
-            for _ in range(most if v.count is None else min(v.count, len(problem.customers)))
+            for _ in range(most if v.count is None else v.count if v.committed else min(v.count, len(problem.customers)))
         ]  # fmt: skip
+        if not {k for k, v in enumerate(problem.fleet) if v.committed} <= set(self.types):
+            self.types = []  # one that must drive cannot
         if not self.types:
             return
         fleet = [problem.fleet[k] for k in self.types]
@@ -108,25 +111,31 @@ class Model:
                 self.routing.AddDisjunction([self.index(site)], dear)
         return dearer
 
-    def _matrix(self, key: Any, values: Callable[[], Integers]) -> int:
-        """The evaluator of a matrix. A vehicle that serves nobody stays where it is, wherever its route would end."""
+    def _matrix(self, kind: int, name: Any, values: Callable[[], Integers]) -> int:
+        """The evaluator of a matrix for a vehicle type. A vehicle that serves nobody stays where it is, wherever its route would end,
+        unless it is committed."""
+        committed = self.problem.fleet[kind].committed
+        key = (name, int(self.data.profile[kind]), committed)
         if key not in self.evaluators:
             made = values()[np.ix_(self.sites, self.sites)]
-            made[np.ix_(self.ends, self.ends)] = 0
+            if not committed:
+                made[np.ix_(self.ends, self.ends)] = 0
             self.evaluators[key] = int(self.routing.RegisterTransitMatrix(made.tolist()))
         return self.evaluators[key]
 
     def _evaluator(self, name: str, matrices: list[Integers], kind: int) -> int:
         """That of a vehicle type, of one matrix for each kind of travel."""
-        profile = int(self.data.profile[kind])
-        return self._matrix((name, profile), lambda: matrices[profile])
+        return self._matrix(kind, name, lambda: matrices[int(self.data.profile[kind])])
 
     def _costs(self, dearer: Integers) -> None:
         for vehicle, k in enumerate(self.types):
             unit, profile = int(self.data.unit[k]), int(self.data.profile[k])
-            evaluator = self._matrix(("cost", unit, profile), partial(self._priced, unit, profile, dearer))
+            evaluator = self._matrix(k, ("cost", unit), partial(self._priced, unit, profile, dearer))
             self.routing.SetArcCostEvaluatorOfVehicle(evaluator, vehicle)
-            if self.data.fixed[k]:
+            if self.problem.fleet[k].committed:
+                self.routing.SetVehicleUsedWhenEmpty(True, vehicle)
+                self.offset -= int(self.data.fixed[k])
+            elif self.data.fixed[k]:
                 self.routing.SetFixedCostOfVehicle(int(self.data.fixed[k]), vehicle)
 
     def _priced(self, unit: int, profile: int, dearer: Integers) -> Integers:
@@ -203,16 +212,37 @@ class Model:
                 if data.overtime[k]:
                     beyond = pywrapcp.BoundCost(int(min(data.regular_duration[k], horizon)), int(data.overtime[k]))
                     time.SetSoftSpanUpperBoundForVehicle(beyond, vehicle)
-        if data.maxima[2]:
+        closing = data.moves[0].closing
+        if data.maxima[2] or closing is not None:
             routing.AddDimensionWithVehicleTransits(evaluators, horizon, horizon, True, "return")
             clock, first = routing.GetDimensionOrDie("return"), int(data.opens.min())
             self._windows(clock, first, horizon)
             for vehicle, k in enumerate(self.types):
                 clock.SlackVar(routing.Start(vehicle)).SetMin(int(data.opens[k]) - first)
-            clock.SetGlobalSpanCostCoefficient(int(data.maxima[2]))
+            if data.maxima[2]:
+                clock.SetGlobalSpanCostCoefficient(int(data.maxima[2]))
+            if closing is not None:
+                self._closing(clock, closing, first, horizon)
         if data.maxima[0]:  # nobody waits: see ``missing``
             routing.AddDimensionWithVehicleTransits(evaluators, 0, horizon, True, "duration")
             routing.GetDimensionOrDie("duration").SetGlobalSpanCostCoefficient(int(data.maxima[0]))
+
+    def _closing(self, clock: Any, closing: Integers, first: int, horizon: int) -> None:
+        """Moves begin in time; that to the own index, of a site left out, always does."""
+        routing, manager, data = self.routing, self.manager, self.data
+        starts = {routing.Start(vehicle): k for vehicle, k in enumerate(self.types)}
+        heads = self.sites[[manager.IndexToNode(index) for index in range(routing.Size() + len(self.types))]]
+        for index in range(routing.Size()):
+            site = int(heads[index])
+            latest = np.minimum(closing[site, heads], horizon + int(data.service[site])) - data.service[site] - first
+            latest[index] = horizon
+            if index not in starts:
+                routing.solver().Add(clock.CumulVar(index) <= routing.solver().Element(latest.tolist(), routing.NextVar(index)))
+                continue
+            kind = starts[index]
+            late = np.nonzero(latest < int(data.opens[kind]) - first)[0]
+            home = () if self.problem.fleet[kind].committed else [routing.End(v) for v in range(len(self.types))]
+            routing.NextVar(index).RemoveValues([int(j) for j in late if j not in home])
 
     def _windows(self, clock: Any, first: int, horizon: int) -> None:
         """Windows of customers and returns on a clock that begins at ``first``."""

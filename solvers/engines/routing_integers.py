@@ -12,83 +12,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from ...formulations.programs.exactness import Exactness, Link
 from ...instances.errors import InputError
+from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, plain, scale_of, whole
 from .routing_objective import scalarised
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
     from ...instances.routing.travel import Travel
 
-Integers = NDArray[np.int64]
-Floats = NDArray[np.float64]
-
-UNLIMITED = int(np.iinfo(np.int64).max)
-"""Stands for infinity; each engine puts its own largest value there."""
-
-FINE = 1_000_000
-"""Scale of data that three decimals cannot hold."""
-
 _PRECISE = 10_000
 """Least price of a unit of time that no power of ten makes whole."""
-
-_ROUNDING = 4 * float(np.finfo(np.float64).eps)
-_SMALL, _WIDE, _BASE = -10, 40, 20
-"""Binary exponents: data below 2**-10, above 2**40, or above 2**20 and to be rounded become just less than 2**20; so do binary fractions,
-which that makes exact."""
-
-
-@dataclass(frozen=True)
-class Scale:
-    """One unit of the data is ``factor`` integers; ``exact`` if nothing was rounded."""
-
-    factor: float
-    exact: bool
-
-    def nearest(self, values: ArrayLike) -> Integers:
-        """For costs."""
-        return _integers(np.rint(np.asarray(values, dtype=np.float64) * self.factor))
-
-    def up(self, values: ArrayLike) -> Integers:
-        """For what is consumed, and for earliest times."""
-        scaled = self._scaled(values)
-        return _integers(np.ceil(scaled if self.exact else scaled - _ROUNDING * np.abs(scaled)))
-
-    def down(self, values: ArrayLike) -> Integers:
-        """For limits; infinite ones become ``UNLIMITED``."""
-        scaled = self._scaled(values)
-        return _integers(np.floor(scaled if self.exact else scaled + _ROUNDING * np.abs(scaled)))
-
-    def _scaled(self, values: ArrayLike) -> Floats:
-        scaled = np.asarray(values, dtype=np.float64) * self.factor
-        return np.where(_whole(scaled), np.rint(scaled), scaled) if self.exact else scaled
-
-
-def scale_of(*values: ArrayLike, fine: int = FINE) -> Scale:
-    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats; else ``fine``.
-
-    Each times a power of two, where the largest value is very small or very large.
-    """
-    parts = [np.asarray(v, dtype=np.float64).ravel() for v in values]
-    every = np.concatenate(parts) if parts else np.zeros(0)
-    every = every[np.isfinite(every)]
-    largest = float(np.abs(every).max(initial=0.0))
-    if largest == 0.0:
-        return Scale(1, True)
-    exponent = math.frexp(largest)[1]
-    other = math.ldexp(1.0, min(1000, _BASE - exponent))
-    for unit in (1.0, other) if _SMALL <= exponent <= _WIDE else (other,):
-        for factor in (1, 10, 100, 1000):
-            if _whole(every * unit * factor).all():
-                return Scale(_plain(unit * factor), True)
-    return Scale(_plain((1.0 if _SMALL <= exponent <= _BASE else other) * fine), False)
-
-
-def _plain(factor: float) -> float:
-    """A whole number as one, for people to read."""
-    return int(factor) if factor == int(factor) else factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,12 +35,14 @@ class Moves:
     distance : for costs: rounded to the nearest.
     distance_up, duration : for limits: rounded up.
     charge : time charged for a move by ``energy:windows``; rounded up. None where nobody is charged so.
+    closing : latest time at which a move may begin. None where none closes.
     """
 
     distance: Integers
     distance_up: Integers
     duration: Integers
     charge: Integers | None
+    closing: Integers | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,16 +172,17 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     regular = np.where(goal.overtime > 0, [v.regular_duration for v in fleet], math.inf)
     several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
     times = [t for w in sites.windows for pair in w for t in pair]
-    clock = scale_of(*(t.durations for t, _ in travels), served, sites.ready, sites.due, opening, regular, times, fine=fine)
+    closings = [t.closing for t, _ in travels if t.closing is not None]
+    clock = scale_of(*(t.durations for t, _ in travels), *closings, served, sites.ready, sites.due, opening, regular, times, fine=fine)
     rates = np.concatenate([goal.unit, goal.maxima[1:2]])
     per_unit = scale_of(rates, fine=fine)
     others = (goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
     length = scale_of(*(t.distances for t, _ in travels), *others, fine=fine)
     priced = np.concatenate([goal.time, goal.overtime, goal.maxima[[0, 2]]])
     finer = _finer(priced * (per_unit.factor * length.factor / clock.factor))
-    per_unit = Scale(_plain(per_unit.factor * finer), per_unit.exact)
-    cost = Scale(_plain(length.factor * per_unit.factor), length.exact and per_unit.exact)
-    per_time = Scale(cost.factor / clock.factor, bool(_whole(priced * (cost.factor / clock.factor)).all()))
+    per_unit = Scale(plain(per_unit.factor * finer), per_unit.exact)
+    cost = Scale(plain(length.factor * per_unit.factor), length.exact and per_unit.exact)
+    per_time = Scale(cost.factor / clock.factor, bool(whole(priced * (cost.factor / clock.factor)).all()))
 
     origin = min(0.0, float(sites.ready.min()))
     windows = [[(int(clock.up(r - origin)), int(clock.down(d - origin))) for r, d in listed] for listed in several]
@@ -264,7 +202,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     closes = np.minimum(clock.down(closing - origin), latest_return)
     loads, capacity, load = _loads(problem, fine)
     made = IntegerRouting(
-        moves=tuple(_moves(problem, t, at, length, clock, served) for t, at in travels),
+        moves=tuple(_moves(problem, t, at, length, clock, served, origin) for t, at in travels),
         profile=np.array(profile, dtype=np.int64),
         service=service,
         ready=np.array([listed[0][0] for listed in windows], dtype=np.int64),
@@ -312,7 +250,9 @@ def _profiles(problem: RoutingProblem) -> tuple[list[tuple[Travel, tuple[int, fl
     return found, profile
 
 
-def _moves(problem: RoutingProblem, travel: Travel, at: tuple[int, float] | None, length: Scale, clock: Scale, served: Floats) -> Moves:
+def _moves(
+    problem: RoutingProblem, travel: Travel, at: tuple[int, float] | None, length: Scale, clock: Scale, served: Floats, origin: float
+) -> Moves:
     distance, charge = length.nearest(travel.distances), None
     if at is not None:
         sites = problem.sites
@@ -321,7 +261,8 @@ def _moves(problem: RoutingProblem, travel: Travel, at: tuple[int, float] | None
         waited = np.where(sites.depot[None, :], -math.inf, sites.ready[None, :] - ready[:, None])
         charge = clock.up(np.maximum(served[:, None] + travel.durations, waited))
         np.fill_diagonal(charge, 0)
-    return Moves(distance, distance if length.exact else length.up(travel.distances), clock.up(travel.durations), charge)
+    closing = None if travel.closing is None else clock.down(travel.closing - origin)
+    return Moves(distance, distance if length.exact else length.up(travel.distances), clock.up(travel.durations), charge, closing)
 
 
 def _loads(problem: RoutingProblem, fine: int) -> tuple[list[Integers], Integers, Scale]:
@@ -341,12 +282,12 @@ def _loads(problem: RoutingProblem, fine: int) -> tuple[list[Integers], Integers
     whole, capacity = [load.up(values) for values in (*carried, shipped)], load.down(room)
     common = max(1, int(np.gcd.reduce(np.concatenate([values.ravel() for values in whole]))))
     capacity = np.where(capacity == UNLIMITED, UNLIMITED, capacity // common)
-    return [values // common for values in whole], capacity, Scale(_plain(load.factor / common), load.exact)
+    return [values // common for values in whole], capacity, Scale(plain(load.factor / common), load.exact)
 
 
 def _finer(prices: Floats) -> int:
     """Power of ten that makes prices of time whole, or precise where none does."""
-    found = [10**k for k in range(13) if _whole(prices * 10**k).all()]
+    found = [10**k for k in range(13) if whole(prices * 10**k).all()]
     if found or not prices.any():
         return found[0] if found else 1
     return int(10 ** max(0, math.ceil(math.log10(_PRECISE / float(prices[prices > 0].min())))))
@@ -377,18 +318,3 @@ def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) 
                 f"the largest {what} is too large for an engine that counts in integers (scaled by {factor})",
                 expected=f"at most {limit / factor:g}", found=f"{top / factor:g}",
             )  # fmt: skip
-
-
-def _whole(values: Floats) -> NDArray[np.bool_]:
-    """Which values are integers but for the rounding of floats."""
-    with np.errstate(invalid="ignore"):  # infinity less infinity
-        return np.asarray(np.abs(values - np.rint(values)) <= _ROUNDING * np.abs(values))
-
-
-def _integers(values: Floats) -> Integers:
-    """Whole floats as integers; what int64 cannot hold becomes ``UNLIMITED``, with a wide margin for further sums."""
-    values = np.asarray(values, dtype=np.float64)
-    high = values >= 2.0**62
-    made = np.where(high, 0.0, np.maximum(values, -(2.0**62))).astype(np.int64)
-    made[high] = UNLIMITED
-    return made

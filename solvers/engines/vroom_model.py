@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...formulations.routing.routes import Route, Routes
-from .routing_integers import UNLIMITED, IntegerRouting, Integers
+from .integer_scales import UNLIMITED, Integers
+from .routing_integers import IntegerRouting
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem

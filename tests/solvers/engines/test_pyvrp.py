@@ -10,9 +10,10 @@ from small_routing import small
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import Control, Options
+from waybound.solvers.engines.integer_scales import UNLIMITED
 from waybound.solvers.engines.pyvrp import PyVRP
 from waybound.solvers.engines.pyvrp_model import MAX_PENALTY, Model, load_factor
-from waybound.solvers.engines.routing_integers import UNLIMITED, integer_routing
+from waybound.solvers.engines.routing_integers import integer_routing
 
 
 def test_whole_data_are_handed_over_as_they_are() -> None:
