@@ -134,6 +134,13 @@ def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:
         wb.solve(asking(Vehicles().then(TotalCost())), "highs")
 
 
+NOBODYS = {
+    "closing-moves", "committed-vehicles", "duration-cost", "groups", "initial-energy", "overtime", "pickups", "recharging", "reloads",
+    "several-loads", "several-windows", "shifts", "shipments", "skills", "vehicle-speeds", "vehicle-travel",
+}  # fmt: skip
+"""Of the data, judged and refused by name: no solver takes them yet."""
+
+
 def test_all_that_forms_engines_and_heuristics_for_routing_declare_is_in_the_vocabulary_of_the_data() -> None:
     declared = set().union(
         *(form.features for form in FORMS.values() if form.family == "routing"),
@@ -142,4 +149,4 @@ def test_all_that_forms_engines_and_heuristics_for_routing_declare_is_in_the_voc
     )
     of_objectives = {*(f"objective:{name}" for name in TERMS), "objective:weights", "objective:priorities"}
     assert declared <= FEATURES.keys() | of_objectives
-    assert FEATURES.keys() - UNASKED <= declared
+    assert FEATURES.keys() - UNASKED - declared == NOBODYS

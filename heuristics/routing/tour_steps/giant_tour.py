@@ -205,8 +205,7 @@ def _matching(paths: Floats, odd: Sites, stop: Stop) -> tuple[Sites, Sites] | No
 
     weights = paths[np.ix_(odd, odd)]
     largest = float(weights.max(initial=0.0))
-    scale = 2.0 ** (40 - np.frexp(largest)[1]) if largest > 0 else 1.0
-    partner = minimum_weight_perfect_matching(stop.flag, np.rint(weights * scale).astype(np.int64))
+    partner = minimum_weight_perfect_matching(stop.flag, np.rint(np.ldexp(weights, 40 - int(np.frexp(largest)[1]))).astype(np.int64))
     if (partner < 0).any():
         return None
     first = np.nonzero(np.arange(len(odd)) < partner)[0]

@@ -20,10 +20,10 @@ def test_the_table_has_a_line_for_each_heuristic_and_fails_where_a_best_value_is
 
 
 def test_files_are_run_under_the_convention_of_their_row(benchmarks: Path) -> None:
-    (row,) = [row for row in benchmark.rows(benchmarks, ["cvrp/E"]) if row.problem.name.startswith("E-n22")]
-    assert row.best == 375 and row.problem.convention == "round" and row.problem.vehicle_limit is None
+    (row,) = [row for row in benchmark.rows(benchmarks, ["cvrp/E"]) if row.problem.name.startswith("E-n51")]
+    assert row.best == 521 and row.problem.convention == "round" and row.problem.vehicle_limit is None
     shared = list(benchmark.rows(benchmarks, ["minmax-mtsp"]))
-    assert {row.problem.vehicle_limit for row in shared} >= {2, 3} and {str(row.problem.objective) for row in shared} == {"longest-route"}
+    assert len({row.problem.vehicle_limit for row in shared}) > 1 and {str(row.problem.objective) for row in shared} == {"longest-route"}
 
 
 def test_split_is_within_a_fifth_of_the_best_known_on_small_files(benchmarks: Path) -> None:

@@ -89,6 +89,14 @@ def test_a_tour_is_within_its_ratio(seed: int, n: int, convention: str, improved
         assert found.metric == bool((d[:, :, None] + d[None] >= d[:, None, :] - 1e-9).all())
 
 
+@pytest.mark.parametrize("size", [5e-324, 1e-300, 1e149])
+@pytest.mark.filterwarnings("error")
+def test_a_tour_does_not_depend_on_the_unit_of_distance(size: float) -> None:
+    corners = np.array([[0, 1, 2, 1], [1, 0, 1, 2], [2, 1, 0, 1], [1, 2, 1, 0]]) * size
+    found = giant_tour(costs_of(Travel(EXPLICIT, matrix=corners)), "christofides", True, NEVER)
+    assert found.length == 4 * size and found.ratio == 1.5
+
+
 def test_with_too_many_to_match_the_tree_is_doubled(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_MATCHED", 2)
     found = giant_tour(costs_of(plane(3, 30)), "christofides", True, NEVER)
