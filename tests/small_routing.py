@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -192,6 +193,43 @@ WHOLE_FAMILY = (
     "groups", "several-windows", "skills", "penalties", "reloads", "recharging", "initial-energy", "closing-moves", "committed-vehicles",
 )  # fmt: skip
 """What ``varied`` knows."""
+
+
+def _alone(problem: RoutingProblem) -> RoutingProblem:
+    """One shipment, whose ends have no loads of their own."""
+    s = problem.sites
+    ends = [site for x in s.shipments[:1] for site in (x.pickup, x.delivery)]
+    rest = np.ones(len(s), dtype=bool)
+    rest[ends] = False
+    loads = {name: (getattr(s, name).T * rest).T for name in ("demand", "pickup", "further_demand", "further_pickup")}
+    return replace(problem, sites=replace(s, shipments=s.shipments[:1], **loads))
+
+
+def _unlimited(problem: RoutingProblem) -> RoutingProblem:
+    return replace(problem, fleet=tuple(replace(v, energy=None, max_duration=math.inf) for v in problem.fleet))
+
+
+def _unpaused(problem: RoutingProblem) -> RoutingProblem:
+    """Stores with no station to fill them up, but more in them."""
+    fuller = lambda e: e and replace(e, stations=(), capacity=5 * e.capacity, initial=4 * e.at_departure)  # noqa: E731
+    return replace(problem, fleet=tuple(replace(v, energy=fuller(v.energy)) for v in problem.fleet))
+
+
+def _required(problem: RoutingProblem) -> RoutingProblem:
+    must = ~problem.sites.depot
+    must[[site for group in problem.sites.groups for site in group.sites]] = False
+    return replace(problem, sites=replace(problem.sites, required=must))
+
+
+def simplified(problem: RoutingProblem, feature: str, missing: Callable[[RoutingProblem], frozenset[str]]) -> RoutingProblem | None:
+    """The problem without what a solver lacks, as long as it has ``feature``; None where that cannot be."""
+    steps: tuple[Callable[[RoutingProblem], RoutingProblem], ...] = (
+        _alone, _unpaused, lambda p: replace(p, objective=TotalCost()), _required, _unlimited,
+    )  # fmt: skip
+    for step in (lambda p: p, *steps):
+        if missing(problem):
+            problem = step(problem)
+    return None if missing(problem) or feature not in problem.features() else problem
 
 
 def plane(seed: int, customers: int, capacity: float, count: int | None = None) -> RoutingProblem:

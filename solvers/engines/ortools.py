@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...formulations.problem import Problem
-from ...formulations.routing.routes import Route, Routes
+from ...formulations.routing.routes import Routes
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from ..own_options import own_options
-from .routing_integers import UNLIMITED, IntegerRouting, Integers, integer_routing
-from .routing_objective import claimed_objective, unscalable
+from .ortools_model import Model
+from .routing_integers import IntegerRouting, integer_routing
+from .routing_objective import awaited, claimed_objective, unscalable
+from .routing_shipments import entangled
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
@@ -36,9 +38,14 @@ STATUS_MAP = {
 """The library's account of its search. It proves nothing about the problem: its fleet is cut to size, its data rounded."""
 
 
+DURATIONS = frozenset({"max-duration", "energy:elapsed", "duration-cost", "overtime", "objective:total-duration"})
+"""Features that ask for the least duration of a route."""
+
+
 @BACKENDS.register("ortools")
 class ORTools(Engine):
-    """OR-Tools routing library (Perron & Furnon): cheapest insertion, then guided local search.
+    """OR-Tools routing library (Perron & Furnon): cheapest insertion, then guided local search, or tabu search
+    where moves cost nothing.
 
     ``iterations`` counts solutions. Extra options are the scalar fields of its search parameters:
     ``first_solution_strategy``, ``local_search_metaheuristic`` (or ``metaheuristic``), ...
@@ -61,15 +68,19 @@ class ORTools(Engine):
         {
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites",
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
-            "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "objective:total-cost",
-            "objective:vehicles", "objective:reward", "objective:weights", "objective:priorities",
+            "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "initial-energy", "shifts",
+            "duration-cost", "overtime", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
+            "several-windows", "skills", "closing-moves", "committed-vehicles",
+            "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
+            "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
+            "objective:priorities",
         }
     )  # fmt: skip
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """See ``Engine.missing``."""
         lacking = super().missing(problem)
-        return lacking or unscalable(problem)  # type: ignore[arg-type]
+        return lacking or _beyond(problem)  # type: ignore[arg-type]
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
@@ -81,124 +92,23 @@ class ORTools(Engine):
         return replace(_Search(problem, data, options, control, began).run(), holds=data.holds, links=(data.link,))  # type: ignore[arg-type]
 
 
-class Model:
-    """A routing problem as an OR-Tools routing model.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : IntegerRouting
-    most : int
-        Vehicles of each unlimited type.
-    droppable : bool
-        Let required customers be left out at a price above any answer's cost: a search that finds no first answer any
-        other way starts from an incomplete one. Such answers are not published.
-    """
-
-    def __init__(self, problem: RoutingProblem, data: IntegerRouting, most: int, droppable: bool = False) -> None:
-        from ortools.constraint_solver import pywrapcp
-
-        self.problem, self.data = problem, data
-        self.types = [
-            k for k, v in enumerate(problem.fleet)
-            if min(data.due[v.end], data.latest_return[k]) >= data.ready[v.start]
-            for _ in range(most if v.count is None else min(v.count, len(problem.customers)))
-        ]  # fmt: skip
-        if not self.types:
-            return
-        fleet = [problem.fleet[k] for k in self.types]
-        ends = {site for v in fleet for site in (v.start, v.end)}
-        self.sites = np.array(sorted({*ends, *problem.customers.tolist()}))
-        self.node = {int(site): k for k, site in enumerate(self.sites)}
-        self.manager = pywrapcp.RoutingIndexManager(
-            len(self.sites), len(fleet), [self.node[v.start] for v in fleet], [self.node[v.end] for v in fleet]
-        )
-        self.routing = pywrapcp.RoutingModel(self.manager)
-        self._costs()
-        self._dimensions()
-        dear = 1 + 2 * int(data.distance.max(initial=0)) * int(data.unit.max()) + int(data.fixed.max()) + int(data.prize.sum())
-        for site in problem.customers.tolist():
-            if not problem.sites.required[site]:
-                self.routing.AddDisjunction([self.index(site)], int(data.prize[site]))
-            elif droppable:
-                self.routing.AddDisjunction([self.index(site)], dear)
-
-    def index(self, site: int) -> int:
-        """The library's index of a customer."""
-        return int(self.manager.NodeToIndex(self.node[site]))
-
-    def _matrix(self, values: Integers) -> int:
-        return int(self.routing.RegisterTransitMatrix(values[np.ix_(self.sites, self.sites)].tolist()))
-
-    def _costs(self) -> None:
-        unit = self.data.unit[self.types]
-        for u in np.unique(unit).tolist():
-            evaluator = self._matrix(self.data.distance * u)
-            for vehicle in np.nonzero(unit == u)[0].tolist():
-                self.routing.SetArcCostEvaluatorOfVehicle(evaluator, vehicle)
-        fixed = self.data.fixed[self.types]
-        for vehicle in np.nonzero(fixed)[0].tolist():
-            self.routing.SetFixedCostOfVehicle(int(fixed[vehicle]), vehicle)
-
-    def _dimensions(self) -> None:
-        data, present = self.data, self.problem.features()
-        if "capacity" in present:
-            demand = self.routing.RegisterUnaryTransitVector(data.demand[self.sites].tolist())
-            self._limit(demand, data.capacity, int(data.demand.sum()), "load")
-        longest = 2 * len(self.sites)
-        for name, matrix, limit in (
-            ("distance", data.distance_up, data.max_distance),
-            ("travel", data.duration, data.travel_limit),
-            ("charge", data.charge, data.charge_limit),
-        ):
-            if matrix is not None and (limit[self.types] != UNLIMITED).any():
-                self._limit(self._matrix(matrix), limit, longest * int(matrix.max(initial=0)), name)
-        timed = {"time-windows", "depot-windows", "max-duration", "energy:elapsed", "energy:elapsed-fixed-start"}
-        if timed & present:
-            self._time()
-
-    def _limit(self, evaluator: int, limit: Integers, most: int, name: str) -> None:
-        limits = np.minimum(limit[self.types], most).tolist()
-        self.routing.AddDimensionWithVehicleCapacity(evaluator, 0, limits, True, name)
-
-    def _time(self) -> None:
-        data, problem = self.data, self.problem
-        moves = data.service[:, None] + data.duration
-        horizon = int(data.ready.max() + moves.max(axis=1)[self.sites].sum())
-        self.routing.AddDimension(self._matrix(moves), horizon, horizon, False, "time")
-        time = self.routing.GetDimensionOrDie("time")
-        for site in problem.customers.tolist():
-            time.CumulVar(self.index(site)).SetRange(int(data.ready[site]), int(min(data.due[site], horizon)))
-        for vehicle, k in enumerate(self.types):
-            start, end = problem.fleet[k].start, problem.fleet[k].end
-            opens = int(data.ready[start])
-            time.CumulVar(self.routing.Start(vehicle)).SetRange(opens, int(min(max(opens, data.due[start]), horizon)))
-            time.CumulVar(self.routing.End(vehicle)).SetRange(0, int(min(data.due[end], data.latest_return[k], horizon)))
-            if data.max_duration[k] != UNLIMITED:
-                time.SetSpanUpperBoundForVehicle(int(min(data.max_duration[k], horizon)), vehicle)
-
-    def routes(self, successor: Callable[[int], int]) -> Routes:
-        """The routes of ``successor``, a function from an index to the next one."""
-        found = []
-        for vehicle, kind in enumerate(self.types):
-            at, visits = successor(self.routing.Start(vehicle)), []
-            while not self.routing.IsEnd(at):
-                visits.append(int(self.sites[self.manager.IndexToNode(at)]))
-                at = successor(at)
-            found.append(Route(tuple(visits), kind))
-        return Routes.of(found)
-
-    def assignment(self, answer: Routes) -> Any:
-        """A start for the search; None if the library cannot take the answer."""
-        free: dict[int, list[int]] = {}
-        for vehicle, kind in enumerate(self.types):
-            free.setdefault(kind, []).append(vehicle)
-        routes: list[list[int]] = [[] for _ in self.types]
-        for route in answer:
-            if not free.get(route.vehicle) or not self.node.keys() >= set(route.visits):
-                return None
-            routes[free[route.vehicle].pop(0)] = [self.index(site) for site in route.visits]
-        return self.routing.ReadAssignmentFromRoutes(routes, True)
+def _beyond(problem: RoutingProblem) -> frozenset[str]:
+    """Features that the library has, put together as it does not."""
+    held = problem.features()
+    lacking = unscalable(problem) | (entangled(problem) - {"shipments of sites with demands or pickups"})
+    if "objective:makespan" in held and awaited(problem):
+        # Spans of the library's dimensions are costs one by one; the largest of several is one only where all begin together.
+        lacking |= {"objective:makespan with waiting"}
+    if "closing-moves" in held:
+        ways = [problem.travel_of(k).closing for k in range(len(problem.fleet))]
+        closed = [w for w in ways if w is not None]
+        if len(closed) < len(ways) or any(not np.array_equal(w, closed[0]) for w in closed):
+            lacking |= {"closing-moves of some vehicles"}
+        if awaited(problem):  # least durations depart late, and moves close
+            lacking |= {f"{name} with closing-moves" for name in held & DURATIONS}
+    if {"committed-vehicles", "objective:vehicles"} <= held:
+        lacking |= {"objective:vehicles with committed-vehicles"}
+    return lacking
 
 
 class _Search:
@@ -211,10 +121,10 @@ class _Search:
         self.publish_at = 0.0
         self.cost: int | None = None
         self.answer: Routes | None = None
+        self.claim: float | None = None
 
     def run(self) -> RawResult:
-        customers = self.problem.customers
-        if not len(customers):
+        if not len(self.problem.customers) and not any(v.committed for v in self.problem.fleet):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
         for most, droppable in self._attempts():
             model = Model(self.problem, self.data, most, droppable)
@@ -233,9 +143,7 @@ class _Search:
         for, then as many as there are customers.
         """
         customers = len(self.problem.customers)
-        roomiest = int(self.data.capacity.max())
-        loads = 0 if roomiest in (0, UNLIMITED) else -(-int(self.data.demand.sum()) // roomiest)
-        first = min(customers, max(25, 3 * loads))
+        first = min(customers, max(25, 3 * self.data.fewest()))
         wider = first < customers and any(v.count is None for v in self.problem.fleet)
         return [(first, False), *([(customers, False)] if wider else []), (customers, True)]
 
@@ -243,7 +151,7 @@ class _Search:
         from ortools.constraint_solver import routing_enums_pb2
 
         routing = model.routing
-        parameters = _parameters(self.options, max(0.0, self.ends - time.perf_counter()))
+        parameters = _parameters(self.options, max(0.0, self.ends - time.perf_counter()), guided=bool(self.data.unit.any()))
         routing.solver().ReSeed(self.options.seed % 2**31)
         routing.CloseModelWithParameters(parameters)
 
@@ -281,8 +189,7 @@ class _Search:
         if self.options.start is not None:
             statistics["start"] = "used" if start is not None else "refused"
         message = "" if self.answer is not None else f"OR-Tools found no answer that visits every required site (it ended with {said})"
-        claim = None if self.cost is None else self._claim(self.cost)
-        return RawResult(status, limit, self.answer, claim, statistics=statistics, message=message)
+        return RawResult(status, limit, self.answer, self.claim, statistics=statistics, message=message)
 
     def _take(self, cost: int, model: Model, successor: Callable[[int], int], ties: bool = False) -> None:
         """Publish an answer if it is the best one so far (or, with ``ties``, no worse) and leaves no required customer out."""
@@ -292,24 +199,28 @@ class _Search:
         visited = np.zeros(len(self.problem.sites), dtype=bool)
         visited[[site for route in answer for site in route.visits]] = True
         if (visited | ~self.problem.sites.required).all():
-            self.cost, self.answer = cost, answer
-            self.control.publish(answer, self._claim(cost))
+            self.cost, self.answer, self.claim = cost, answer, self._claim(cost, model, answer)
+            self.control.publish(answer, self.claim)
 
-    def _claim(self, cost: int) -> float | None:
-        optional = ~self.problem.sites.required & ~self.problem.sites.depot
-        lost = int(self.data.prize[optional].sum())
-        return claimed_objective(
-            self.problem, (cost - lost - int(self.data.prize[self.problem.sites.required].sum())) / self.data.cost_factor
-        )
+    def _claim(self, cost: int, model: Model, answer: Routes) -> float | None:
+        data = self.data
+        if data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
+            # Durations are rounded up, move by move, and the largest value is counted from the earliest departure.
+            return self.problem.evaluate(answer).values[0] if len(self.problem.senses) == 1 else None
+        return claimed_objective(self.problem, (cost - model.offset) / data.cost_factor)
 
 
-def _parameters(options: Options, seconds: float) -> Any:
-    """The library's search parameters, the user's own changes checked against its fields."""
+def _parameters(options: Options, seconds: float, guided: bool = True) -> Any:
+    """The library's search parameters, the user's own changes checked against its fields.
+
+    Guided local search puts penalties on costs of moves, and finds nothing where these have none: tabu search does.
+    """
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
     made = pywrapcp.DefaultRoutingSearchParameters()
     made.first_solution_strategy = routing_enums_pb2.FirstSolutionStrategy.PARALLEL_CHEAPEST_INSERTION
-    made.local_search_metaheuristic = routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
+    searches = routing_enums_pb2.LocalSearchMetaheuristic
+    made.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if guided else searches.TABU_SEARCH
     made.time_limit.FromMilliseconds(max(1, round(1000 * min(seconds, 1e9))))
     if options.iterations is not None:
         made.solution_limit = options.iterations

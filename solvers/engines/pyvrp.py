@@ -8,24 +8,21 @@ import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...formulations.problem import Problem
-from ...formulations.routing.routes import Route, Routes
+from ...formulations.routing.routes import Routes
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from ..own_options import own_options
-from .routing_integers import UNLIMITED, IntegerRouting, integer_routing
+from .pyvrp_model import Model
+from .routing_integers import IntegerRouting, integer_routing
 from .routing_objective import claimed_objective, unscalable
+from .routing_shipments import entangled
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
 
 PUBLISH_EVERY = 0.05
 """Seconds between two published incumbents, so that a flood of early ones costs nothing."""
-
-MAX_PENALTY = 100_000
-"""Largest price of a unit of violation in PyVRP."""
 
 GROUPS = ("ils", "penalty", "neighbourhood", "perturbation")
 """Groups of parameters of ``pyvrp.SolveParams``."""
@@ -52,8 +49,10 @@ class PyVRP(Engine):
         {
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites",
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
-            "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "objective:total-cost", "objective:vehicles",
-            "objective:reward", "objective:weights", "objective:priorities",
+            "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "overtime",
+            "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "skills", "reloads",
+            "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties",
+            "objective:weights", "objective:priorities",
         }
     )  # fmt: skip
 
@@ -61,10 +60,7 @@ class PyVRP(Engine):
         """See ``Engine.missing``."""
         lacking = super().missing(problem)
         if not lacking:
-            lacking |= unscalable(problem)  # type: ignore[arg-type]
-            if {"energy:travel", "separate-durations"} <= problem.features():
-                # Time on the move can only be limited as a distance.
-                lacking |= {"energy:travel with separate-durations"}
+            lacking |= _beyond(problem)  # type: ignore[arg-type]
         return lacking
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
@@ -78,71 +74,16 @@ class PyVRP(Engine):
         return replace(found, holds=data.holds, links=(data.link,))
 
 
-def problem_data(problem: RoutingProblem, data: IntegerRouting) -> tuple[Any, list[int]]:
-    """PyVRP's own ``ProblemData``, and the fleet's type of each of its vehicle types.
-
-    Types that no route can use, because their end closes before their start opens, are left out; None if that is all.
-    """
-    import pyvrp
-
-    sites = problem.sites
-    xy = sites.coordinates if sites.coordinates is not None else np.zeros((len(sites), 2))
-    loaded = "capacity" in problem.features()
-    factor = load_factor(data)
-    required, due, demand = sites.required.tolist(), data.due.tolist(), (data.demand * factor).tolist()
-    ready, service, prize = (a.tolist() for a in (data.ready, data.service, data.prize))
-    clients = [
-        pyvrp.Client(
-            i, delivery=[demand[i]] if loaded else [], service_duration=service[i], tw_early=ready[i], tw_late=due[i], prize=prize[i],
-            required=required[i],
-        )
-        for i in problem.customers.tolist()
-    ]  # fmt: skip
-    depots = sites.depots.tolist()
-    place = {site: k for k, site in enumerate(depots)}
-    types, kept = [], []
-    for k, vehicle in enumerate(problem.fleet):
-        closes = int(min(data.due[vehicle.end], data.latest_return[k]))
-        opens = ready[vehicle.start]
-        if closes < opens:
-            continue
-        reach = int(min(data.max_distance[k], data.travel_reach[k]))
-        types.append(
-            pyvrp.VehicleType(
-                num_available=len(clients) if vehicle.count is None else min(vehicle.count, len(clients)),
-                capacity=[min(int(data.capacity[k]) * factor, UNLIMITED)] if loaded else [],
-                start_depot=place[vehicle.start], end_depot=place[vehicle.end],
-                fixed_cost=int(data.fixed[k]), unit_distance_cost=int(data.unit[k]),
-                tw_early=opens, tw_late=closes, start_late=min(max(opens, due[vehicle.start]), closes),
-                shift_duration=int(data.max_duration[k]), max_distance=reach,
-            )
-        )  # fmt: skip
-        kept.append(k)
-    # One matrix serves as cost and as distance limit; only where there is a limit does it have to be rounded up.
-    if not types:
-        return None, []
-    limited = any(t.max_distance != UNLIMITED for t in types)
-    made = pyvrp.ProblemData(
-        locations=[pyvrp.Location(float(x), float(y)) for x, y in xy],
-        clients=clients,
-        depots=[pyvrp.Depot(i) for i in depots],
-        vehicle_types=types,
-        distance_matrices=[data.distance_up if limited else data.distance],
-        duration_matrices=[data.duration],
-    )
-    return made, kept
-
-
-def load_factor(data: IntegerRouting) -> int:
-    """Power of ten by which loads are multiplied, so that too much load can never pay.
-
-    PyVRP prices a unit of excess load at 1e5 at most; where costs count in millionths that is next to nothing.
-    """
-    gain = max(int(data.distance.max(initial=0)) * int(data.unit.max()), int(data.fixed.max()), int(data.prize.max()))
-    factor, most = 1, UNLIMITED // max(1, 10 * int(data.demand.sum()))
-    while factor * MAX_PENALTY < 10 * gain and factor <= most:
-        factor *= 10
-    return factor
+def _beyond(problem: RoutingProblem) -> frozenset[str]:
+    """Features that PyVRP has, put together as it does not."""
+    lacking = unscalable(problem) | entangled(problem)
+    driven = [v.energy is not None and v.energy.charge == "travel" for v in problem.fleet]
+    if any(d and problem.travel_of(k).duration_matrix is not None for k, d in enumerate(driven)):
+        # Time on the move can only be limited as a distance.
+        lacking |= {"energy:travel with separate-durations"}
+    if {"shipments", "reloads"} <= problem.features():
+        lacking |= {"shipments with reloads"}
+    return lacking
 
 
 class _Search:
@@ -150,6 +91,7 @@ class _Search:
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control) -> None:
         self.problem, self.data, self.options, self.control = problem, data, options, control
+        self.timed = bool(data.time.any() or data.overtime.any())
         self.iterations = 0
         self.limit = "none"
         self.pending: Any = None
@@ -162,16 +104,16 @@ class _Search:
 
         if not len(self.problem.customers):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
-        self.model, self.types = problem_data(self.problem, self.data)
-        if self.model is None:
+        self.model = Model(self.problem, self.data)
+        if self.model.data is None:
             message = "no vehicle can leave its depot and return in time"
             return RawResult("infeasible" if self.problem.sites.required.any() else "unknown", message=message)
         params.ils.callbacks = self._callbacks()
-        start = None if self.options.start is None else self._from_routes(self.options.start)
+        start = None if self.options.start is None else self.model.solution(self.options.start)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pyvrp.exceptions.PenaltyBoundWarning)
             result = pyvrp.solve(
-                self.model, self._stop, seed=self.options.seed % 2**32, collect_stats=False, display=False, params=params,
+                self.model.data, self._stop, seed=self.options.seed % 2**32, collect_stats=False, display=False, params=params,
                 initial_solution=start,
             )  # fmt: skip
         statistics: dict[str, Any] = {"iterations": result.num_iterations, "scale": self.data.scales}
@@ -179,13 +121,14 @@ class _Search:
             statistics["start"] = "refused" if start is None else "used"
         if not result.is_feasible():
             return RawResult("unknown", self.limit, statistics=statistics, message="PyVRP found no feasible answer")
-        answer = self._to_routes(result.best)
-        return RawResult("feasible", self.limit, answer, self._claim(result.best), statistics=statistics)
+        answer = self.model.routes(result.best)
+        return RawResult("feasible", self.limit, answer, self._claim(result.best, answer), statistics=statistics)
 
     def _stop(self, best_cost: float) -> bool:
         now = time.perf_counter()
         if self.pending is not None and now >= self.publish_at:
-            self.control.publish(self._to_routes(self.pending), self._claim(self.pending))
+            answer = self.model.routes(self.pending)
+            self.control.publish(answer, self._claim(self.pending, answer))
             self.pending, self.publish_at = None, now + PUBLISH_EVERY
         if self.control.stopped:
             self.limit = "interrupt"
@@ -219,27 +162,11 @@ class _Search:
 
         return Hear()
 
-    def _claim(self, solution: Any) -> float | None:
-        cost = solution.distance_cost() + solution.fixed_vehicle_cost() - solution.prizes()
+    def _claim(self, solution: Any, answer: Routes) -> float | None:
+        if self.timed and not self.data.scales["exact"]:  # durations are rounded up, move by move
+            return self.problem.evaluate(answer).values[0] if len(self.problem.senses) == 1 else None
+        cost = solution.distance_cost() + solution.duration_cost() + solution.fixed_vehicle_cost() - solution.prizes()
         return claimed_objective(self.problem, cost / self.data.cost_factor)
-
-    def _to_routes(self, solution: Any) -> Routes:
-        customers = self.problem.customers
-        return Routes.of(
-            Route(tuple(int(customers[a.idx]) for a in route if a.is_client()), self.types[route.vehicle_type()])
-            for route in solution.routes()
-        )
-
-    def _from_routes(self, answer: Routes) -> Any:
-        """A start for the search, feasible or not; None if PyVRP cannot represent it."""
-        import pyvrp
-
-        client = {int(site): k for k, site in enumerate(self.problem.customers)}
-        kind = {k: number for number, k in enumerate(self.types)}
-        try:
-            return pyvrp.Solution(self.model, [pyvrp.Route(self.model, [client[i] for i in r.visits], kind[r.vehicle]) for r in answer])
-        except (KeyError, RuntimeError, ValueError):
-            return None
 
 
 def _parameters(extra: dict[str, Any]) -> Any:

@@ -12,79 +12,37 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from ...formulations.programs.exactness import Exactness, Link
 from ...instances.errors import InputError
+from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, plain, scale_of, whole
 from .routing_objective import scalarised
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
+    from ...instances.routing.travel import Travel
 
-Integers = NDArray[np.int64]
-Floats = NDArray[np.float64]
-
-UNLIMITED = int(np.iinfo(np.int64).max)
-"""Stands for infinity; each engine puts its own largest value there."""
-
-FINE = 1_000_000
-"""Scale of data that three decimals cannot hold."""
-
-_ROUNDING = 4 * float(np.finfo(np.float64).eps)
-_SMALL, _WIDE, _BASE = -10, 40, 20
-"""Binary exponents: data below 2**-10, above 2**40, or above 2**20 and to be rounded become just less than 2**20; so do binary fractions,
-which that makes exact."""
+_PRECISE = 10_000
+"""Least price of a unit of time that no power of ten makes whole."""
 
 
-@dataclass(frozen=True)
-class Scale:
-    """One unit of the data is ``factor`` integers; ``exact`` if nothing was rounded."""
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Moves of vehicles of one kind, int arrays of shape (sites, sites).
 
-    factor: float
-    exact: bool
-
-    def nearest(self, values: ArrayLike) -> Integers:
-        """For costs."""
-        return _integers(np.rint(np.asarray(values, dtype=np.float64) * self.factor))
-
-    def up(self, values: ArrayLike) -> Integers:
-        """For what is consumed, and for earliest times."""
-        scaled = self._scaled(values)
-        return _integers(np.ceil(scaled if self.exact else scaled - _ROUNDING * np.abs(scaled)))
-
-    def down(self, values: ArrayLike) -> Integers:
-        """For limits; infinite ones become ``UNLIMITED``."""
-        scaled = self._scaled(values)
-        return _integers(np.floor(scaled if self.exact else scaled + _ROUNDING * np.abs(scaled)))
-
-    def _scaled(self, values: ArrayLike) -> Floats:
-        scaled = np.asarray(values, dtype=np.float64) * self.factor
-        return np.where(_whole(scaled), np.rint(scaled), scaled) if self.exact else scaled
-
-
-def scale_of(*values: ArrayLike, fine: int = FINE) -> Scale:
-    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats; else ``fine``.
-
-    Each times a power of two, where the largest value is very small or very large.
+    Attributes
+    ----------
+    distance : for costs: rounded to the nearest.
+    distance_up, duration : for limits: rounded up.
+    charge : time charged for a move by ``energy:windows``; rounded up. None where nobody is charged so.
+    closing : latest time at which a move may begin. None where none closes.
     """
-    parts = [np.asarray(v, dtype=np.float64).ravel() for v in values]
-    every = np.concatenate(parts) if parts else np.zeros(0)
-    every = every[np.isfinite(every)]
-    largest = float(np.abs(every).max(initial=0.0))
-    if largest == 0.0:
-        return Scale(1, True)
-    exponent = math.frexp(largest)[1]
-    other = math.ldexp(1.0, min(1000, _BASE - exponent))
-    for unit in (1.0, other) if _SMALL <= exponent <= _WIDE else (other,):
-        for factor in (1, 10, 100, 1000):
-            if _whole(every * unit * factor).all():
-                return Scale(_plain(unit * factor), True)
-    return Scale(_plain((1.0 if _SMALL <= exponent <= _BASE else other) * fine), False)
 
-
-def _plain(factor: float) -> float:
-    """A whole number as one, for people to read."""
-    return int(factor) if factor == int(factor) else factor
+    distance: Integers
+    distance_up: Integers
+    duration: Integers
+    charge: Integers | None
+    closing: Integers | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,48 +51,83 @@ class IntegerRouting:
 
     Attributes
     ----------
-    distance : int array of shape (sites, sites)
-        For costs: rounded to the nearest.
-    distance_up, duration : int arrays of shape (sites, sites)
-        For limits: rounded up.
-    service, ready, due, demand : int arrays, one entry a site
+    moves : tuple of Moves
+        One entry for each travel, speed and, where it is charged for, opening of a vehicle.
+    profile : int array
+        Entry of ``moves`` of each vehicle type.
+    service, ready, due : int arrays, one entry a site
         Times count from ``origin``, the earliest ready time if that is negative.
-    charge : int array of shape (sites, sites)
-        Time charged for a move by ``energy:windows``; rounded up.
+    windows : tuple
+        One entry a site: one or several windows (ready, due).
+    demand, pickup : int arrays of shape (sites, load dimensions)
+    shipped : int array of shape (shipments, load dimensions)
     prize : int array, one entry a site
         What a visit is worth in the cost's units.
-    capacity, max_duration, max_distance, unit, fixed : int arrays, one entry a vehicle type
+    capacity : int array of shape (vehicle types, load dimensions)
+    max_duration, max_distance, regular_duration, unit, fixed, time, overtime : int arrays, one entry a vehicle type
+        ``time`` and ``overtime``: costs of a unit of duration, and of one beyond the regular duration.
+    opens, leaves, closes : int arrays, one entry a vehicle type
+        Earliest and latest departure, latest return. Where ``closes`` is before ``opens`` no vehicle can be used.
     travel_limit, charge_limit, latest_return : int arrays, one entry a vehicle type
         Energy as a limit on time: on the move, charged by windows, and as the latest return of a route that starts when
         its depot opens.
     travel_reach : int array, one entry a vehicle type
         ``travel_limit`` as a limit on distance, where moves take as long as they are.
+    maxima : int array
+        Costs of a unit of the largest duration, distance and return, in the order of ``routing_objective.MAXIMA``.
     cost_factor : float
         Integers in one unit of the objective.
     scales : dict
         For the report: scale of cost, distance, time and load.
     """
 
-    distance: Integers
-    distance_up: Integers
-    duration: Integers
+    moves: tuple[Moves, ...]
+    profile: Integers
     service: Integers
     ready: Integers
     due: Integers
+    windows: tuple[tuple[tuple[int, int], ...], ...]
     demand: Integers
-    charge: Integers | None
+    pickup: Integers
+    shipped: Integers
     prize: Integers
     capacity: Integers
     max_duration: Integers
     max_distance: Integers
+    regular_duration: Integers
     unit: Integers
     fixed: Integers
+    time: Integers
+    overtime: Integers
+    opens: Integers
+    leaves: Integers
+    closes: Integers
     travel_limit: Integers
     travel_reach: Integers
     charge_limit: Integers
     latest_return: Integers
+    maxima: Integers
     cost_factor: float
     scales: dict[str, Any]
+
+    @property
+    def limited(self) -> list[int]:
+        """Load dimensions in which some capacity may be exceeded."""
+        carried = self.demand.any(axis=0) | self.pickup.any(axis=0) | self.shipped.any(axis=0)
+        return [int(k) for k in np.nonzero(carried & (self.capacity != UNLIMITED).any(axis=0))[0]]
+
+    def fewest(self) -> int:
+        """Vehicles that the loads ask for at least, were all of the roomiest type; 0 where loads limit nothing."""
+        needs = [0]
+        for k in self.limited:
+            roomiest = int(self.capacity[:, k].max())
+            if roomiest not in (0, UNLIMITED):
+                needs.append(-(-int(max(self.demand[:, k].sum(), self.pickup[:, k].sum())) // roomiest))
+        return max(needs)
+
+    def moves_of(self, kind: int) -> Moves:
+        """Moves of a vehicle type."""
+        return self.moves[int(self.profile[kind])]
 
     @property
     def holds(self) -> Exactness:
@@ -154,7 +147,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     Parameters
     ----------
     problem : RoutingProblem
-        Its objective is a combination of total cost, vehicles and reward (``scalarised``).
+        Its objective is one sum (``scalarised``).
     largest : int
         Largest integer that the engine takes as a single value.
     total : int
@@ -167,101 +160,161 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     InputError
         If a value or a sum of them is beyond ``largest`` or ``total``; names the largest value.
     """
-    sites, travel, fleet = problem.sites, problem.travel, problem.fleet
+    sites, fleet = problem.sites, problem.fleet
     goal = scalarised(problem)
-    n = len(sites)
+    travels, profile = _profiles(problem)
 
-    per_unit = scale_of(goal.unit, fine=fine)
-    length = scale_of(travel.distances, goal.fixed * per_unit.factor, goal.prize * per_unit.factor, fine=fine)
-    cost = Scale(length.factor * per_unit.factor, length.exact and per_unit.exact)
     served = np.where(sites.depot, 0.0, sites.service)
-    clock = scale_of(travel.durations, served, sites.ready, sites.due, fine=fine)
-    carried = np.where(sites.depot, 0.0, sites.demand)
-    load = scale_of(carried, fine=fine)
+    if any(v.reloads for v in fleet):
+        served = sites.service
+    opening = np.array([max(float(sites.ready[v.start]), v.shift[0]) for v in fleet])
+    closing = np.array([min(float(sites.due[v.end]), v.shift[1]) for v in fleet])
+    regular = np.where(goal.overtime > 0, [v.regular_duration for v in fleet], math.inf)
+    several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
+    times = [t for w in sites.windows for pair in w for t in pair]
+    closings = [t.closing for t, _ in travels if t.closing is not None]
+    clock = scale_of(*(t.durations for t, _ in travels), *closings, served, sites.ready, sites.due, opening, regular, times, fine=fine)
+    rates = np.concatenate([goal.unit, goal.maxima[1:2]])
+    per_unit = scale_of(rates, fine=fine)
+    others = (goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
+    length = scale_of(*(t.distances for t, _ in travels), *others, fine=fine)
+    priced = np.concatenate([goal.time, goal.overtime, goal.maxima[[0, 2]]])
+    finer = _finer(priced * (per_unit.factor * length.factor / clock.factor))
+    per_unit = Scale(plain(per_unit.factor * finer), per_unit.exact)
+    cost = Scale(plain(length.factor * per_unit.factor), length.exact and per_unit.exact)
+    per_time = Scale(cost.factor / clock.factor, bool(whole(priced * (cost.factor / clock.factor)).all()))
 
     origin = min(0.0, float(sites.ready.min()))
-    ready, due = clock.up(sites.ready - origin), clock.down(sites.due - origin)
+    windows = [[(int(clock.up(r - origin)), int(clock.down(d - origin))) for r, d in listed] for listed in several]
     service = clock.up(served)
-    # A window without an integer in it: begin at the integer below, and count the difference as service.
-    narrow = (ready > due) & ~sites.depot
-    ready, service = np.where(narrow, due, ready), service + narrow
+    for site in problem.customers.tolist():
+        # A window without an integer in it: begin at the integer below, and count the difference as service.
+        service[site] += any(r > d for r, d in windows[site])
+        windows[site] = [(min(r, d), d) for r, d in windows[site]]
+    due = np.array([listed[-1][1] for listed in windows], dtype=np.int64)
 
     budgets = {kind: np.full(len(fleet), math.inf) for kind in ("travel", "elapsed", "elapsed-fixed-start", "windows")}
     for k, vehicle in enumerate(fleet):
         if vehicle.energy is not None:
-            budgets[vehicle.energy.charge][k] = vehicle.energy.capacity / vehicle.energy.rate
-    opens = sites.ready[[v.start for v in fleet]] - origin
-    charge = None
-    if np.isfinite(budgets["windows"]).any():
-        moved = served[:, None] + travel.durations
-        waited = np.where(sites.depot[None, :], -math.inf, sites.ready[None, :] - sites.ready[:, None])
-        charge = clock.up(np.maximum(moved, waited))
-        np.fill_diagonal(charge, 0)
-
-    demand, capacity = load.up(carried), load.down([v.capacity for v in fleet])
-    common = max(1, int(np.gcd.reduce(demand)))
-    demand, capacity = demand // common, np.where(capacity == UNLIMITED, UNLIMITED, capacity // common)
-    distance = length.nearest(travel.distances)
+            budgets[vehicle.energy.charge][k] = vehicle.energy.at_departure / vehicle.energy.rate
+    opens = clock.up(opening - origin)
+    latest_return = clock.down(opening - origin + budgets["elapsed-fixed-start"])
+    closes = np.minimum(clock.down(closing - origin), latest_return)
+    loads, capacity, load = _loads(problem, fine)
     made = IntegerRouting(
-        distance=distance,
-        distance_up=distance if length.exact else length.up(travel.distances),
-        duration=clock.up(travel.durations),
-        service=service, ready=ready, due=due,
-        demand=demand,
-        charge=charge,
+        moves=tuple(_moves(problem, t, at, length, clock, served, origin) for t, at in travels),
+        profile=np.array(profile, dtype=np.int64),
+        service=service,
+        ready=np.array([listed[0][0] for listed in windows], dtype=np.int64),
+        due=due,
+        windows=tuple(tuple(listed) for listed in windows),
+        demand=loads[0], pickup=loads[1], shipped=loads[2],
         prize=cost.nearest(goal.prize),
         capacity=capacity,
         max_duration=np.minimum(clock.down([v.max_duration for v in fleet]), clock.down(budgets["elapsed"])),
         max_distance=length.down([v.max_distance for v in fleet]),
+        regular_duration=clock.down(regular),
         unit=per_unit.nearest(goal.unit),
         fixed=cost.nearest(goal.fixed),
+        time=per_time.nearest(goal.time),
+        overtime=per_time.nearest(goal.overtime),
+        opens=opens, leaves=np.minimum(np.maximum(opens, due[[v.start for v in fleet]]), closes), closes=closes,
         travel_limit=clock.down(budgets["travel"]),
         travel_reach=length.down(budgets["travel"]),
         charge_limit=clock.down(budgets["windows"]),
-        latest_return=clock.down(opens + budgets["elapsed-fixed-start"]),
+        latest_return=latest_return,
+        maxima=np.concatenate([p.nearest([m]) for p, m in zip((per_time, per_unit, per_time), goal.maxima, strict=True)]),
         cost_factor=cost.factor,
         scales={
-            "cost": cost.factor, "distance": length.factor, "time": clock.factor, "load": _plain(load.factor / common),
-            "exact": cost.exact and clock.exact and load.exact,
+            "cost": cost.factor, "distance": length.factor, "time": clock.factor, "load": load.factor,
+            "exact": cost.exact and clock.exact and load.exact and per_time.exact,
         },
     )  # fmt: skip
-    _check_headroom(made, n, largest, total)
+    _check_headroom(made, len(sites), largest, total)
     return made
+
+
+def _profiles(problem: RoutingProblem) -> tuple[list[tuple[Travel, tuple[int, float] | None]], list[int]]:
+    """Different travels, each with the depot and the opening of those that are charged from it, and the number of each type's."""
+    found: list[tuple[Travel, tuple[int, float] | None]] = []
+    keys: dict[Any, int] = {}
+    profile = []
+    for k, vehicle in enumerate(problem.fleet):
+        charged = vehicle.energy is not None and vehicle.energy.charge == "windows"
+        at = (vehicle.start, max(float(problem.sites.ready[vehicle.start]), vehicle.shift[0])) if charged else None
+        key = (id(vehicle.travel), vehicle.speed, at)
+        if key not in keys:
+            keys[key] = len(found)
+            found.append((problem.travel_of(k), at))
+        profile.append(keys[key])
+    return found, profile
+
+
+def _moves(
+    problem: RoutingProblem, travel: Travel, at: tuple[int, float] | None, length: Scale, clock: Scale, served: Floats, origin: float
+) -> Moves:
+    distance, charge = length.nearest(travel.distances), None
+    if at is not None:
+        sites = problem.sites
+        ready = sites.ready.copy()
+        ready[at[0]] = at[1]
+        waited = np.where(sites.depot[None, :], -math.inf, sites.ready[None, :] - ready[:, None])
+        charge = clock.up(np.maximum(served[:, None] + travel.durations, waited))
+        np.fill_diagonal(charge, 0)
+    closing = None if travel.closing is None else clock.down(travel.closing - origin)
+    return Moves(distance, distance if length.exact else length.up(travel.distances), clock.up(travel.durations), charge, closing)
+
+
+def _loads(problem: RoutingProblem, fine: int) -> tuple[list[Integers], Integers, Scale]:
+    """Demands, pickups and shipments, capacities, and the scale of them all."""
+    sites, dimensions = problem.sites, problem.sites.dimensions
+    carried = [np.column_stack([sites.demand, sites.further_demand]), np.column_stack([sites.pickup, sites.further_pickup])]
+    for values in carried:
+        values[sites.depot] = 0.0
+    shipped = np.zeros((len(sites.shipments), dimensions))
+    for k, shipment in enumerate(sites.shipments):
+        shipped[k, : len(shipment.load)] = shipment.load
+    room = np.full((len(problem.fleet), dimensions), math.inf)
+    for k, vehicle in enumerate(problem.fleet):
+        held = vehicle.capacities[:dimensions]
+        room[k, : len(held)] = held
+    load = scale_of(*carried, shipped, fine=fine)
+    whole, capacity = [load.up(values) for values in (*carried, shipped)], load.down(room)
+    common = max(1, int(np.gcd.reduce(np.concatenate([values.ravel() for values in whole]))))
+    capacity = np.where(capacity == UNLIMITED, UNLIMITED, capacity // common)
+    return [values // common for values in whole], capacity, Scale(plain(load.factor / common), load.exact)
+
+
+def _finer(prices: Floats) -> int:
+    """Power of ten that makes prices of time whole, or precise where none does."""
+    found = [10**k for k in range(13) if whole(prices * 10**k).all()]
+    if found or not prices.any():
+        return found[0] if found else 1
+    return int(10 ** max(0, math.ceil(math.log10(_PRECISE / float(prices[prices > 0].min())))))
 
 
 def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) -> None:
     """Refuse data whose sums could overflow. Sums along an answer have at most two moves a site."""
     singles = {
-        "distance": (made.distance_up, made.scales["distance"]),
-        "duration": (made.duration, made.scales["time"]),
+        "distance": (np.array([m.distance_up.max(initial=0) for m in made.moves]), made.scales["distance"]),
+        "duration": (np.array([m.duration.max(initial=0) for m in made.moves]), made.scales["time"]),
         "service time": (made.service, made.scales["time"]),
         "ready time": (made.ready, made.scales["time"]),
         "demand": (made.demand, made.scales["load"]),
+        "pickup": (made.pickup, made.scales["load"]),
+        "shipment": (made.shipped, made.scales["load"]),
         "fixed cost": (made.fixed, made.scales["cost"]),
         "reward": (made.prize, made.scales["cost"]),
     }
+    priced = {
+        "distance": int(max(made.unit.max(), made.maxima[1])),
+        **dict.fromkeys(("duration", "service time", "ready time"), int(max(made.time.max() + made.overtime.max(), *made.maxima[[0, 2]]))),
+    }
     for what, (values, factor) in singles.items():
         top = int(values.max(initial=0))
-        limit = min(largest, total // max(1, 2 * sites))
-        if what == "distance":
-            limit //= max(1, int(made.unit.max(initial=1)))
+        limit = min(largest, total // max(1, 2 * sites)) // max(1, priced.get(what, 1))
         if top > limit:
             raise InputError(
                 f"the largest {what} is too large for an engine that counts in integers (scaled by {factor})",
                 expected=f"at most {limit / factor:g}", found=f"{top / factor:g}",
             )  # fmt: skip
-
-
-def _whole(values: Floats) -> NDArray[np.bool_]:
-    """Which values are integers but for the rounding of floats."""
-    with np.errstate(invalid="ignore"):  # infinity less infinity
-        return np.asarray(np.abs(values - np.rint(values)) <= _ROUNDING * np.abs(values))
-
-
-def _integers(values: Floats) -> Integers:
-    """Whole floats as integers; what int64 cannot hold becomes ``UNLIMITED``, with a wide margin for further sums."""
-    values = np.asarray(values, dtype=np.float64)
-    high = values >= 2.0**62
-    made = np.where(high, 0.0, np.maximum(values, -(2.0**62))).astype(np.int64)
-    made[high] = UNLIMITED
-    return made

@@ -294,6 +294,8 @@ def test_objectives_beyond_its_terms_are_refused_by_name(engine_name):
     problem = small("capacity", 0, "round")
     for objective, word in ((LongestRoute(), "objective:longest-route"), (TotalCost().then(Vehicles()), "before others")):
         asked = replace(problem, objective=objective)
+        if word in BACKENDS[engine_name].features:
+            continue
         with pytest.raises(UnsupportedError, match=word):
             run(engine_name, asked)
 

@@ -6,7 +6,8 @@ from small_routing import small
 
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
-from waybound.solvers.engines.ortools import STATUS_MAP, Model, ORTools
+from waybound.solvers.engines.ortools import STATUS_MAP, ORTools
+from waybound.solvers.engines.ortools_model import Model
 from waybound.solvers.engines.routing_integers import integer_routing
 
 

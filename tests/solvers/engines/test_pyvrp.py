@@ -10,14 +10,17 @@ from small_routing import small
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import Control, Options
-from waybound.solvers.engines.pyvrp import MAX_PENALTY, PyVRP, load_factor, problem_data
-from waybound.solvers.engines.routing_integers import UNLIMITED, integer_routing
+from waybound.solvers.engines.integer_scales import UNLIMITED
+from waybound.solvers.engines.pyvrp import PyVRP
+from waybound.solvers.engines.pyvrp_model import MAX_PENALTY, Model, load_factor
+from waybound.solvers.engines.routing_integers import integer_routing
 
 
 def test_whole_data_are_handed_over_as_they_are() -> None:
     problem = small("time-windows", 0, "round")
-    model, kinds = problem_data(problem, integer_routing(problem))
-    assert kinds == [0]
+    made = Model(problem, integer_routing(problem))
+    model = made.data
+    assert made.types == [0]
     assert (model.distance_matrix(0) == problem.travel.distances).all()
     assert [c.delivery for c in model.clients()] == [[int(d)] for d in problem.sites.demand[1:]]
     assert [(c.tw_early, c.tw_late) for c in model.clients()] == [
@@ -32,7 +35,7 @@ def test_a_unit_of_load_is_never_cheaper_to_carry_too_much_than_a_detour() -> No
         for objective in (TotalCost(), Vehicles().then(TotalCost())):
             problem = replace(small("capacity", 0, convention), objective=Objective.of(objective))
             data = integer_routing(problem)
-            gain = max(int(data.distance.max()) * int(data.unit.max()), int(data.fixed.max()))
+            gain = max(int(data.moves[0].distance.max()) * int(data.unit.max()), int(data.fixed.max()))
             assert load_factor(data) * MAX_PENALTY >= 10 * gain
 
 
@@ -70,7 +73,7 @@ def test_energy_for_travel_is_a_limit_on_distance_in_the_distances_scale() -> No
     problem = replace(problem, sites=replace(problem.sites, service=np.where(problem.sites.depot, 0.0, 0.25)))
     data = integer_routing(problem)
     assert (data.scales["time"], data.scales["distance"]) == (100, 10)
-    model, _ = problem_data(problem, data)
+    model = Model(problem, data).data
     energy = problem.fleet[0].energy
     assert energy is not None
     assert model.vehicle_type(0).max_distance == math.floor(energy.capacity / energy.rate * 10 + 1e-9)

@@ -11,67 +11,10 @@ from hypothesis import strategies as st
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
+from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.solvers.engines.routing_integers import FINE, UNLIMITED, Scale, integer_routing, scale_of
-
-numbers = st.floats(0, 1e5, allow_nan=False)
-
-
-@pytest.mark.parametrize(
-    ("values", "factor", "exact"),
-    [
-        ([1, 2, 3], 1, True),
-        ([1.5], 10, True),
-        ([0.25, 3], 100, True),
-        ([0.125], 1000, True),
-        ([1 / 3], FINE, False),
-    ],
-)
-def test_the_smallest_exact_scale_is_chosen(values: list[float], factor: int, exact: bool) -> None:
-    assert scale_of(values) == Scale(factor, exact)
-
-
-@pytest.mark.parametrize("values", [[3, 7, 12], [0.3, 0.7], [1 / 3, 2 / 7]])
-@pytest.mark.parametrize("power", [-200, -30, 40, 300])
-def test_data_of_any_size_keep_their_precision(values: list[float], power: int) -> None:
-    scale = scale_of(np.ldexp(values, power))
-    assert scale.exact == scale_of(values).exact
-    made = scale.nearest(np.ldexp(values, power))
-    assert made / made[0] == pytest.approx(np.array(values) / values[0], rel=1e-5)
-    assert made.max() < 2**44
-
-
-def test_infinite_values_do_not_count_for_the_scale() -> None:
-    assert scale_of([math.inf, 2.0], [0.5]) == Scale(10, True)
-
-
-def test_nothing_to_scale_is_scaled_by_one() -> None:
-    assert scale_of() == Scale(1, True)
-    assert scale_of([]) == Scale(1, True)
-
-
-@given(numbers)
-def test_up_is_never_below_and_down_never_above_by_more_than_the_guard(value: float) -> None:
-    scale = scale_of([value])
-    slack = 1e-9 / scale.factor if scale.exact else 1e-9
-    up, down = int(scale.up(value)), int(scale.down(value))
-    assert up / scale.factor >= value - slack - 1e-12 * value
-    assert down / scale.factor <= value + slack + 1e-12 * value
-    assert up - down in (0, 1)
-
-
-@given(st.integers(-(10**12), 10**12), st.sampled_from([1, 10, 100, 1000]))
-def test_exact_scales_are_exact(whole: int, factor: int) -> None:
-    value = whole / factor
-    scale = scale_of([value])
-    assert scale.exact
-    for made in (scale.up(value), scale.down(value), scale.nearest(value)):
-        assert int(made) * factor == whole * scale.factor
-
-
-def test_infinite_limits_are_unlimited() -> None:
-    assert int(Scale(FINE, False).down(math.inf)) == UNLIMITED
+from waybound.solvers.engines.integer_scales import FINE, UNLIMITED
+from waybound.solvers.engines.routing_integers import integer_routing
 
 
 @st.composite
@@ -99,16 +42,16 @@ def integer_feasible(problem: RoutingProblem, visits: tuple[int, ...]) -> bool:
     data = integer_routing(problem)
     vehicle = problem.fleet[0]
     stops = [vehicle.start, *visits, vehicle.end]
-    moves = list(itertools.pairwise(stops))
-    if sum(int(data.demand[i]) for i in visits) > data.capacity[0]:
+    moves, given = list(itertools.pairwise(stops)), data.moves[0]
+    if sum(int(data.demand[i, 0]) for i in visits) > data.capacity[0, 0]:
         return False
-    if sum(int(data.distance_up[m]) for m in moves) > data.max_distance[0]:
+    if sum(int(given.distance_up[m]) for m in moves) > data.max_distance[0]:
         return False
-    if sum(int(data.duration[m]) for m in moves) > data.travel_limit[0]:
+    if sum(int(given.duration[m]) for m in moves) > data.travel_limit[0]:
         return False
-    if data.charge is not None:
-        charge = [int(data.charge[m]) for m in moves[:-1]]
-        last = int(data.service[moves[-1][0]]) + int(data.duration[moves[-1]])
+    if given.charge is not None:
+        charge = [int(given.charge[m]) for m in moves[:-1]]
+        last = int(data.service[moves[-1][0]]) + int(given.duration[moves[-1]])
         if sum(charge) + last > data.charge_limit[0]:
             return False
     opens, closes = int(data.ready[vehicle.start]), max(int(data.ready[vehicle.start]), int(data.due[vehicle.start]))
@@ -116,7 +59,7 @@ def integer_feasible(problem: RoutingProblem, visits: tuple[int, ...]) -> bool:
     def finish(departure: int) -> int | None:
         clock = departure
         for (i, j), last in zip(moves, [False] * (len(moves) - 1) + [True], strict=True):
-            clock += (int(data.service[i]) if i != vehicle.start else 0) + int(data.duration[i, j])
+            clock += (int(data.service[i]) if i != vehicle.start else 0) + int(given.duration[i, j])
             if not last:
                 clock = max(clock, int(data.ready[j]))
             if clock > data.due[j]:
@@ -173,7 +116,7 @@ def test_loads_are_counted_in_their_common_divisor(unit: float) -> None:
     sites = Sites.of(["o", "a", "b"], demand=[0, 6 * unit, 9 * unit])
     problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(capacity=14 * unit), VehicleType()))
     made = integer_routing(problem)
-    assert (made.demand.tolist(), made.capacity.tolist()) == ([0, 2, 3], [4, UNLIMITED])
+    assert (made.demand.tolist(), made.capacity.tolist()) == ([[0], [2], [3]], [[4], [UNLIMITED]])
     assert made.scales["load"] == pytest.approx(1 / (3 * unit))
 
 
@@ -182,7 +125,7 @@ def test_the_depots_own_demand_and_service_do_not_count() -> None:
     sites = Sites.of(range(2), demand=[0.3333, 1], service=[9.1, 2], coordinates=xy)
     data = integer_routing(RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(capacity=1),)))
     assert data.scales == {"cost": 1, "distance": 1, "time": 1, "load": 1, "exact": True}
-    assert data.demand.tolist() == [0, 1]
+    assert data.demand.tolist() == [[0], [1]]
     assert data.service.tolist() == [0, 2]
 
 
@@ -209,5 +152,45 @@ def test_fixed_costs_with_decimals_are_kept() -> None:
     xy = np.array([[0.0, 0.0], [3.0, 4.0]])
     fleet = (VehicleType(fixed_cost=0.25, unit_cost=1.5),)
     data = integer_routing(RoutingProblem(Sites.of(range(2), coordinates=xy), Travel("euclidean", xy), fleet))
-    cost = data.unit[0] * data.distance[0, 1] + data.fixed[0]
+    cost = data.unit[0] * data.moves[0].distance[0, 1] + data.fixed[0]
     assert cost / data.cost_factor == pytest.approx(7.75)
+
+
+def test_prices_of_time_are_whole_in_the_clocks_own_scale() -> None:
+    matrix = np.array([[0.0, 1.25], [1.25, 0.0]])
+    fleet = (VehicleType(unit_cost=0.5, unit_duration_cost=0.3, regular_duration=2.0, unit_overtime_cost=7.0),)
+    data = integer_routing(RoutingProblem(Sites.of(range(2)), Travel(EXPLICIT, matrix=matrix), fleet))
+    moved, lasts = (2 * int(m[0, 1]) for m in (data.moves[0].distance, data.moves[0].duration))
+    beyond = lasts - int(data.regular_duration[0])
+    cost = int(data.unit[0]) * moved + int(data.time[0]) * lasts + int(data.overtime[0]) * beyond
+    assert data.scales["exact"] is True
+    assert cost / data.cost_factor == pytest.approx(0.5 * 2.5 + 0.3 * 2.5 + 7.0 * 0.5, abs=1e-12)
+
+
+def test_vehicles_of_one_travel_and_speed_share_their_moves() -> None:
+    matrix, other = np.full((3, 3), 4.0), np.full((3, 3), 7.0)
+    own = Travel(EXPLICIT, matrix=other)
+    fleet = tuple(VehicleType(1, speed=s, travel=t) for s, t in ((1.0, None), (2.0, None), (1.0, own), (2.0, None)))
+    data = integer_routing(RoutingProblem(Sites.of(range(3)), Travel(EXPLICIT, matrix=matrix), fleet))
+    assert data.profile.tolist() == [0, 1, 2, 1]
+    assert [int(data.moves_of(k).duration[0, 1]) for k in range(4)] == [4, 2, 7, 2]
+    assert [int(data.moves_of(k).distance[0, 1]) for k in range(4)] == [4, 4, 7, 4]
+
+
+def test_shifts_and_windows_are_rounded_inwards() -> None:
+    third = 1.0 / 3.0
+    sites = Sites.of(range(2), due=[50, 40], windows={1: [(third, 2 + third), (5 + third, 9.0)]})
+    vehicle = VehicleType(shift=(third, 40 + third))
+    data = integer_routing(RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((2, 2))), (vehicle,)))
+    assert data.windows[1] == ((333334, 2333333), (5333334, 9000000))
+    assert (data.opens[0], data.leaves[0], data.closes[0]) == (333334, 40333333, 40333333)
+
+
+def test_all_loads_are_counted_in_one_unit() -> None:
+    sites = Sites.of(range(3), demand=[[0, 0], [4, 2], [0, 6]], pickup=[[0, 0], [8, 0], [2, 0]], shipments=[Shipment(1, 2, (6.0,))])
+    fleet = (VehicleType(capacity=9.0, further_capacity=(5.0,)), VehicleType(capacity=math.inf))
+    data = integer_routing(RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), fleet))
+    assert data.demand.tolist() == [[0, 0], [2, 1], [0, 3]]
+    assert (data.pickup[:, 0].tolist(), data.shipped.tolist()) == ([0, 4, 1], [[3, 0]])
+    assert data.capacity.tolist() == [[4, 2], [UNLIMITED, UNLIMITED]]
+    assert data.limited == [0, 1]

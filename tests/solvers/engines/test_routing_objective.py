@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from small_routing import small
 
-from waybound.formulations.routing.objective import LongestRoute, Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.objective import (
+    LatestReturn,
+    LongestRoute,
+    Makespan,
+    Objective,
+    Penalties,
+    Reward,
+    TotalCost,
+    TotalDuration,
+    Vehicles,
+)
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UnsupportedError
@@ -16,13 +26,26 @@ from waybound.solvers.engines.routing_objective import claimed_objective, scalar
 def value(problem: RoutingProblem, answer: Routes) -> float:
     """The sum that an engine minimises, of one answer."""
     goal = scalarised(problem)
-    total = 0.0
+    total, largest = 0.0, np.zeros(3)
     for route in answer:
-        kind = problem.fleet[route.vehicle]
+        k, kind = route.vehicle, problem.fleet[route.vehicle]
+        if not route.visits:
+            continue
         stops = [kind.start, *route.visits, kind.end]
-        total += goal.unit[route.vehicle] * problem.travel.distance(stops[:-1], stops[1:]).sum() + goal.fixed[route.vehicle]
+        distance, duration = (of(stops[:-1], stops[1:]).sum() for of in (problem.travel.distance, problem.travel.duration))
+        total += goal.unit[k] * distance + goal.fixed[k] + goal.time[k] * duration
+        total += goal.overtime[k] * max(0.0, duration - kind.regular_duration)
         total -= goal.prize[list(route.visits)].sum()
-    return float(total)
+        largest = np.maximum(largest, [duration, distance, duration])
+    return float(total + goal.maxima @ largest)
+
+
+def priced(objective) -> RoutingProblem:
+    """Prizes, penalties, costs of time and of overtime; nobody waits."""
+    problem = small("prizes", 3, "trunc1")
+    sites = replace(problem.sites, penalty=np.where(problem.sites.required, 0.0, problem.sites.reward[::-1].copy()))
+    vehicle = replace(problem.fleet[0], unit_duration_cost=0.25, regular_duration=60.0, unit_overtime_cost=1.5)
+    return replace(problem, sites=sites, fleet=(vehicle,), objective=Objective.of(objective))
 
 
 def answers(problem: RoutingProblem, rng: np.random.Generator) -> list[Routes]:
@@ -39,11 +62,13 @@ def answers(problem: RoutingProblem, rng: np.random.Generator) -> list[Routes]:
     [
         TotalCost(), Vehicles(), Reward(), 2.0 * TotalCost() + 7.0 * Vehicles(), Reward() - 0.5 * TotalCost(),
         Vehicles().then(TotalCost()), Reward().then(TotalCost()), Reward().then(Vehicles()).then(TotalCost()), -1.0 * TotalCost(),
+        TotalDuration(), Penalties().then(TotalDuration()), TotalCost() + 2.0 * Penalties(), Makespan(), Reward().then(Makespan()),
+        LongestRoute() + 0.5 * LatestReturn(), Reward() - 0.25 * Makespan(),
     ],
     ids=str,
 )  # fmt: skip
 def test_the_sum_orders_answers_as_the_objective_does(objective) -> None:
-    problem = replace(small("prizes", 3, "trunc1"), objective=Objective.of(objective))
+    problem = priced(objective)
     signs = np.array([1.0 if s == "min" else -1.0 for s in problem.senses])
     made = answers(problem, np.random.default_rng(0))
     ranked = sorted(made, key=lambda a: value(problem, a))
@@ -52,8 +77,11 @@ def test_the_sum_orders_answers_as_the_objective_does(objective) -> None:
 
 
 def test_the_claim_is_the_value_in_the_objectives_own_sense() -> None:
-    for objective in (TotalCost(), Reward() - 0.5 * TotalCost(), TotalCost() - 1.5 * Reward()):
-        problem = replace(small("prizes", 3, "trunc1"), objective=Objective.of(objective))
+    for objective in (
+        TotalCost(), Reward() - 0.5 * TotalCost(), TotalCost() - 1.5 * Reward(), TotalCost() + 0.5 * Penalties(),
+        Reward() - 0.1 * Makespan(),
+    ):  # fmt: skip
+        problem = priced(objective)
         for answer in answers(problem, np.random.default_rng(1)):
             assert claimed_objective(problem, value(problem, answer)) == pytest.approx(problem.evaluate(answer).values[0])
 
@@ -66,7 +94,7 @@ def test_nothing_is_claimed_of_objectives_in_order_of_priority() -> None:
 @pytest.mark.parametrize(
     ("objective", "word"),
     [
-        (LongestRoute(), "longest-route"), (TotalCost().then(Vehicles()), "total-cost before others"),
+        (LongestRoute().then(TotalCost()), "longest-route before others"), (TotalCost().then(Vehicles()), "total-cost before others"),
         (TotalCost() + Reward(), "1\\*reward"), ((TotalCost() + Vehicles()).then(Reward()), "before others"),
     ],
 )  # fmt: skip

@@ -1,0 +1,89 @@
+"""Scales that make whole numbers of data, each rounded to its safe side."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+UNLIMITED = int(np.iinfo(np.int64).max)
+"""Stands for infinity; each engine puts its own largest value there."""
+
+FINE = 1_000_000
+"""Scale of data that three decimals cannot hold."""
+
+_ROUNDING = 4 * float(np.finfo(np.float64).eps)
+_SMALL, _WIDE, _BASE = -10, 40, 20
+"""Binary exponents: data below 2**-10, above 2**40, or above 2**20 and to be rounded become just less than 2**20; so do binary fractions,
+which that makes exact."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """One unit of the data is ``factor`` integers; ``exact`` if nothing was rounded."""
+
+    factor: float
+    exact: bool
+
+    def nearest(self, values: ArrayLike) -> Integers:
+        """For costs."""
+        return _integers(np.rint(np.asarray(values, dtype=np.float64) * self.factor))
+
+    def up(self, values: ArrayLike) -> Integers:
+        """For what is consumed, and for earliest times."""
+        scaled = self._scaled(values)
+        return _integers(np.ceil(scaled if self.exact else scaled - _ROUNDING * np.abs(scaled)))
+
+    def down(self, values: ArrayLike) -> Integers:
+        """For limits; infinite ones become ``UNLIMITED``."""
+        scaled = self._scaled(values)
+        return _integers(np.floor(scaled if self.exact else scaled + _ROUNDING * np.abs(scaled)))
+
+    def _scaled(self, values: ArrayLike) -> Floats:
+        scaled = np.asarray(values, dtype=np.float64) * self.factor
+        return np.where(whole(scaled), np.rint(scaled), scaled) if self.exact else scaled
+
+
+def scale_of(*values: ArrayLike, fine: int = FINE) -> Scale:
+    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats; else ``fine``.
+
+    Each times a power of two, where the largest value is very small or very large.
+    """
+    parts = [np.asarray(v, dtype=np.float64).ravel() for v in values]
+    every = np.concatenate(parts) if parts else np.zeros(0)
+    every = every[np.isfinite(every)]
+    largest = float(np.abs(every).max(initial=0.0))
+    if largest == 0.0:
+        return Scale(1, True)
+    exponent = math.frexp(largest)[1]
+    other = math.ldexp(1.0, min(1000, _BASE - exponent))
+    for unit in (1.0, other) if _SMALL <= exponent <= _WIDE else (other,):
+        for factor in (1, 10, 100, 1000):
+            if whole(every * unit * factor).all():
+                return Scale(plain(unit * factor), True)
+    return Scale(plain((1.0 if _SMALL <= exponent <= _BASE else other) * fine), False)
+
+
+def plain(factor: float) -> float:
+    """A whole number as one, for people to read."""
+    return int(factor) if factor == int(factor) else factor
+
+
+def whole(values: Floats) -> NDArray[np.bool_]:
+    """Which values are integers but for the rounding of floats."""
+    with np.errstate(invalid="ignore"):  # infinity less infinity
+        return np.asarray(np.abs(values - np.rint(values)) <= _ROUNDING * np.abs(values))
+
+
+def _integers(values: Floats) -> Integers:
+    """Whole floats as integers; what int64 cannot hold becomes ``UNLIMITED``, with a wide margin for further sums."""
+    values = np.asarray(values, dtype=np.float64)
+    high = values >= 2.0**62
+    made = np.where(high, 0.0, np.maximum(values, -(2.0**62))).astype(np.int64)
+    made[high] = UNLIMITED
+    return made

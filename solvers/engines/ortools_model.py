@@ -1,0 +1,304 @@
+"""Routing problems as models of the OR-Tools routing library."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...formulations.routing.routes import Route, Routes
+from .integer_scales import UNLIMITED, Integers
+from .routing_integers import IntegerRouting
+
+if TYPE_CHECKING:
+    from ...formulations.routing.problem import RoutingProblem
+
+TIMED = frozenset(
+    {
+        "time-windows", "several-windows", "depot-windows", "shifts", "max-duration", "energy:elapsed", "energy:elapsed-fixed-start",
+        "duration-cost", "overtime", "objective:total-duration",
+    }
+)  # fmt: skip
+"""Features for which the library has to know when a vehicle is where."""
+
+
+class Model:
+    """A routing problem as an OR-Tools routing model.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    data : IntegerRouting
+    most : int
+        Vehicles of each unlimited type.
+    droppable : bool
+        Let required customers be left out at a price above any answer's cost: a search that finds no first answer any
+        other way starts from an incomplete one. Such answers are not published.
+
+    Attributes
+    ----------
+    types : list of int
+        Fleet's type of each vehicle; those that no route can use are left out.
+    offset : int
+        What the library's cost holds besides the objective: prizes of all sites, since it counts those of the sites left out.
+    """
+
+    def __init__(self, problem: RoutingProblem, data: IntegerRouting, most: int, droppable: bool = False) -> None:
+        from ortools.constraint_solver import pywrapcp
+
+        self.problem, self.data = problem, data
+        self.types = [
+            k for k, v in enumerate(problem.fleet) if data.closes[k] >= data.opens[k]
+            for _ in range(most if v.count is None else v.count if v.committed else min(v.count, len(problem.customers)))
+        ]  # fmt: skip
+        if not {k for k, v in enumerate(problem.fleet) if v.committed} <= set(self.types):
+            self.types = []  # one that must drive cannot
+        if not self.types:
+            return
+        fleet = [problem.fleet[k] for k in self.types]
+        ends = {site for v in fleet for site in (v.start, v.end)}
+        self.sites = np.array(sorted({*ends, *problem.customers.tolist()}))
+        self.node = {int(site): k for k, site in enumerate(self.sites)}
+        self.ends = [self.node[site] for site in sorted(ends)]
+        self.manager = pywrapcp.RoutingIndexManager(
+            len(self.sites), len(fleet), [self.node[v.start] for v in fleet], [self.node[v.end] for v in fleet]
+        )
+        self.routing = pywrapcp.RoutingModel(self.manager)
+        self.evaluators: dict[Any, int] = {}
+        self.offset = int(data.prize[problem.sites.required].sum())
+        dearer = self._choices(self._dear() if droppable else None)
+        self._costs(dearer)
+        self._loads()
+        self._lengths()
+        self._times(pywrapcp)
+        self._skills()
+        self._shipments()
+
+    def index(self, site: int) -> int:
+        """The library's index of a customer."""
+        return int(self.manager.NodeToIndex(self.node[site]))
+
+    def _dear(self) -> int:
+        """More than any visit can save."""
+        data = self.data
+        moved = max(int(m.distance_up.max(initial=0)) for m in data.moves) * int(data.unit.max() + data.maxima[1])
+        priced = int(data.time.max() + data.overtime.max() + data.maxima[0] + data.maxima[2])
+        return 1 + 2 * moved + int(data.fixed.max() + data.prize.sum()) + (self._horizon() * priced if priced else 0)
+
+    def _choices(self, dear: int | None) -> Integers:
+        """Which sites may be left out, at what price; what it costs more to visit one of a group than its best."""
+        data, sites = self.data, self.problem.sites
+        dearer = np.zeros(len(sites), dtype=np.int64)
+        grouped: set[int] = set()
+        for group in sites.groups:
+            grouped.update(group.sites)
+            top = int(data.prize[list(group.sites)].max())
+            dearer[list(group.sites)] = top - data.prize[list(group.sites)]
+            self.offset += top
+            indices = [self.index(site) for site in group.sites]
+            if group.required and dear is None:
+                self.routing.AddDisjunction(indices)
+            else:
+                self.routing.AddDisjunction(indices, dear if group.required else top, 1)
+        for site in self.problem.customers.tolist():
+            if not sites.required[site] and site not in grouped:
+                self.offset += int(data.prize[site])
+                self.routing.AddDisjunction([self.index(site)], int(data.prize[site]))
+            elif sites.required[site] and dear is not None:
+                self.routing.AddDisjunction([self.index(site)], dear)
+        return dearer
+
+    def _matrix(self, kind: int, name: Any, values: Callable[[], Integers]) -> int:
+        """The evaluator of a matrix for a vehicle type. A vehicle that serves nobody stays where it is, wherever its route would end,
+        unless it is committed."""
+        committed = self.problem.fleet[kind].committed
+        key = (name, int(self.data.profile[kind]), committed)
+        if key not in self.evaluators:
+            made = values()[np.ix_(self.sites, self.sites)]
+            if not committed:
+                made[np.ix_(self.ends, self.ends)] = 0
+            self.evaluators[key] = int(self.routing.RegisterTransitMatrix(made.tolist()))
+        return self.evaluators[key]
+
+    def _evaluator(self, name: str, matrices: list[Integers], kind: int) -> int:
+        """That of a vehicle type, of one matrix for each kind of travel."""
+        return self._matrix(kind, name, lambda: matrices[int(self.data.profile[kind])])
+
+    def _costs(self, dearer: Integers) -> None:
+        for vehicle, k in enumerate(self.types):
+            unit, profile = int(self.data.unit[k]), int(self.data.profile[k])
+            evaluator = self._matrix(k, ("cost", unit), partial(self._priced, unit, profile, dearer))
+            self.routing.SetArcCostEvaluatorOfVehicle(evaluator, vehicle)
+            if self.problem.fleet[k].committed:
+                self.routing.SetVehicleUsedWhenEmpty(True, vehicle)
+                self.offset -= int(self.data.fixed[k])
+            elif self.data.fixed[k]:
+                self.routing.SetFixedCostOfVehicle(int(self.data.fixed[k]), vehicle)
+
+    def _priced(self, unit: int, profile: int, dearer: Integers) -> Integers:
+        return self.data.moves[profile].distance * unit + dearer[None, :]
+
+    def _loads(self) -> None:
+        data, shipments = self.data, self.problem.sites.shipments
+        for k in data.limited:
+            delivered, change = data.demand[:, k], data.pickup[:, k].copy()
+            for number, shipment in enumerate(shipments):
+                change[shipment.pickup] += data.shipped[number, k]
+                change[shipment.delivery] -= data.shipped[number, k]
+            most = int(delivered.sum() + data.pickup[:, k].sum() + data.shipped[:, k].sum())
+            limits = np.minimum(data.capacity[self.types, k], most).tolist()
+            if not change.any():
+                self._load(delivered, limits, True, f"load {k}")
+                continue
+            # What is on board: all that is delivered on the way at first, less what has been, and what has been picked up.
+            self._load(change - delivered, limits, not delivered.any(), f"load {k}")
+            if delivered.any():
+                self._load(delivered, limits, True, f"delivered {k}")
+                board, total = (self.routing.GetDimensionOrDie(f"{name} {k}") for name in ("load", "delivered"))
+                for vehicle in range(len(self.types)):
+                    begins, ends = board.CumulVar(self.routing.Start(vehicle)), total.CumulVar(self.routing.End(vehicle))
+                    self.routing.solver().Add(begins == ends)
+
+    def _load(self, values: Integers, limits: list[int], empty: bool, name: str) -> None:
+        evaluator = self.routing.RegisterUnaryTransitVector(values[self.sites].tolist())
+        self.routing.AddDimensionWithVehicleCapacity(evaluator, 0, limits, empty, name)
+
+    def _lengths(self) -> None:
+        """Limits on distance, time on the move and charge; the longest distance."""
+        data, many = self.data, 2 * len(self.sites)
+        for name, limit, attribute in (
+            ("distance", data.max_distance, "distance_up"), ("travel", data.travel_limit, "duration"),
+            ("charge", data.charge_limit, "charge"),
+        ):  # fmt: skip
+            counted = name == "distance" and data.maxima[1]
+            if not counted and not (limit[self.types] != UNLIMITED).any():
+                continue
+            matrices = [getattr(moves, attribute) for moves in data.moves]
+            matrices = [np.zeros_like(data.moves[0].duration) if m is None else m for m in matrices]
+            most = many * max(int(m.max(initial=0)) for m in matrices)
+            evaluators = [self._evaluator(name, matrices, k) for k in self.types]
+            limits = np.minimum(limit[self.types], most).tolist()
+            self.routing.AddDimensionWithVehicleTransitAndCapacity(evaluators, 0, limits, True, name)
+            if counted:
+                self.routing.GetDimensionOrDie(name).SetGlobalSpanCostCoefficient(int(data.maxima[1]))
+
+    def _moves(self) -> list[Integers]:
+        return [self.data.service[:, None] + m.duration for m in self.data.moves]
+
+    def _horizon(self) -> int:
+        """No earliest schedule, and none of least duration, ends later."""
+        longest = np.max([m.max(axis=1) for m in self._moves()], axis=0)
+        latest = max(int(self.data.opens.max()), *(listed[-1][0] for listed in self.data.windows))
+        return latest + int(longest[self.sites].sum())
+
+    def _times(self, pywrapcp: Any) -> None:
+        """Clocks of three kinds: with any departure, with the earliest, and one that stands still until the departure."""
+        data, routing, horizon = self.data, self.routing, self._horizon()
+        moves = self._moves()
+        evaluators = [self._evaluator("time", moves, k) for k in self.types]
+        if TIMED & self.problem.features():
+            routing.AddDimensionWithVehicleTransits(evaluators, horizon, horizon, False, "time")
+            time = routing.GetDimensionOrDie("time")
+            self._windows(time, 0, horizon)
+            for vehicle, k in enumerate(self.types):
+                time.CumulVar(routing.Start(vehicle)).SetRange(int(data.opens[k]), int(min(data.leaves[k], horizon)))
+                if data.max_duration[k] != UNLIMITED:
+                    time.SetSpanUpperBoundForVehicle(int(min(data.max_duration[k], horizon)), vehicle)
+                if data.time[k]:
+                    time.SetSpanCostCoefficientForVehicle(int(data.time[k]), vehicle)
+                if data.overtime[k]:
+                    beyond = pywrapcp.BoundCost(int(min(data.regular_duration[k], horizon)), int(data.overtime[k]))
+                    time.SetSoftSpanUpperBoundForVehicle(beyond, vehicle)
+        closing = data.moves[0].closing
+        if data.maxima[2] or closing is not None:
+            routing.AddDimensionWithVehicleTransits(evaluators, horizon, horizon, True, "return")
+            clock, first = routing.GetDimensionOrDie("return"), int(data.opens.min())
+            self._windows(clock, first, horizon)
+            for vehicle, k in enumerate(self.types):
+                clock.SlackVar(routing.Start(vehicle)).SetMin(int(data.opens[k]) - first)
+            if data.maxima[2]:
+                clock.SetGlobalSpanCostCoefficient(int(data.maxima[2]))
+            if closing is not None:
+                self._closing(clock, closing, first, horizon)
+        if data.maxima[0]:  # nobody waits: see ``missing``
+            routing.AddDimensionWithVehicleTransits(evaluators, 0, horizon, True, "duration")
+            routing.GetDimensionOrDie("duration").SetGlobalSpanCostCoefficient(int(data.maxima[0]))
+
+    def _closing(self, clock: Any, closing: Integers, first: int, horizon: int) -> None:
+        """Moves begin in time; that to the own index, of a site left out, always does."""
+        routing, manager, data = self.routing, self.manager, self.data
+        starts = {routing.Start(vehicle): k for vehicle, k in enumerate(self.types)}
+        heads = self.sites[[manager.IndexToNode(index) for index in range(routing.Size() + len(self.types))]]
+        for index in range(routing.Size()):
+            site = int(heads[index])
+            latest = np.minimum(closing[site, heads], horizon + int(data.service[site])) - data.service[site] - first
+            latest[index] = horizon
+            if index not in starts:
+                routing.solver().Add(clock.CumulVar(index) <= routing.solver().Element(latest.tolist(), routing.NextVar(index)))
+                continue
+            kind = starts[index]
+            late = np.nonzero(latest < int(data.opens[kind]) - first)[0]
+            home = () if self.problem.fleet[kind].committed else [routing.End(v) for v in range(len(self.types))]
+            routing.NextVar(index).RemoveValues([int(j) for j in late if j not in home])
+
+    def _windows(self, clock: Any, first: int, horizon: int) -> None:
+        """Windows of customers and returns on a clock that begins at ``first``."""
+        data = self.data
+        for site in self.problem.customers.tolist():
+            begins, windows = clock.CumulVar(self.index(site)), data.windows[site]
+            if windows[-1][1] < first:
+                self.routing.solver().Add(self.routing.ActiveVar(self.index(site)) == 0)
+                continue
+            begins.SetRange(max(0, windows[0][0] - first), int(min(windows[-1][1], horizon)) - first)
+            for (_, closes), (opens, _) in itertools.pairwise(windows):
+                if closes + 1 < opens and opens > first:
+                    begins.RemoveInterval(max(0, closes + 1 - first), opens - 1 - first)
+        for vehicle, k in enumerate(self.types):
+            clock.CumulVar(self.routing.End(vehicle)).SetRange(0, int(min(data.closes[k], horizon)) - first)
+
+    def _skills(self) -> None:
+        for site in self.problem.customers.tolist() if self.problem.sites.skills else ():
+            asked = self.problem.sites.skills[site]
+            able = [vehicle for vehicle, k in enumerate(self.types) if asked <= self.problem.fleet[k].skills]
+            if not able:
+                self.routing.solver().Add(self.routing.ActiveVar(self.index(site)) == 0)
+            elif len(able) < len(self.types):
+                self.routing.VehicleVar(self.index(site)).SetValues([-1, *able])
+
+    def _shipments(self) -> None:
+        shipments, solver = self.problem.sites.shipments, self.routing.solver()
+        if not shipments:
+            return
+        self.routing.AddConstantDimension(1, len(self.sites) + 2, True, "position")
+        position = self.routing.GetDimensionOrDie("position")
+        for shipment in shipments:
+            first, last = self.index(shipment.pickup), self.index(shipment.delivery)
+            self.routing.AddPickupAndDelivery(first, last)
+            solver.Add(self.routing.VehicleVar(first) == self.routing.VehicleVar(last))
+            solver.Add(position.CumulVar(first) <= position.CumulVar(last))
+
+    def routes(self, successor: Callable[[int], int]) -> Routes:
+        """The routes of ``successor``, a function from an index to the next one."""
+        found = []
+        for vehicle, kind in enumerate(self.types):
+            at, visits = successor(self.routing.Start(vehicle)), []
+            while not self.routing.IsEnd(at):
+                visits.append(int(self.sites[self.manager.IndexToNode(at)]))
+                at = successor(at)
+            found.append(Route(tuple(visits), kind))
+        return Routes.of(found)
+
+    def assignment(self, answer: Routes) -> Any:
+        """A start for the search; None if the library cannot take the answer."""
+        free: dict[int, list[int]] = {}
+        for vehicle, kind in enumerate(self.types):
+            free.setdefault(kind, []).append(vehicle)
+        routes: list[list[int]] = [[] for _ in self.types]
+        for route in answer:
+            if not free.get(route.vehicle) or not self.node.keys() >= set(route.visits):
+                return None
+            routes[free[route.vehicle].pop(0)] = [self.index(site) for site in route.visits]
+        return self.routing.ReadAssignmentFromRoutes(routes, True)

@@ -1,0 +1,165 @@
+"""Routing problems as PyVRP's own data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...formulations.routing.routes import Route, Routes
+from .integer_scales import UNLIMITED, Integers
+from .routing_integers import IntegerRouting
+
+if TYPE_CHECKING:
+    from ...formulations.routing.problem import RoutingProblem
+
+MAX_PENALTY = 100_000
+"""Largest price of a unit of violation in PyVRP."""
+
+
+class Model:
+    """A routing problem as PyVRP's ``ProblemData``.
+
+    Each skill is a load dimension: a site that asks for it takes one unit, a vehicle that lacks it has no room for any.
+
+    Attributes
+    ----------
+    data : pyvrp.ProblemData
+        None if no vehicle can be used at all.
+    types : list of int
+        Fleet's type of each of its vehicle types; those that no route can use are left out.
+    """
+
+    def __init__(self, problem: RoutingProblem, integers: IntegerRouting) -> None:
+        import pyvrp
+
+        self.problem, self.integers = problem, integers
+        sites, fleet = problem.sites, problem.fleet
+        ends = {site for s in sites.shipments for site in (s.pickup, s.delivery)}
+        self.clients = [site for site in problem.customers.tolist() if site not in ends]
+        self.types = [k for k in range(len(fleet)) if integers.closes[k] >= integers.opens[k]]
+        self.factor = load_factor(integers)
+        self.words = sorted({word for asked in sites.skills for word in asked})
+        turns = sorted({site for v in fleet for site in v.reloads})
+        # A depot on the way has a window and a service of its own, which do not hold at departure and return.
+        self.depots = [*sites.depots.tolist(), *turns]
+        self.turn = {site: len(sites.depots) + k for k, site in enumerate(turns)}
+        self.data = None
+        if not self.types:
+            return
+        xy = sites.coordinates if sites.coordinates is not None else np.zeros((len(sites), 2))
+        groups: list[Any] = []
+        member: dict[int, int] = {}
+        place = {site: k for k, site in enumerate(self.clients)}
+        for number, group in enumerate(sites.groups):
+            groups.append(pyvrp.ClientGroup([place[site] for site in group.sites], group.required))
+            member |= dict.fromkeys(group.sites, number)
+        types = [self._type(pyvrp, k) for k in self.types]
+        distances = []
+        for k, moves in enumerate(integers.moves):
+            # One matrix serves as cost and as distance limit; only where there is a limit does it have to be rounded up.
+            limited = any(t.max_distance != UNLIMITED for t in types if t.profile == k)
+            distances.append(moves.distance_up if limited else moves.distance)
+        self.data = pyvrp.ProblemData(
+            locations=[pyvrp.Location(float(x), float(y)) for x, y in xy],
+            clients=[self._client(pyvrp, site, member.get(site)) for site in self.clients],
+            depots=[
+                *(pyvrp.Depot(site) for site in sites.depots.tolist()),
+                *(pyvrp.Depot(site, *self._window(site), int(integers.service[site])) for site in turns),
+            ],
+            vehicle_types=types,
+            distance_matrices=distances,
+            duration_matrices=[moves.duration for moves in integers.moves],
+            groups=groups,
+            shipments=[self._shipment(pyvrp, k) for k in range(len(sites.shipments))],
+        )
+
+    def routes(self, solution: Any) -> Routes:
+        """The routes of a solution."""
+        return Routes.of(Route(tuple(self._stops(route)), self.types[route.vehicle_type()]) for route in solution.routes())
+
+    def _stops(self, route: Any) -> list[int]:
+        shipments, stops = self.problem.sites.shipments, []
+        for a in route.schedule()[1:-1]:
+            if a.is_client():
+                stops.append(self.clients[a.idx])
+            elif a.is_depot():
+                stops.append(self.depots[a.idx])
+            else:
+                stops.append(shipments[a.idx].pickup if a.is_pickup() else shipments[a.idx].delivery)
+        return stops
+
+    def solution(self, answer: Routes) -> Any:
+        """An answer as PyVRP's, feasible or not; None if it cannot represent it."""
+        import pyvrp
+
+        kinds = pyvrp.ActivityType
+        activity = {site: pyvrp.Activity(kinds.CLIENT, k) for k, site in enumerate(self.clients)}
+        activity |= {site: pyvrp.Activity(kinds.DEPOT, k) for site, k in self.turn.items()}
+        for k, shipment in enumerate(self.problem.sites.shipments):
+            activity |= {shipment.pickup: pyvrp.Activity(kinds.PICKUP, k), shipment.delivery: pyvrp.Activity(kinds.DELIVERY, k)}
+        number = {k: at for at, k in enumerate(self.types)}
+        try:
+            routes = [pyvrp.Route(self.data, [activity[site] for site in route.visits], number[route.vehicle]) for route in answer]
+            return pyvrp.Solution(self.data, routes)
+        except (KeyError, RuntimeError, ValueError, IndexError):
+            return None
+
+    def _window(self, site: int) -> tuple[int, int]:
+        return int(self.integers.ready[site]), int(self.integers.due[site])
+
+    def _loads(self, values: Integers, skills: frozenset[str]) -> list[int]:
+        return [int(v) * self.factor for v in values[self.integers.limited]] + [self.factor * (word in skills) for word in self.words]
+
+    def _skills(self, *sites: int) -> frozenset[str]:
+        return frozenset().union(*(self.problem.sites.skills[site] for site in sites)) if self.words else frozenset()
+
+    def _client(self, pyvrp: Any, site: int, group: int | None) -> Any:
+        data, window = self.integers, self._window(site)
+        return pyvrp.Client(
+            site, delivery=self._loads(data.demand[site], self._skills(site)), pickup=self._loads(data.pickup[site], frozenset()),
+            service_duration=int(data.service[site]), tw_early=window[0], tw_late=window[1], prize=int(data.prize[site]),
+            required=bool(self.problem.sites.required[site]), group=group,
+        )  # fmt: skip
+
+    def _shipment(self, pyvrp: Any, number: int) -> Any:
+        shipment, data = self.problem.sites.shipments[number], self.integers
+        first, last = shipment.pickup, shipment.delivery
+        return pyvrp.Shipment(
+            first, last, *self._window(first), int(data.service[first]), *self._window(last), int(data.service[last]),
+            amount=self._loads(data.shipped[number], self._skills(first, last)), prize=int(data.prize[first] + data.prize[last]),
+            required=bool(self.problem.sites.required[first]),
+        )  # fmt: skip
+
+    def _type(self, pyvrp: Any, k: int) -> Any:
+        data, vehicle, most = self.integers, self.problem.fleet[k], len(self.problem.customers)
+        room = [min(int(data.capacity[k, dimension]) * self.factor, UNLIMITED) for dimension in data.limited]
+        room += [self.factor * 2 * most if word in vehicle.skills else 0 for word in self.words]
+        longest, regular = int(data.max_duration[k]), int(min(data.regular_duration[k], data.max_duration[k]))
+        turns = [self.turn[site] for site in vehicle.reloads]
+        return pyvrp.VehicleType(
+            num_available=most if vehicle.count is None else min(vehicle.count, most),
+            capacity=room,
+            start_depot=self.depots.index(vehicle.start), end_depot=self.depots.index(vehicle.end),
+            fixed_cost=int(data.fixed[k]), unit_distance_cost=int(data.unit[k]), unit_duration_cost=int(data.time[k]),
+            tw_early=int(data.opens[k]), tw_late=int(data.closes[k]), start_late=int(data.leaves[k]),
+            shift_duration=regular, max_overtime=longest - regular, unit_overtime_cost=int(data.overtime[k]),
+            max_distance=int(min(data.max_distance[k], data.travel_reach[k])),
+            profile=int(data.profile[k]), reload_depots=turns,
+            **({} if vehicle.max_reloads is None else {"max_reloads": vehicle.max_reloads}),
+        )  # fmt: skip
+
+
+def load_factor(data: IntegerRouting) -> int:
+    """Power of ten by which loads are multiplied, so that too much load can never pay.
+
+    PyVRP prices a unit of excess load at 1e5 at most; where costs count in millionths that is next to nothing.
+    """
+    dear = int((data.time + data.overtime).max())
+    moved = [int(m.distance.max(initial=0)) * int(data.unit.max()) + int(m.duration.max(initial=0)) * dear for m in data.moves]
+    gain = max(*moved, int(data.fixed.max()), int(data.prize.max()))
+    carried = max(int(values.sum()) for values in (data.demand, data.pickup, data.shipped))
+    factor, most = 1, UNLIMITED // max(1, 10 * max(carried, len(data.demand)))
+    while factor * MAX_PENALTY < 10 * gain and factor <= most:
+        factor *= 10
+    return factor
