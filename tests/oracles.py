@@ -40,7 +40,7 @@ def set_partitioning_bound(problem: RoutingProblem, fewest: int = 0) -> float:
 
 # -- forms -----------------------------------------------------------------------------------------------------------
 
-TWO_INDEX = ("two-index-mtz", "two-index-load-flow", "two-index-time-flow")
+TWO_INDEX = ("two-index-mtz", "two-index-load-flow", "two-index-time-flow", "two-index-unit-flow")
 ROUTING_FORMS = ("three-index", *TWO_INDEX)
 
 
