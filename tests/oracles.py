@@ -40,7 +40,7 @@ def set_partitioning_bound(problem: RoutingProblem, fewest: int = 0) -> float:
 
 # -- forms -----------------------------------------------------------------------------------------------------------
 
-TWO_INDEX = ("two-index-mtz", "two-index-load-flow", "two-index-time-flow")
+TWO_INDEX = ("two-index-mtz", "two-index-load-flow", "two-index-time-flow", "two-index-unit-flow")
 ROUTING_FORMS = ("three-index", *TWO_INDEX)
 
 
@@ -55,6 +55,8 @@ def solved(program: Program) -> tuple[str, float, Any]:
     model.setOptionValue("mip_rel_gap", 0.0)
     model.setOptionValue("mip_abs_gap", 0.0)
     model.setOptionValue("threads", 1)
+    for tolerance in ("primal_feasibility_tolerance", "mip_feasibility_tolerance"):  # what a row of time is broken by has a price
+        model.setOptionValue(tolerance, 1e-9)
     model.setOptionValue("presolve_rule_off", 4096)  # HiGHS 1.12 to 1.15 cut optima of tiny routing programs off with it (HiGHS#3090)
     model.run()
     status = model.getModelStatus()

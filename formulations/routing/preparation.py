@@ -1,10 +1,11 @@
 """What every arc-based form needs first: nodes, windows tightened, arcs that some route can use, and their costs.
 
-Nodes are the depot where routes start (0), the customers in site order (1 to n), and the depot where they end (n + 1).
-Whatever grows along a route is a *resource*: time, load, distance, duration, energy. A resource has a weight w_ij for each
-move i -> j and a range [lower_i, upper_i] of its level at each node. Ranges are tightened by shortest ways through the moves that
-are left, never by direct moves, which would cut off optimal routes where the triangle inequality fails; a move is dropped if
-lower_i + w_ij > upper_j for some resource. Both are repeated until nothing changes.
+Nodes are the depot where routes start (0), the customers in site order (1 to n), copies of the depots where vehicles reload or
+recharge on their way, each for one stop (``copies``), and the depot where routes end. Whatever grows along a route is a *resource*:
+time, load, distance, duration, energy. A resource has a weight w_ij for each move i -> j and a range [lower_i, upper_i] of its level at
+each node. Ranges are tightened by shortest ways through the moves that are left, never by direct moves, which would cut off optimal
+routes where the triangle inequality fails; a move is dropped if lower_i + w_ij > upper_j for some resource. Both are repeated until
+nothing changes.
 
 Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4; docs/formulations/routing.md#preparation has the case that direct moves get
 wrong.
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.routing.reach import least_levels
-from ..tolerance import LIMIT
+from ..tolerance import LIMIT, widened
 
 if TYPE_CHECKING:
     from ...instances.routing.instance import VehicleType
@@ -115,7 +116,7 @@ class Preparation:
 
     @property
     def customers(self) -> int:
-        """Number n of customers."""
+        """Number of customers and of copies of depots."""
         return len(self.sites) - 2
 
     @property
@@ -147,38 +148,108 @@ def prepare(problem: RoutingProblem, vehicle: int = 0) -> Preparation:
     Preparation
         Customers that no route of this type can visit have no arcs, and ranges that are finite but mean nothing.
     """
-    kind = problem.fleet[vehicle]
-    customers = problem.customers
-    at = np.concatenate([[kind.start], customers, [kind.end]]).astype(np.int64)
-    n = len(customers)
+    kind, sites, travel = problem.fleet[vehicle], problem.sites, problem.travel_of(vehicle)
+    stops = copies(problem)
+    at = np.concatenate([[kind.start], problem.customers, stops, [kind.end]]).astype(np.int64)
+    n = len(problem.customers)
     grid = np.ix_(at, at)
-    distance, duration = problem.travel.distances[grid], problem.travel.durations[grid]
-    inner = np.zeros(n + 2)
-    inner[1:-1] = 1.0
-    demand, service = problem.sites.demand[at] * inner, problem.sites.service[at] * inner
+    distance, duration = travel.distances[grid], travel.durations[grid]
+    served = np.zeros(len(at))
+    served[1 : n + 1] = 1.0
+    stays = served.copy()
+    stays[n + 1 : -1] = 1.0
+    demand, service = sites.demand[at] * served, sites.service[at] * stays
 
-    allowed = every_move(n + 2)
-    ready, due = problem.sites.ready[at], problem.sites.due[at]
-    resources = tightened(limited_resources(kind, ready, due, distance, duration, service, demand), allowed)
-    usable = np.ones(n + 2, dtype=bool)
+    ready, due, latest = sites.ready[at], sites.due[at], sites.ready[at]
+    ready[0], due[-1] = max(float(ready[0]), kind.shift[0]), min(float(due[-1]), kind.shift[1])
+    if sites.windows:
+        for node, site in enumerate(at.tolist()):
+            latest[node] = sites.windows[site][-1][0] if sites.windows[site] else latest[node]
+    closes = None if travel.closing is None else travel.closing[grid]
+    allowed = _possible(problem, kind, at, n, duration)
+    if closes is not None:
+        allowed &= (ready + service)[:, None] <= widened(closes)
+    resources = limited_resources(kind, ready, due, distance, duration, service, demand, latest)
+    if not kind.reloads:
+        resources |= _further_loads(problem, kind, at, served)
+    resources = tightened(resources, allowed)
+    if closes is not None:
+        allowed &= (resources["time"].lower + service)[:, None] <= widened(closes)
+    usable = np.ones(len(at), dtype=bool)
     for r in resources.values():
         usable &= np.isfinite(r.lower) & np.isfinite(r.upper)
     usable[[0, -1]] = True
 
     tail, head = np.nonzero(allowed)
     arcs = {name: _on_arcs(r, allowed, ready, usable) for name, r in resources.items()}
+    most = n if kind.count is None else kind.count if kind.committed else min(kind.count, n)
     return Preparation(
-        vehicle, at, np.append(np.append(False, problem.sites.required[customers]), False), usable,
-        tail.astype(np.int32), head.astype(np.int32), distance[allowed], duration[allowed],
-        _costs(problem, kind, at, tail, head, distance[allowed]), demand, service, arcs,
-        n if kind.count is None else min(kind.count, n),
+        vehicle, at, sites.required[at] & (served > 0), usable, tail.astype(np.int32), head.astype(np.int32), distance[allowed],
+        duration[allowed], _costs(problem, kind, at, tail, head, distance[allowed], (service[:, None] + duration)[allowed], served),
+        demand, service, arcs, most,
     )  # fmt: skip
 
 
+def copies(problem: RoutingProblem) -> NDArray[np.int64]:
+    """Depots where vehicles stop on their way, each as often as an answer ever has to.
+
+    A stop at the same depot twice between two sites, or before the first and after the last of a route, is of no use, so that each depot
+    needs one copy for each site and each route; fewer where reloads are limited.
+    """
+    n, found = len(problem.customers), []
+    routes = min(n, sum(n if v.count is None else v.count for v in problem.fleet))
+    for depot in sorted({site for v in problem.fleet for site in (*v.reloads, *v.stations)}):
+        most = 0
+        for v in problem.fleet:
+            gaps = n + routes
+            if depot in v.reloads and depot not in v.stations and v.max_reloads is not None:
+                gaps = min(gaps, v.max_reloads * (n if v.count is None else v.count))
+            most += gaps if depot in (*v.reloads, *v.stations) else 0
+        found += [depot] * min(most, n + routes)
+    return np.array(found, dtype=np.int64)
+
+
+def _possible(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], customers: int, duration: Floats) -> Flags:
+    """Moves between sites that the vehicle may serve and depots where it may stop."""
+    allowed = every_move(len(at))
+    pauses, skills = {*kind.reloads, *kind.stations}, problem.sites.skills
+    for node in range(1, len(at) - 1):
+        site = int(at[node])
+        open_to = skills[site] <= kind.skills if skills and node <= customers else node <= customers or site in pauses
+        if not open_to:
+            allowed[node] = allowed[:, node] = False
+    stop = np.arange(len(at)) > customers
+    stop[-1] = False
+    allowed &= ~(stop[:, None] & stop[None, :] & (at[:, None] == at[None, :]))
+    if kind.energy is not None and kind.stations:
+        allowed &= kind.energy.rate * duration <= widened(kind.energy.capacity)
+    return allowed
+
+
+def _further_loads(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], served: Floats) -> dict[str, Resource]:
+    """The other load dimensions, and what is collected: all of it is on board in the end."""
+    n, found = len(at), {}
+    for k, capacity in enumerate(kind.capacities):
+        demand = problem.sites.demand[at] if k == 0 else problem.sites.further_demand[at, k - 1]
+        pickup = problem.sites.pickup[at] if k == 0 else problem.sites.further_pickup[at, k - 1]
+        number = "" if k == 0 else f"-{k + 1}"
+        for name, amount in ((f"load{number}", demand * served), (f"pickup{number}", pickup * served)):
+            if name != "load" and amount.any() and math.isfinite(capacity):
+                found[name] = Resource(name, np.broadcast_to(amount, (n, n)), np.zeros(n), np.full(n, float(capacity)))
+    return found
+
+
+def offset(problem: RoutingProblem) -> float:
+    """What the first level of the objective holds where no site is visited and no vehicle drives."""
+    missed = math.fsum(problem.sites.penalty[problem.customers])
+    return problem.constant + math.fsum(w * missed for w, t in problem.objective.levels()[0].terms if t.name == "penalties")
+
+
 def waiting_is_possible(problem: RoutingProblem) -> bool:
-    """Whether some customer opens only after a depot does, so that a vehicle may have to wait there."""
-    opens = problem.sites.ready[problem.customers]
-    return bool(any((opens > problem.sites.ready[v.start]).any() for v in problem.fleet))
+    """Whether some customer, or depot on the way, opens only after a vehicle may depart, so that it may have to wait there."""
+    sites = problem.sites
+    opens = sites.ready[np.append(problem.customers, copies(problem))]
+    return any(sites.windows) or any(bool((opens > max(float(sites.ready[v.start]), v.shift[0])).any()) for v in problem.fleet)
 
 
 def leaves_cycles(prep: Preparation, resources: Iterable[Resource]) -> bool:
@@ -233,8 +304,9 @@ def _ranges(r: Resource, allowed: Flags) -> tuple[Floats, Floats]:
 
 
 def limited_resources(
-    kind: VehicleType, ready: Floats, due: Floats, distance: Floats, duration: Floats, service: Floats, demand: Floats
-) -> dict[str, Resource]:
+    kind: VehicleType, ready: Floats, due: Floats, distance: Floats, duration: Floats, service: Floats, demand: Floats,
+    latest: Floats | None = None,
+) -> dict[str, Resource]:  # fmt: skip
     """All limited resources with the ranges that the data give, infinite limits of time made finite.
 
     Parameters
@@ -244,6 +316,8 @@ def limited_resources(
     ready, due, service, demand : arrays of shape (nodes,)
         The first node is where routes start, the last where they end.
     distance, duration : arrays of shape (nodes, nodes)
+    latest : array of shape (nodes,), optional
+        Where sites have several windows, when the last of each opens.
     """
     n, opening = len(ready), ready
     busy = service[:, None] + duration
@@ -251,9 +325,9 @@ def limited_resources(
     ready[-1] = ready[0]  # the return ends a route: nobody waits for the depot to open
     energy = kind.energy
     if energy is not None and energy.charge == "elapsed-fixed-start":
-        due[-1] = min(due[-1], ready[0] + energy.capacity / energy.rate)
+        due[-1] = min(due[-1], ready[0] + energy.at_departure / energy.rate)
     # No earliest schedule runs longer than to the last opening, and then through the longest move out of every node.
-    horizon = max(float(ready.max()), ready[0]) + float(busy[:-1, 1:].max(axis=1).sum())
+    horizon = max(float(ready.max()), float(ready.max() if latest is None else latest[:-1].max())) + float(busy[:-1, 1:].max(axis=1).sum())
     found = {"time": Resource("time", busy, ready, np.minimum(due, max(horizon, float(ready.max()))), waits=True)}
 
     def additive(name: str, weight: Floats, limit: float) -> None:
@@ -261,16 +335,16 @@ def limited_resources(
             upper = np.full(n, float(limit))
             found[name] = Resource(name, weight, np.zeros(n), upper)
 
-    if demand.any():
+    if demand.any() and not kind.reloads:
         additive("load", np.broadcast_to(demand, (n, n)), kind.capacity)
     additive("distance", distance, kind.max_distance)
     additive("duration", busy, kind.max_duration)
-    if energy is not None and energy.charge != "elapsed-fixed-start":
+    if energy is not None and energy.charge != "elapsed-fixed-start" and not energy.stations:
         weight = {"travel": duration, "elapsed": busy}.get(energy.charge)
         if weight is None:
             weight = busy.copy()
             weight[:, :-1] = np.maximum(busy[:, :-1], opening[None, :-1] - opening[:, None])
-        additive("energy", energy.rate * weight, energy.capacity)
+        additive("energy", energy.rate * weight, energy.at_departure)
     return found
 
 
@@ -284,18 +358,20 @@ def _on_arcs(r: Resource, allowed: Flags, ready: Floats, usable: Flags) -> Resou
 
 
 def _costs(
-    problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], tail: NDArray[np.int64], head: NDArray[np.int64], distance: Floats
-) -> Floats:
-    """Share of each arc in the first level of the objective."""
+    problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], tail: NDArray[np.int64], head: NDArray[np.int64], distance: Floats,
+    busy: Floats, served: Floats,
+) -> Floats:  # fmt: skip
+    """Share of each arc in the first level of the objective; durations are sums over arcs only where nobody waits."""
     leaves = tail == 0
-    worth = problem.sites.reward[at]
-    worth[[0, -1]] = 0.0
+    waits = waiting_is_possible(problem)
     share = {
-        "total-cost": kind.unit_cost * distance + kind.fixed_cost * leaves,
+        "total-cost": kind.unit_cost * distance + kind.fixed_cost * leaves + (0.0 if waits else kind.unit_duration_cost * busy),
         "vehicles": leaves.astype(np.float64),
-        "reward": worth[head],
+        "reward": (problem.sites.reward[at] * served)[head],
+        "penalties": -(problem.sites.penalty[at] * served)[head],
+        "total-duration": np.zeros(len(tail)) if waits else busy,
     }
     made = np.zeros(len(tail))
     for weight, term in problem.objective.levels()[0].terms:
-        made += weight * share[term.name]
+        made += weight * share.get(term.name, 0.0)
     return made

@@ -61,7 +61,9 @@ class ArcIndex:
     def __init__(self, prep: Preparation) -> None:
         self.prep = prep
         self._keys = prep.tail.astype(np.int64) * prep.nodes + prep.head
-        self._node = {int(site): node for node, site in enumerate(prep.sites[1:-1].tolist(), start=1)}
+        self._nodes: dict[int, list[int]] = {}
+        for node, site in enumerate(prep.sites[1:-1].tolist(), start=1):
+            self._nodes.setdefault(int(site), []).append(node)
 
     def find(self, tail: NDArray[np.integer], head: NDArray[np.integer]) -> NDArray[np.int64]:
         """Position of each arc (tail, head), -1 where there is none."""
@@ -71,12 +73,25 @@ class ArcIndex:
         at = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
         return np.where(self._keys[at] == keys, at, -1)
 
-    def nodes_of(self, route: Route, names: Sequence[str]) -> NDArray[np.int64]:
-        """Nodes of a route, both ends included; raises InputError for a site that is no customer."""
+    def nodes_of(self, route: Route, names: Sequence[str], stops: dict[int, int] | None = None) -> NDArray[np.int64]:
+        """Nodes of a route, both ends included; of a depot on the way the first copy that is not among the ``stops`` counted so far.
+
+        Raises
+        ------
+        InputError
+            For a site that is no customer, or a depot without a copy left.
+        """
+        made, taken = [0], {} if stops is None else stops
         for site in route.visits:
-            if site not in self._node:
+            nodes = self._nodes.get(site)
+            if nodes is None:
                 raise InputError(f"a route visits site {names[site] if 0 <= site < len(names) else site}, which is no customer")
-        return np.array([0, *(self._node[s] for s in route.visits), self.prep.end], dtype=np.int64)
+            number = taken.get(site, 0) if len(nodes) > 1 else 0
+            if number >= len(nodes):
+                raise InputError(f"the answer stops at {names[site]} more often than any answer has to", found=str(number + 1))
+            taken[site] = number + 1
+            made.append(nodes[number])
+        return np.array([*made, self.prep.end], dtype=np.int64)
 
     def arcs_of(self, nodes: NDArray[np.int64], names: Sequence[str]) -> NDArray[np.int64]:
         """Arcs along ``nodes``; raises InputError for one that no feasible route can use."""

@@ -8,13 +8,14 @@ arcs (i,j) that some route can use, c_ij their cost. Common to all three forms::
     visit-in[j]    sum_i x_ij  = 1        required customers j
     flow[i]        sum_h x_hi  = sum_j x_ij                      optional customers i
     fleet          K_min <= sum_j x_0j <= K                      K_min from ``minimum_vehicles``
+    group[g]       sum over the members i, and j, of x_ij = 1    (<= 1 where the group is not required)
 
 A resource r has for each arc a weight w_ij >= 0, for each node a range [lo_i, up_i] of its level, tightened by ``prepare``, and
 a level lo_0 at departure. A route i_0 = 0, i_1, ... may use levels v with v_0 = lo_0, v_j >= v_i + w_ij and lo_j <= v_j <= up_j:
 exactly those routes are feasible. Resources::
 
     time      level = begin of service, w_ij = s_i + d_ij, [lo, up] = window; more than v_i + w_ij means waiting
-    load      level = load after service, w_ij = q_j, up = capacity
+    load      level = load after service, w_ij = q_j, up = capacity; one for each load dimension
     distance  w_ij = distance, up = max_distance;   duration  w_ij = s_i + d_ij, up = max_duration (only without waiting)
     energy    w_ij = rate d_ij (charge ``travel``), rate (s_i + d_ij) (``elapsed``, only without waiting), or
               rate max(s_i + d_ij, a_j - a_i) (``windows``), up = capacity; ``elapsed-fixed-start`` is a due time of the depot
@@ -39,7 +40,10 @@ The program holds f_ij = lo_i x_ij + g_ij with 0 <= g_ij <= (U_ij - lo_i) x_ij (
 and changes neither the polyhedron nor the duals of the balance.
 
 ``two-index-mtz`` writes all resources with node levels, ``two-index-time-flow`` all with arc flows, ``two-index-load-flow`` time
-with node levels and the others with arc flows.
+with node levels and the others with arc flows. ``two-index-unit-flow`` writes limited resources with node levels, and beside
+them always the order as arc flows: f_ij counts the visits up to i, one commodity that leaves the depot and gains one unit a
+customer, so that every customer is connected to the depot whatever durations are. Durations and their costs are costs of arcs
+where nobody can have to wait.
 
 Evidence ``arc-multipliers`` from the LP relaxation of ``two-index-time-flow`` (minimisation, all customers required): with the
 duals out_i, in_j, phi and mu^r_i >= 0 of visit-out, visit-in, fleet and r-balance, every answer costs at least::
@@ -51,8 +55,8 @@ duals out_i, in_j, phi and mu^r_i >= 0 of visit-out, visit-in, fleet and r-balan
 with out, in and mu 0 at the depot and f_0j = lo_0 x_0j. This is the Lagrangian of the rows above, all four dualised; at the optimal
 duals it is the LP's value.
 
-Source: Gavish and Graves (1978) for the flows, with windows Bard, Kontoravdis and Yu (2002); Desrochers and Laporte (1991) for the
-lifted rows. docs/formulations/routing.md#two-index-forms compares them.
+Source: Gavish and Graves (1978) for the flows, of units and of loads, with windows Bard, Kontoravdis and Yu (2002); Desrochers and
+Laporte (1991) for the lifted rows. docs/formulations/routing.md#two-index-forms compares them.
 """
 
 from __future__ import annotations
@@ -74,7 +78,7 @@ from ...programs.exactness import Exactness
 from ...programs.program import Floats, Program, Rows, Variables
 from ...programs.reductions.units import scaled
 from ...programs.rows import rows
-from ..preparation import Preparation, Resource, leaves_cycles, prepare, waiting_is_possible
+from ..preparation import Preparation, Resource, leaves_cycles, offset, prepare, waiting_is_possible
 from ..reachability import minimum_vehicles
 from ..routes import Routes
 from ._routes import ArcIndex, levels, routes_of, used
@@ -86,30 +90,39 @@ if TYPE_CHECKING:
 Ints = NDArray[np.integer[Any]]
 Longs = NDArray[np.int64]
 
-FEATURES = frozenset(
+EVIDENCED = frozenset(
     {
         "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "energy:travel", "energy:elapsed",
-        "energy:elapsed-fixed-start", "energy:windows", "optional-sites", "limited-fleet", "min-vehicles", "multiple-depots",
-        "open-routes", "fixed-cost", "separate-durations", "objective:total-cost", "objective:vehicles", "objective:reward",
-        "objective:weights",
+        "energy:elapsed-fixed-start", "energy:windows", "limited-fleet", "min-vehicles", "multiple-depots", "open-routes", "fixed-cost",
+        "separate-durations", "objective:total-cost", "objective:vehicles", "objective:weights",
     }
 )  # fmt: skip
+"""Features under which the checker of ``arc-multipliers`` has the same rows and costs."""
+
+FEATURES = EVIDENCED | {
+    "optional-sites", "duration-cost", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "groups", "skills", "initial-energy",
+    "objective:reward", "objective:total-duration", "objective:penalties",
+}  # fmt: skip
 """Several depots and open routes only as far as one vehicle type has them: its routes start at one depot and end at another."""
 
 EVIDENCE_RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
 
 
+UNIT_FLOW = "two-index-unit-flow"
+
+
 def refuses(problem: RoutingProblem) -> frozenset[str]:
     """Elapsed time is no sum over arcs where a vehicle may wait and choose its departure."""
-    elapsed = problem.features() & {"max-duration", "energy:elapsed"}
+    elapsed = problem.features() & {"max-duration", "energy:elapsed", "duration-cost", "objective:total-duration"}
     return elapsed if elapsed and waiting_is_possible(problem) else frozenset()
 
 
-def needed_resources(problem: RoutingProblem, prep: Preparation) -> dict[str, Resource]:
-    """The resources that a form must write down: all limited ones, and ``order`` if the others leave cycles."""
+def needed_resources(problem: RoutingProblem, prep: Preparation, connected: bool = False) -> dict[str, Resource]:
+    """The resources that a form must write down: all limited ones, and ``order`` if the others leave cycles, or it is asked for."""
     limits_time = bool(np.isfinite(problem.sites.due[prep.sites]).any()) or "energy:elapsed-fixed-start" in problem.features()
+    limits_time |= math.isfinite(problem.fleet[prep.vehicle].shift[1])
     chosen = {name: r for name, r in prep.resources.items() if name != "time" or limits_time}
-    if leaves_cycles(prep, chosen.values()):
+    if connected or leaves_cycles(prep, chosen.values()):
         n = prep.customers
         lower, upper = np.ones(n + 2), np.full(n + 2, float(n))
         lower[0], lower[-1], upper[-1] = 0.0, 0.0, n + 1.0
@@ -175,7 +188,22 @@ class _Builder:
         sides = [(least, most)] if least <= most else [(least, math.inf), (-math.inf, most)]
         parts = [(np.full(len(first), k), first, 1.0) for k in range(len(sides))]
         fleet = self.add_rows("fleet", (), parts, [a for a, _ in sides], [b for _, b in sides])
+        if self.problem.sites.groups:
+            self._groups()
         self.prices = {"out": lambda y: y[out], "in": lambda y: y[enter], "fleet": lambda y: y[fleet]}
+
+    def _groups(self) -> None:
+        """At most one of each group is visited."""
+        groups = self.problem.sites.groups
+        of = np.full(len(self.problem.sites), -1)
+        parts = []
+        for number, group in enumerate(groups):
+            of[:] = -1
+            of[list(group.sites)] = number
+            leaving = self.arcs[(self.prep.tail != 0) & (of[self.prep.sites[self.prep.tail]] == number)]
+            parts.append((np.full(len(leaving), number), leaving, 1.0))
+        least = np.array([float(g.required) for g in groups])
+        self.rows.append(rows("group", len(groups), parts, least, 1.0, (np.arange(1, len(groups) + 1),), (None,)))
 
     def node_levels(self, r: Resource) -> None:
         """A resource as one level a customer."""
@@ -258,7 +286,7 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
     prep = prepare(problem) if prep is None else prep
     made = _Builder(problem, prep)
     made.assignment()
-    for name, resource in needed_resources(problem, prep).items():
+    for name, resource in needed_resources(problem, prep, connected=form == UNIT_FLOW).items():
         if flows(name):
             made.arc_flows(resource)
         else:
@@ -287,7 +315,7 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
         ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
         return {"arc": [names[site] for site in ends]}, most >= 1
 
-    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), offset=problem.constant)
+    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), offset=offset(problem))
     proofs = (partial(_evidence, made, bare), partial(_ray_evidence, made), at_most) if _has_evidence(problem, form) else (None, None, None)
     return Compiled(
         bare, problem, decode, encode, proofs[0], Exactness.EXACT if prep.whole else Exactness.RESTRICTION, ray_evidence=proofs[1],
@@ -296,7 +324,7 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
 
 
 def _has_evidence(problem: RoutingProblem, form: str) -> bool:
-    return form == "two-index-time-flow" and problem.sense == "min" and not problem.features() & {"optional-sites", "objective:reward"}
+    return form == "two-index-time-flow" and problem.sense == "min" and problem.features() <= EVIDENCED
 
 
 def _evidence(made: _Builder, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
@@ -334,6 +362,7 @@ for _order, (_name, _flows) in enumerate(
         ("two-index-load-flow", lambda name: name != "time"),
         ("two-index-time-flow", lambda name: True),
         ("two-index-mtz", lambda name: False),
+        (UNIT_FLOW, lambda name: name == "order"),
     )
 ):
     FORMS.add(_name, Form(_name, "routing", FEATURES, partial(build, form=_name, flows=_flows), refuses=refuses, order=_order))

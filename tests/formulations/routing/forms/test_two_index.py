@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from oracles import SQUARE_4, TW_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
-from program_text import expected, written
+from program_text import expected, program_text, written
+from small_routing import WHOLE_FAMILY, varied
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.programs.program import Program
-from waybound.formulations.routing.objective import Reward
+from waybound.formulations.routing.objective import Objective, Penalties, Reward, TotalCost, TotalDuration
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
+from waybound.instances.routing.instance import Energy, Group
 
 TWO_SITES = """
     # vehicles: 2
@@ -200,7 +203,7 @@ def test_evidence_lists_one_number_a_site_with_zeros_at_the_depot() -> None:
 
 def test_only_the_flow_form_of_a_plain_minimisation_gives_evidence() -> None:
     problem = routing(xy=SQUARE_4, count=2, capacity=2, sites={"demand": 1.0})
-    assert [problem.compile(form).dual_evidence is not None for form in TWO_INDEX] == [False, False, True]
+    assert [problem.compile(form).dual_evidence is not None for form in TWO_INDEX] == [False, False, True, False]
     optional = routing(xy=SQUARE_4, count=2, sites={"required": False}, objective=Reward())
     assert optional.compile("two-index-time-flow").dual_evidence is None
 
@@ -252,3 +255,39 @@ def test_flow_relaxation_of_a_real_file_is_verified_and_strong(benchmarks: Path)
     bound = verified_bound(problem, made.dual_evidence(duals))
     assert value - 1e-3 <= bound <= 191.3 + 1e-6
     assert bound >= 0.9 * 191.3 and math.isfinite(bound)
+
+
+def test_unit_flow_connects_every_customer_to_the_depot() -> None:
+    """Nothing is limited: on leaving a customer the flow is 1 and, less 1, what ``order-flow`` holds."""
+    problem = routing(xy=SQUARE_4[:3], count=2)
+    lines = program_text(problem.compile("two-index-unit-flow").program).splitlines()
+    assert [line for line in lines if line.startswith("order")] == [
+        "order-link[1,2]: order-flow[1,2] <= 0",
+        "order-link[1,0]: - x[1,0] + order-flow[1,0] <= 0",
+        "order-link[2,1]: order-flow[2,1] <= 0",
+        "order-link[2,0]: - x[2,0] + order-flow[2,0] <= 0",
+        "order-balance[1]: - x[0,1] + x[1,2] + x[1,0] - 2 x[2,1] + order-flow[1,2] + order-flow[1,0] - order-flow[2,1] >= 0",
+        "order-balance[2]: - x[0,2] - 2 x[1,2] + x[2,1] + x[2,0] - order-flow[1,2] + order-flow[2,1] + order-flow[2,0] >= 0",
+        "order-flow[1,2], order-flow[2,1] = 0",
+    ]
+    agrees(problem, "two-index-unit-flow", optimum(problem))
+
+
+@pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "reloads", "initial-energy")])
+def test_two_index_forms_agree_with_enumeration_on_features_of_one_type(feature: str) -> None:
+    for seed in range(6):
+        problem = varied(feature, seed, 3)
+        for aim in (TotalCost(), TotalDuration(), TotalCost() + Penalties()):
+            alone = replace(problem, fleet=problem.fleet[-1:], objective=Objective.of(aim))
+            names = [form for form in alone.forms() if form in TWO_INDEX]
+            expected = optimum(alone) if names else None
+            for form in names:
+                agrees(alone, form, expected)
+
+
+def test_groups_of_alternatives_and_a_store_that_is_not_full() -> None:
+    xy = np.array([(0, 0), (1, 0), (2, 0)], dtype=float)
+    for form in TWO_INDEX:
+        agrees(routing(xy=xy, count=1, sites={"groups": [Group((1, 2))]}), form, 2.0)
+        agrees(routing(xy=xy, count=2, energy=Energy(9.0, initial=4.0)), form, 4.0)
+        agrees(routing(xy=xy, count=2, energy=Energy(9.0, initial=3.0)), form, None)

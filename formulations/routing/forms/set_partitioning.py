@@ -1,0 +1,259 @@
+"""The set-partitioning form: one variable for each route, priced beforehand, so that every limit of a single route is data.
+
+For the routes P_t of each vehicle type t, with c_p the route's share in the objective, and a_ip whether it visits site i::
+
+    min/max  sum c_p y_p + sum_t C_t z_t + terms,   y binary, z whole
+    visit[i]      sum_p a_ip y_p = 1                          required sites i (<= 1 for optional ones)
+    vehicles[t]   sum_{p in P_t} y_p <= K_t                   (+ z_t = K_t for committed types: z_t drive straight home, at C_t each)
+    fleet         sum y_p >= K_min                            K_min from ``minimum_vehicles``
+    group[g]      sum over the members i, and p, of a_ip y_p = 1   (<= 1 where the group is not required)
+    makespan[i]   makespan >= sum_p a_ip d_p y_p              each site i, for at most one route visits it; d_p the duration of p
+    longest[i], latest[i]                                     the same with distances, and with times of return
+    home[t]       z_t <= K_t b_t,  b binary;   makespan >= d b_t           where a maximum counts a way straight home
+
+A route that is no better in anything the objective counts than another one of the same type with the same sites is left out.
+Relaxed, this is the strongest of the forms: its bound is that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).
+Rows of maxima by site are stronger than those by route, makespan >= d_p y_p.
+
+The form writes down all routes that there are, as long as few orders of stops have to be walked; ``over`` takes given ones: a restriction.
+
+Source: Balinski and Quandt (1964); Mitchell (2020), CMU-RI-TR-20-52, 3.2, prices its routes one by one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....instances.errors import InputError
+from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
+from ...programs.exactness import Exactness
+from ...programs.program import Floats, Program, Rows, Variables
+from ...programs.reductions.units import scaled
+from ...programs.rows import Part, rows
+from ..preparation import offset
+from ..reachability import minimum_vehicles
+from ..routes import Route, Routes
+from ._all_routes import MOST_ROUTES, Priced, Walk, orders_of_stops, way_home
+from ._objective import weights
+from ._routes import used
+from .three_index import FEATURES
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
+
+MAXIMA = {"makespan": "duration", "longest-route": "distance", "latest-return": "finish"}
+"""Terms that are a maximum over routes, and of what."""
+
+
+def refuses(problem: RoutingProblem) -> frozenset[str]:
+    """Problems with many routes, and maxima that should be large."""
+    sign = 1.0 if problem.sense == "min" else -1.0
+    found = {f"objective:{name}" for name, weight in weights(problem).items() if name in MAXIMA and weight * sign < 0}
+    return frozenset(found | ({f"more than {MOST_ROUTES} orders of stops"} if orders_of_stops(problem) > MOST_ROUTES else set()))
+
+
+def build(problem: RoutingProblem) -> Compiled:
+    """The program over all routes; see the module's text for its mathematics."""
+    every = (route for kind in range(len(problem.fleet)) for route in Walk(problem, kind).routes())
+    return _Writing(problem, every).compiled(Exactness.EXACT)
+
+
+def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
+    """The program over given routes, such as those of several answers: which of them go together best.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        All of whose features but the number of routes the form can express.
+    routes : iterable of Route
+
+    Raises
+    ------
+    InputError
+        For a route that breaks a limit.
+    """
+    walks = [Walk(problem, kind) for kind in range(len(problem.fleet))]
+    found = []
+    for route in dict.fromkeys(routes):
+        if not 0 <= route.vehicle < len(walks):
+            raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist")
+        priced = walks[route.vehicle].given(route.visits)
+        if priced is None:
+            raise InputError("a route breaks a limit", found=", ".join(map(str, route.visits)))
+        found.append(priced)
+    return _Writing(problem, found).compiled(Exactness.RESTRICTION)
+
+
+class _Writing:
+    """Columns and rows of one program."""
+
+    def __init__(self, problem: RoutingProblem, every: Iterable[Priced]) -> None:
+        self.problem, self.weights = problem, weights(problem)
+        self.maxima = {term: what for term, what in MAXIMA.items() if self.weights.get(term)}
+        self.opens = min(Walk(problem, kind).opens for kind in range(len(problem.fleet)))
+        self.routes = self._best(every)
+        self.share = np.array([self._share(r) for r in self.routes])
+        self.homes = {kind: way_home(problem, kind) for kind, v in enumerate(problem.fleet) if v.committed}
+        self.variables: list[Variables] = []
+        self.rows: list[Rows] = []
+        self.columns = 0
+        self.maximum: dict[int, tuple[str, float]] = {}
+
+    def _share(self, r: Priced) -> float:
+        amounts = {"total-cost": r.cost, "vehicles": 1.0, "reward": r.reward, "total-duration": r.duration, "penalties": -r.penalty}
+        return math.fsum(weight * amounts.get(name, 0.0) for name, weight in self.weights.items())
+
+    def _best(self, every: Iterable[Priced]) -> list[Priced]:
+        """Those that no other route of the same type and sites is as good as in all that counts."""
+        kept: dict[Any, list[tuple[tuple[float, ...], Priced]]] = {}
+        depot = self.problem.sites.depot
+        for r in every:
+            worth = self._worth(r)
+            same = kept.setdefault((r.kind, frozenset(k for k in r.visits if not depot[k])), [])
+            if not any(all(a <= b for a, b in zip(other, worth, strict=True)) for other, _ in same):
+                same[:] = [pair for pair in same if not all(a <= b for a, b in zip(worth, pair[0], strict=True))]
+                same.append((worth, r))
+        return [r for same in kept.values() for _, r in same]
+
+    def _add(self, name: str, keys: Any, labels: Any, upper: Any, cost: Any, *, lower: Any = 0.0, integer: bool = False) -> int:
+        size, first = len(keys[0]) if keys else 1, self.columns
+        spread = [np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), size)) for v in (lower, upper, cost)]
+        self.variables.append(Variables(name, keys, labels, lower=spread[0], upper=spread[1], cost=spread[2], integer=integer))
+        self.columns += size
+        return first
+
+    def compiled(self, exactness: Exactness) -> Compiled:
+        problem, sites = self.problem, self.problem.sites
+        ids, several = sites.ids, len(problem.fleet) > 1
+        names = [
+            (f"{problem.fleet[r.kind].name}:" if several else "") + "-".join(ids[k] for k in r.visits) for r in self.routes
+        ]  # fmt: skip
+        count, customers = len(self.routes), problem.customers
+        self._add("y", (np.arange(count),), (names,), 1.0, self.share, integer=True)
+        place = {site: k for k, site in enumerate(customers.tolist())}
+        pairs = [(place[k], p) for p, r in enumerate(self.routes) for k in r.visits if k in place]
+        self.site, self.of = (np.array([pair[k] for pair in pairs], dtype=np.int64) for k in (0, 1))
+        least = np.where(sites.required[customers], 1.0, 0.0)
+        keys, labels = (customers,), (ids,)
+        self.rows.append(rows("visit", len(customers), [(self.site, self.of, 1.0)], least, 1.0, keys, labels))
+        self._fleet()
+        if sites.groups:
+            self._groups(place)
+        for term, what in self.maxima.items():
+            self._maximum(term, what)
+        bare = Program(
+            "set-partitioning", problem.sense, tuple(self.variables), tuple(b for b in self.rows if b.size), offset=offset(problem)
+        )
+        return Compiled(bare, problem, self._decode, lambda answer: self._encode(bare, answer), exactness=exactness)
+
+    def _fleet(self) -> None:
+        problem, kind_of = self.problem, np.array([r.kind for r in self.routes], dtype=np.int64)
+        self.idle: dict[int, int] = {}
+        self.away: dict[int, int] = {}
+        for kind, vehicle in enumerate(problem.fleet):
+            mine = np.nonzero(kind_of == kind)[0]
+            parts: list[Part] = [(np.zeros(len(mine), dtype=np.int64), mine, 1.0)]
+            key, label, most = (np.array([kind]),), ([v.name for v in problem.fleet],), vehicle.count
+            if vehicle.committed and most is not None:
+                home = self.homes[kind]
+                upper, cost = (0.0, 0.0) if home is None else (float(most), self._share(home) - self.weights.get("vehicles", 0.0))
+                self.idle[kind] = self._add("z", key, label, upper, cost, integer=True)
+                parts.append((np.zeros(1, dtype=np.int64), np.array([self.idle[kind]]), 1.0))
+                self.rows.append(rows("vehicles", 1, parts, float(most), float(most), key, label))
+                if self.maxima:
+                    self.away[kind] = self._add("b", key, label, 1.0, 0.0, integer=True)
+                    link: list[Part] = [
+                        (np.zeros(2, dtype=np.int64), np.array([self.idle[kind], self.away[kind]]), np.array([1.0, -float(most)]))
+                    ]
+                    self.rows.append(rows("home", 1, link, upper=0.0, keys=key, labels=label))
+            elif most is not None:
+                self.rows.append(rows("vehicles", 1, parts, upper=float(most), keys=key, labels=label))
+        fewest = minimum_vehicles(problem)
+        if fewest:
+            every = np.arange(len(self.routes))
+            self.rows.append(rows("fleet", 1, [(np.zeros(len(every), dtype=np.int64), every, 1.0)], float(fewest)))
+
+    def _groups(self, place: dict[int, int]) -> None:
+        groups, parts = self.problem.sites.groups, []
+        for number, group in enumerate(groups):
+            members = np.isin(self.site, [place[k] for k in group.sites])
+            chosen, times = np.unique(self.of[members], return_counts=True)
+            parts.append((np.full(len(chosen), number), chosen, times.astype(np.float64)))
+        least = np.array([float(g.required) for g in groups])
+        self.rows.append(rows("group", len(groups), parts, least, 1.0, (np.arange(1, len(groups) + 1),), (None,)))
+
+    def _maximum(self, term: str, what: str) -> None:
+        """The greatest of what the routes have of something, a row a site."""
+        name = {"longest-route": "longest", "latest-return": "latest"}.get(term, term)
+        least = self.opens if term == "latest-return" else 0.0
+        amount = np.array([float(getattr(r, what)) for r in self.routes])
+        homes = {kind: float(getattr(home, what)) for kind, home in self.homes.items() if home is not None}
+        most = max([least, *amount.tolist(), *homes.values()])
+        column = self._add(name, (), (), most, self.weights[term], lower=least)
+        n, customers = len(self.problem.customers), self.problem.customers
+        # In excess of the least value, so that a site without a route asks for nothing.
+        parts: list[Part] = [(np.arange(n), np.full(n, column), 1.0), (self.site, self.of, least - amount[self.of])]
+        self.rows.append(rows(name, n, parts, least, keys=(customers,), labels=(self.problem.sites.ids,)))
+        for kind, value in homes.items():
+            entries: list[Part] = [(np.zeros(2, dtype=np.int64), np.array([column, self.away[kind]]), np.array([1.0, least - value]))]
+            key, label = (np.array([kind]),), ([v.name for v in self.problem.fleet],)
+            self.rows.append(rows(f"{name}-home", 1, entries, least, keys=key, labels=label))
+        self.maximum[column] = (what, least)
+
+    # -- answers -----------------------------------------------------------------------------------------------------
+
+    def _decode(self, x: Floats) -> Routes:
+        chosen = np.nonzero(used(x[: len(self.routes)]))[0]
+        return Routes(tuple(Route(self.routes[p].visits, self.routes[p].kind) for p in chosen.tolist()))
+
+    def _encode(self, program: Program, answer: Routes) -> Floats:
+        x, taken, driven = program.lower.copy(), [0] * len(self.problem.fleet), []
+        for route in answer:
+            p = self._position(route)
+            x[p] += 1.0
+            taken[route.vehicle] += 1
+            driven.append(self.routes[p])
+        for kind, column in self.idle.items():
+            x[column] = (self.problem.fleet[kind].count or 0) - taken[kind]
+            home = self.homes[kind]
+            if x[column] > 0 and home is not None:
+                driven.append(home)
+                if kind in self.away:
+                    x[self.away[kind]] = 1.0
+        for column, (what, least) in self.maximum.items():
+            x[column] = max([least, *(float(getattr(r, what)) for r in driven)])
+        excess = scaled(program).residual(x)
+        if excess > 1e-5:
+            raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
+        return x
+
+    def _position(self, route: Route) -> int:
+        """Of the route, or of one that is as good in all that counts and was kept in its place."""
+        problem, stops = self.problem, ", ".join(map(str, route.visits))
+        depot = problem.sites.depot
+        priced = Walk(problem, route.vehicle).given(route.visits) if 0 <= route.vehicle < len(problem.fleet) else None
+        if priced is None:
+            raise InputError("a route breaks a limit", found=stops)
+        served = frozenset(k for k in route.visits if not depot[k])
+        alike = [
+            p for p, r in enumerate(self.routes) if r.kind == route.vehicle and served == frozenset(k for k in r.visits if not depot[k])
+        ]  # fmt: skip
+        worth = self._worth(priced)
+        good = [p for p in alike if all(a <= b for a, b in zip(self._worth(self.routes[p]), worth, strict=True))]
+        exact = [p for p in good if self.routes[p].visits == route.visits]
+        if not good:
+            raise InputError("a route is none of those that the program holds", found=stops)
+        return (exact or good)[0]
+
+    def _worth(self, r: Priced) -> tuple[float, ...]:
+        """All that counts, less being better."""
+        sign = 1.0 if self.problem.sense == "min" else -1.0
+        return (sign * self._share(r), *(float(getattr(r, what)) for what in self.maxima.values()))
+
+
+FORMS.add("set-partitioning", Form("set-partitioning", "routing", FEATURES, build, refuses=refuses, order=5))

@@ -1,0 +1,77 @@
+"""Root bounds of every routing form on small reference instances: ``python -m waybound.reports.benchmarks.routing_roots``.
+
+A row an instance: the value of each form's linear relaxation, with the preparation and the fleet row that all of them share, then the
+integer optimum. A dash stands for a form that cannot take the problem.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...formulations.forms import FORMS
+from ...formulations.routing.objective import Composable, Makespan, TotalCost
+from ...formulations.routing.problem import RoutingProblem
+from ...instances.routing.instance import Sites, VehicleType
+from ...instances.routing.travel import EXPLICIT, Travel
+
+SQUARE_4 = [(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)]
+GAP_5 = [(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)]
+OCTO_8 = [(0, 0), (2, 7), (5, 3), (8, 8), (-4, 6), (-7, 1), (-3, -5), (4, -6), (9, -2)]
+ASYM_5 = [[0, 4, 7, 3, 6, 5], [5, 0, 2, 6, 4, 8], [6, 3, 0, 5, 2, 7], [3, 5, 4, 0, 7, 2], [7, 4, 3, 6, 0, 3], [4, 9, 6, 2, 3, 0]]
+
+CASES: dict[str, tuple[Travel, int, float, Composable]] = {
+    "SQUARE-4, 2, 12": (Travel("euclidean", np.array(SQUARE_4, dtype=float)), 2, 12.0, TotalCost()),
+    "SQUARE-4, 2, 14": (Travel("euclidean", np.array(SQUARE_4, dtype=float)), 2, 14.0, TotalCost()),
+    "SQUARE-4, 4, 10": (Travel("euclidean", np.array(SQUARE_4, dtype=float)), 4, 10.0, TotalCost()),
+    "GAP-5, 2, 26": (Travel("manhattan", np.array(GAP_5, dtype=float)), 2, 26.0, TotalCost()),
+    "ASYM-5, 2, 14": (Travel(EXPLICIT, matrix=np.array(ASYM_5, dtype=float)), 2, 14.0, TotalCost()),
+    "SQUARE-4, 2, makespan": (Travel("euclidean", np.array(SQUARE_4, dtype=float)), 2, np.inf, Makespan()),
+    "GAP-5, 2, makespan": (Travel("manhattan", np.array(GAP_5, dtype=float)), 2, np.inf, Makespan()),
+    "OCTO-8, 2, 35": (Travel("euclidean", np.array(OCTO_8, dtype=float)), 2, 35.0, TotalCost()),
+}
+"""Travel, vehicles, limit of distance and objective; the numbers of a name are vehicles and limit."""
+
+
+def case(name: str) -> RoutingProblem:
+    """One of ``CASES``."""
+    travel, vehicles, limit, objective = CASES[name]
+    return RoutingProblem(Sites.of(range(len(travel))), travel, (VehicleType(vehicles, max_distance=limit),), objective, name=name)
+
+
+def optimum(problem: RoutingProblem, form: str, *, relax: bool = False) -> float:
+    """What HiGHS proves of one form."""
+    model: Any = problem.compile(form, relax=relax).program.to_highs()
+    # HiGHS 1.12 to 1.15 cut optima of tiny routing programs off with this rule (HiGHS#3090).
+    for option, value in (("mip_rel_gap", 0.0), ("threads", 1), ("presolve_rule_off", 4096), ("output_flag", False)):
+        model.setOptionValue(option, value)
+    model.run()
+    return float(model.getInfo().objective_function_value)
+
+
+def table(names: Sequence[str] = tuple(CASES)) -> list[list[str]]:
+    """Rows of text, the header first."""
+    forms = [f.name for f in sorted(FORMS.values(), key=lambda f: f.order) if f.family == "routing"]
+    made = [["instance, vehicles, limit", *forms, "optimum"]]
+    for name in names:
+        problem = case(name)
+        can = problem.forms()
+        roots = [f"{optimum(problem, form, relax=True):.6g}" if form in can else "-" for form in forms]
+        made.append([name, *roots, f"{optimum(problem, can[0]):.6g}"])
+    return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--only", choices=CASES, action="append", help="an instance; all of them without it")
+    chosen = parser.parse_args(arguments).only
+    for row in table(chosen or tuple(CASES)):
+        print("| " + " | ".join(row) + " |")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,112 @@
+"""Set partitioning: what it writes, which routes it keeps, and programs over given routes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles import GAP_5, SQUARE_4, agrees, optimum, routing, set_partitioning_bound, solved
+from program_text import expected, program_text, written
+
+from waybound.formulations.forms import FORMS
+from waybound.formulations.programs.exactness import Exactness
+from waybound.formulations.routing.forms.set_partitioning import over
+from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Reward, TotalCost
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.errors import InputError
+from waybound.instances.routing.instance import VehicleType
+
+TWO_SITES = """
+    # vehicles: 2
+    # capacity: 4
+    # max-distance: 12
+    id,x,y,demand,service,due
+    o,0,0,0,0,16
+    a,3,0,2,1,9
+    b,3,4,1,2,10
+"""
+
+
+def test_set_partitioning_from_text_to_text(tmp_path: Path) -> None:
+    """b before a reaches a after 9: of both together there is one route."""
+    assert written(TWO_SITES, "set-partitioning", tmp_path) == expected(
+        """
+        set-partitioning, exact
+        min 6 y[a] + 12 y[a-b] + 10 y[b]
+        visit[a]: y[a] + y[a-b] = 1
+        visit[b]: y[a-b] + y[b] = 1
+        vehicles[vehicle]: y[a] + y[a-b] + y[b] <= 2
+        fleet: y[a] + y[a-b] + y[b] >= 1
+        y[a], y[a-b], y[b] binary
+        """
+    )
+
+
+def test_a_maximum_has_a_row_a_site_and_one_for_each_way_straight_home() -> None:
+    """Two sites on a line, the fleet under way to a depot 5 further on: each of both must at least go there."""
+    xy = np.array([(0, 0), (1, 0), (2, 0), (5, 0)], dtype=float)
+    fleet = (VehicleType(2, start=0, end=3, committed=True, name="car"),)
+    problem = routing(xy=xy, sites={"depot": [True, False, False, True]}, fleet=fleet, objective=Makespan())
+    lines = program_text(problem.compile("set-partitioning").program).splitlines()
+    assert lines == [
+        "min makespan",
+        "visit[1]: y[1] + y[1-2] = 1",
+        "visit[2]: y[1-2] + y[2] = 1",
+        "vehicles[car]: y[1] + y[1-2] + y[2] + z[car] = 2",
+        "home[car]: z[car] - 2 b[car] <= 0",
+        "fleet: y[1] + y[1-2] + y[2] >= 1",
+        "makespan[1]: - 5 y[1] - 5 y[1-2] + makespan >= 0",
+        "makespan[2]: - 5 y[1-2] - 5 y[2] + makespan >= 0",
+        "makespan-home[car]: - 5 b[car] + makespan >= 0",
+        "y[1], y[1-2], y[2], b[car] binary",
+        "0 <= z[car] <= 2 integer",
+        "0 <= makespan <= 5",
+    ]
+    agrees(problem, "set-partitioning", 5.0)
+
+
+@pytest.mark.parametrize(("name", "limit", "partition"), [("SQUARE-4", 12.0, 24.0), ("SQUARE-4", 14.0, 20.0), ("GAP-5", 26.0, 30.6667)])
+def test_its_relaxation_is_the_set_partitioning_bound(name: str, limit: float, partition: float) -> None:
+    places = {"SQUARE-4": {"xy": SQUARE_4}, "GAP-5": {"xy": GAP_5, "metric": "manhattan"}}[name]
+    problem = routing(**places, count=2, max_distance=limit)
+    root = solved(problem.compile("set-partitioning", relax=True).program)[1]
+    assert root == pytest.approx(partition, abs=1e-3) == set_partitioning_bound(problem)
+
+
+@pytest.mark.parametrize("objective", [TotalCost(), Makespan(), LongestRoute(), LatestReturn(), TotalCost() + 2.0 * Makespan()])
+def test_routes_that_are_left_out_are_written_as_those_kept(objective: object) -> None:
+    problem = routing(xy=SQUARE_4, count=2, max_distance=14.0, objective=objective)
+    made = problem.compile("set-partitioning")
+    assert made.encode is not None
+    answers = [Routes.of(r) for r in ([[1, 2, 3], [4]], [[3, 2, 1], [4]], [[1], [4, 3, 2]])]
+    for answer in answers:
+        verdict = problem.evaluate(answer)
+        if verdict.feasible:
+            kept = problem.evaluate(made.decode(made.encode(answer)))
+            assert kept.feasible and kept.values[0] <= verdict.values[0] + 1e-9
+    agrees(problem, "set-partitioning", optimum(problem))
+
+
+def test_given_routes_are_put_together_best() -> None:
+    problem = routing(xy=SQUARE_4, count=4, max_distance=14.0)
+    made = over(problem, [Route((1,)), Route((2,)), Route((3,)), Route((4,)), Route((2, 1)), Route((3, 4))])
+    assert made.exactness is Exactness.RESTRICTION
+    status, value, x = solved(made.program)
+    assert status == "optimal"
+    assert made.decode(x).canonical() == Routes.of([[2, 1], [3, 4]]).canonical()
+    assert value == pytest.approx(problem.evaluate(made.decode(x)).values[0], abs=1e-9)
+    for wrong in (Route((1, 2, 3, 4)), Route((1, 1)), Route((0,)), Route((9,)), Route((1,), 3), Route(())):
+        with pytest.raises(InputError):
+            over(problem, [wrong])
+    assert made.encode is not None
+    with pytest.raises(InputError, match="none of those"):
+        made.encode(Routes.of([[1, 4], [2], [3]]))
+
+
+def test_it_refuses_what_has_many_routes_and_maxima_that_should_be_large() -> None:
+    form = FORMS["set-partitioning"]
+    xy = np.arange(18.0).reshape(9, 2)
+    assert form.missing(routing(xy=xy, count=2)) == {"more than 20000 orders of stops"}
+    assert form.missing(routing(xy=xy[:8], count=2)) == set()
+    assert form.missing(routing(xy=xy[:4], count=2, objective=Reward() + Makespan())) == {"objective:makespan"}
