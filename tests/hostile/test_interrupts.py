@@ -204,7 +204,8 @@ class Run:
         end, found = time.perf_counter() + seconds, ["?"]
         while found:
             found = [f"left running: {words}" for words in left_over(self.temporary)]
-            found += [f"left: {path}" for path in self.temporary.rglob("*")]
+            # Children may be clearing up meanwhile: a walk passes over what vanishes under it.
+            found += [f"left: {Path(folder, name)}" for folder, below, files in os.walk(self.temporary) for name in (*below, *files)]
             evidence = {path.with_suffix(".evidence.json.gz") for path in self.paths.values() if path.exists()}
             found += [f"left: {path}" for path in self.outputs.iterdir() if path not in {*self.paths.values(), *evidence}]
             if time.perf_counter() > end:
