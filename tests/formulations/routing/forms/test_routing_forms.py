@@ -215,6 +215,7 @@ def test_first_form_of_a_plain_problem_is_the_one_measured_best() -> None:
         "two-index-load-flow",
         "two-index-time-flow",
         "two-index-mtz",
+        "two-index-unit-flow",
         "three-index",
         "set-partitioning",
     ]
