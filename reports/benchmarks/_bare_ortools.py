@@ -6,7 +6,7 @@ import sys
 import time
 
 import numpy as np
-from _bare_routing import UNLIMITED, load, tell
+from _bare_routing import UNLIMITED, load, tell  # type: ignore[import-not-found]  # a script's neighbour
 from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
 d, solutions = load(sys.argv[1]), int(sys.argv[2])

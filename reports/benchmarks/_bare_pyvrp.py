@@ -6,7 +6,7 @@ import sys
 import time
 
 import pyvrp
-from _bare_routing import load, tell
+from _bare_routing import load, tell  # type: ignore[import-not-found]  # a script's neighbour
 
 d, iterations = load(sys.argv[1]), int(sys.argv[2])
 start = time.process_time()
@@ -47,7 +47,7 @@ result = pyvrp.solve(data, pyvrp.stop.MaxIterations(iterations), seed=1, collect
 
 def site(activity: pyvrp.Activity) -> int:
     if activity.is_client():
-        return sites[activity.idx]
+        return int(sites[activity.idx])
     return int(d["shipments"][activity.idx][0 if activity.is_pickup() else 1])
 
 

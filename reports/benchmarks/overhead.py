@@ -186,7 +186,8 @@ def main(arguments: list[str] | None = None) -> int:
             if not BACKENDS[engine].installed():
                 print(f"{name}: {engine} is not installed")
                 continue
-            lacking = BACKENDS[engine]().missing(read(source, **settings))
+            backend: Any = BACKENDS[engine]()
+            lacking = backend.missing(read(source, **settings))
             if lacking:
                 print(f"{name}: {engine} lacks {', '.join(sorted(lacking))}")
                 continue
