@@ -73,10 +73,12 @@ if len(d["shipments"]):
         model.solver().Add(model.VehicleVar(first) == model.VehicleVar(last))
         model.solver().Add(position.CumulVar(first) <= position.CumulVar(last))
 
-searches = routing_enums_pb2.LocalSearchMetaheuristic
+first, searches = routing_enums_pb2.FirstSolutionStrategy, routing_enums_pb2.LocalSearchMetaheuristic
+rewarded = bool(d["prize"].any())
 parameters = pywrapcp.DefaultRoutingSearchParameters()
-parameters.first_solution_strategy = routing_enums_pb2.FirstSolutionStrategy.PARALLEL_CHEAPEST_INSERTION
-parameters.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if d["unit"].any() else searches.TABU_SEARCH
+parameters.first_solution_strategy = first.PATH_CHEAPEST_ARC if rewarded else first.PARALLEL_CHEAPEST_INSERTION
+guided = bool(d["unit"].any()) and not rewarded
+parameters.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if guided else searches.TABU_SEARCH
 parameters.time_limit.FromSeconds(3600)
 parameters.solution_limit = solutions
 model.solver().ReSeed(1)

@@ -105,6 +105,8 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
 
     timed = vroom_model.TIMED if engine == "vroom" else ortools_model.TIMED
     data = vroom_integers(problem) if engine == "vroom" else integer_routing(problem)
+    if engine == "ortools":
+        data = ortools_model.short_ways(problem, data)
     sites, fleet = problem.sites, problem.fleet
     loads = load_factor(data) if engine == "pyvrp" else 1
     column: Callable[[Any], Any] = lambda values: loads * (values[:, 0] if values.shape[1] else np.zeros(len(values), np.int64))  # noqa: E731
