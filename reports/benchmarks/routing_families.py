@@ -163,7 +163,9 @@ def row(family: str, method: str, ran: Ran, known: Known | None) -> tuple[list[s
         return [family, method, f"exit code {ran.code}: {ran.complaint}", *[""] * 4, f"{ran.seconds:.1f}"], False
     values, bound = numbers(ran.said["objective"]), numbers(ran.said["certificate"]["bound"])
     most = ran.said["sense"] == "max"
-    gap, open_ = distance(values, known.values if known else ()), distance(values, bound)
+    # What a value known does not mention, such as the number of jobs done of VROOM's JSON, comes first.
+    gap = distance(values[-len(known.values) :], known.values) if known else math.nan
+    open_ = distance(values, bound)
     beyond = bool(values) and bool(bound) and (-open_ if most else open_) < -1e-6
     return [
         family, method, ", ".join(f"{v:.7g}" for v in values) or "no answer", known.text if known else "",
