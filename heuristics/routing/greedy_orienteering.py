@@ -47,7 +47,7 @@ def greedy_orienteering(problem: RoutingProblem, context: Context, *, by: str | 
     from .insertion_steps.insertion_kernels import best_insertion
 
     stop, vehicle, features = context.begin(), problem.fleet[0], problem.features()
-    given = site_data(problem, stop)
+    given = site_data(problem, stop, "greedy orienteering")
     if given is None:
         return Outcome(Routes(()), message=f"nobody was sent out: {CUT_SHORT}", limit=stop.reached())
     nodes, data, limits = given

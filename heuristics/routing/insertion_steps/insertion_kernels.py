@@ -272,7 +272,7 @@ def _duration(u, k, route, size, data, limits):  # type: ignore[no-untyped-def]
     _, service, ready, due, _, time = data
     opening, closing, _, _ = limits
     end = len(service) - 1
-    clock, waiting, slack, at = opening, 0.0, closing - opening, 0
+    clock, waiting, slack, at = opening, 0.0, max(0.0, due[0] - opening), 0
     for step in range(size + 1):
         node = route[step] if step < k else u if step == k else route[step - 1]
         reached = clock + (service[at] if step > 0 else 0.0) + time[at, node]
