@@ -165,11 +165,12 @@ def row(family: str, method: str, ran: Ran, known: Known | None) -> tuple[list[s
     most = ran.said["sense"] == "max"
     # What a value known does not mention, such as the number of jobs done of VROOM's JSON, comes first.
     gap = distance(values[-len(known.values) :], known.values) if known else math.nan
-    open_ = distance(values, bound)
+    rising = most and known is not None and len(known.values) == len(values)
+    open_ = -distance(bound, values)
     beyond = bool(values) and bool(bound) and (-open_ if most else open_) < -1e-6
     return [
         family, method, ", ".join(f"{v:.7g}" for v in values) or "no answer", known.text if known else "",
-        ("better by " if (gap > 5e-5 if most else gap < -5e-5) else "") + percent(gap),
+        ("better by " if (gap > 5e-5 if rising else gap < -5e-5) else "") + percent(gap),
         f"{bound[0]:.7g} ({percent(open_)})" if bound and values else f"{bound[0]:.7g}" if bound else "none",
         f"{ran.said['seconds']['solve']:.1f}", f"{ran.seconds:.1f}",
     ], not beyond and (ran.code == 4 or bool(ran.said["certificate"]["feasible"]))  # fmt: skip

@@ -19,14 +19,19 @@ def said(objective: Any, bound: Any, sense: str = "min", feasible: bool = True) 
 
 def test_a_row_tells_gaps_to_the_best_known_and_to_the_verified_bound() -> None:
     cells, good = row("CVRP", "pyvrp", Ran(0, said(110.0, 99.0), "", 2.0), Known((100.0,), "100"))
-    assert good and cells[2:6] == ["110", "100", "10.0 %", "99 (11.1 %)"]
+    assert good and cells[2:6] == ["110", "100", "10.0 %", "99 (10.0 %)"]
     cells, good = row("TOP", "pyvrp", Ran(0, said(90.0, None, "max"), "", 2.0), Known((80.0,), "80"))
     assert good and cells[2:6] == ["90", "80", "better by 12.5 %", "none"]
 
 
 def test_with_priorities_the_first_level_that_differs_counts() -> None:
     cells, good = row("PDPTW", "pyvrp", Ran(0, said([10.0, 900.0], [9.0, None]), "", 2.0), Known((10.0, 800.0), "10, 800"))
-    assert good and cells[2:6] == ["10, 900", "10, 800", "12.5 %", "9 (11.1 %)"]
+    assert good and cells[2:6] == ["10, 900", "10, 800", "12.5 %", "9 (10.0 %)"]
+
+
+def test_a_cost_behind_what_is_done_is_compared_as_a_cost() -> None:
+    cells, good = row("VROOM JSON", "pyvrp", Ran(0, said([50.0, 550.0], [50.0, None], "max"), "", 2.0), Known((500.0,), "500"))
+    assert good and cells[4] == "10.0 %"
 
 
 def test_a_refusal_shows_what_is_lacking_and_everything_else_is_a_fault() -> None:
