@@ -15,7 +15,6 @@ FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "wayb
 KERNELS = {
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
     "heuristics/routing/insertion_steps/assignment_kernels": "heuristics/routing/greedy_assignment",
-    "heuristics/routing/insertion_steps/insertion_kernels": "heuristics/routing/insertion",
     "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
     "heuristics/selection/greedy_steps/bottleneck": "heuristics/selection/greedy",
     "heuristics/selection/greedy_steps/enumeration": "heuristics/selection/brute_force",
@@ -34,6 +33,7 @@ KERNELS = {
 
 ELSEWHERE = {
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
+    **{f"reports/benchmarks/_bare_{name}": "reports/benchmarks/test_overhead.py" for name in ("ortools", "pyvrp", "routing", "vroom")},
     "solvers/engines/local_max_min/robot": "solvers/engines/local_max_min/test_messages.py",  # a robot alone has nobody to talk to
     "waybound/_version": "test_packaging.py",  # one line
     "waybound/_guard": "conformance/test_imports.py",  # one line, which fails where it must: in other processes

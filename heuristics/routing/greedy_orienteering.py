@@ -18,8 +18,6 @@ FEATURES = frozenset(
     }
 )  # fmt: skip
 RULES = ("density", "reward")
-ROUTES = 64
-"""That there is room for at first: where all are used and there are more vehicles, it begins again with four times as many."""
 
 
 def greedy_orienteering(problem: RoutingProblem, context: Context, *, by: str | None = None) -> Outcome:
@@ -49,23 +47,20 @@ def greedy_orienteering(problem: RoutingProblem, context: Context, *, by: str | 
     from .insertion_steps.insertion_kernels import best_insertion
 
     stop, vehicle, features = context.begin(), problem.fleet[0], problem.features()
-    given = site_data(problem, stop)
+    given = site_data(problem, stop, "greedy orienteering")
     if given is None:
         return Outcome(Routes(()), message=f"nobody was sent out: {CUT_SHORT}", limit=stop.reached())
     nodes, data, limits = given
     fleet = len(problem.customers) if vehicle.count is None else min(vehicle.count, len(problem.customers))
-    timed = bool(features & {"time-windows", "depot-windows"})
+    timed, distance = bool(features & {"time-windows", "depot-windows"}), data[4]
+    inward = distance if (distance == distance.T).all() else np.ascontiguousarray(distance.T)
+    kept = not timed and (data[5] is distance or vehicle.max_duration == np.inf)
     wanted = np.where(problem.sites.required, np.inf, problem.sites.reward)[nodes]  # whoever must be visited comes first
     best, value, used = Routes(()), -np.inf, ""
     for rule in RULES if by is None else (by,):
         if used and stop.reached():
             break
-        routes = min(fleet, ROUTES)
-        while True:
-            route_of, place = best_insertion(stop.flag, data, wanted, routes, vehicle.capacity, limits, timed, rule == "density")
-            if routes == fleet or route_of.max(initial=-1) < routes - 1 or stop.reached():
-                break
-            routes = min(fleet, 4 * routes)
+        route_of, place = best_insertion(stop.flag, data, inward, wanted, fleet, vehicle.capacity, limits, timed, kept, rule == "density")
         visited = np.nonzero(route_of >= 0)[0]
         visited = visited[np.lexsort((place[visited], route_of[visited]))]
         ends = np.nonzero(np.diff(route_of[visited]))[0] + 1

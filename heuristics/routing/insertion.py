@@ -66,7 +66,7 @@ def insertion(
     from .insertion_steps.insertion_kernels import sequential_insertion
 
     stop, features = context.begin(), problem.features()
-    given = site_data(problem, stop)
+    given = site_data(problem, stop, "insertion")
     if given is None:
         return Outcome(in_turn(problem), message=f"customers in their order: {CUT_SHORT}", limit=stop.reached())
     nodes, data, limits = given

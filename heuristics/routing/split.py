@@ -56,7 +56,9 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     Notes
     -----
     A shortest path over positions in the tour, of which each move stands for a route; with a limited fleet, over positions and
-    numbers of routes. Source: Beasley (1983), Omega 11; Prins (2004), Computers and Operations Research 31;
+    numbers of routes. Where loads are whole numbers and the only limit, in linear time for each number of routes. Source: Beasley (1983),
+    Omega 11; Prins (2004), Computers and Operations Research 31; Vidal (2016), Split algorithm in O(n) for the capacitated vehicle routing
+    problem, Computers and Operations Research 69;
     docs/formulations/routing.md#approximations.
     """
     if not (isinstance(starts, int) and starts >= 1):
@@ -114,7 +116,7 @@ def _given(start: Routes, node_of: NDArray[np.int64], n: int) -> NDArray[np.int6
 
 def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: Stop) -> tuple[NDArray[np.bool_], tuple[int, int, float]]:
     """Whether each customer is the last of its route; how many break limits, how many routes are too many, and the cost."""
-    from .tour_steps.splitting_kernels import best_split
+    from .tour_steps.splitting_kernels import best_split, linear_split
 
     sites, vehicle, travel = problem.sites, problem.fleet[0], problem.travel
     visits, depot = costs.nodes[order], vehicle.start
@@ -127,9 +129,17 @@ def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: 
         sites.demand[visits], sites.service[visits], sites.ready[visits], sites.due[visits], distance, time, vehicle.capacity, limits,
         vehicle.unit_cost, vehicle.fixed_cost,
     )  # fmt: skip
-    last, broken, value = best_split(stop.flag, *given, n)
+    whole = bool((given[0] == np.floor(given[0])).all()) and float(given[0].sum()) < 2.0**53
+    loads_only = whole and not problem.features() & TIMED
+
+    def cut(most: int) -> tuple[NDArray[np.bool_], int, float]:
+        if loads_only:
+            return linear_split(stop.flag, given[0], distance, vehicle.capacity, vehicle.unit_cost, vehicle.fixed_cost, most)  # type: ignore[no-any-return]
+        return best_split(stop.flag, *given, most)  # type: ignore[no-any-return]
+
+    last, broken, value = cut(n)
     if limit is not None and last.sum() > limit and limit * n <= FLEET_STATES:
-        fewer, worse, dearer = best_split(stop.flag, *given, limit)
+        fewer, worse, dearer = cut(limit)
         if fewer.any() and worse <= broken:
             last, broken, value = fewer, worse, dearer
     return last, (int(broken), 0 if limit is None else max(0, int(last.sum()) - limit), float(value))

@@ -4,8 +4,9 @@ Run as ``python -m waybound.reports.benchmarks.overhead [--repeats 3] [--iterati
 [--instance NAME ...]``. Each run is a fresh process; bare and wrapped runs alternate. Work is fixed, so that both sides do the same:
 iterations of PyVRP, solutions of OR-Tools, the exploration level of VROOM (before which waybound has it search at level 0). ``engine`` is
 the CPU time of building the library's model and searching, ``whole`` that of the whole process and its children, with imports, reading,
-checking and, for OR-Tools and VROOM, the process of its own that they need. Instances are bundled ones, and C101, R101 and X-n101-k25 if
-``WAYBOUND_BENCHMARKS`` names their folder. Exits with 1 if routes differ.
+checking and, for OR-Tools and VROOM, the process of its own that they need. The bare scripts, ``_bare_pyvrp`` and so on, know nothing of
+waybound. Instances are bundled ones, and if ``WAYBOUND_BENCHMARKS`` names their folder a file of each routing family, which a library
+takes or lacks features of. Exits with 1 if routes differ.
 """
 
 from __future__ import annotations
@@ -35,98 +36,22 @@ BENCHMARKS: dict[str, dict[str, Any]] = {
     "vrptw-solomon/C101.txt": {"convention": "trunc1"},
     "vrptw-solomon/R101.txt": {"convention": "trunc1"},
     "cvrp/X/X-n101-k25.vrp": {"vehicles": 40},
+    "tsplib/bays29.tsp": {},
+    "mdvrp-cordeau/p01.txt": {},
+    "pdptw-lilim/100/lc101.txt": {},
+    "vrpspd-salhi/CMT1X.vrpspd": {"vehicles": 10},
+    "op/tsiligirides1/tsiligirides_problem_1_budget_30.txt": {},
+    "op/oplib-gen2/att48-gen2-50.oplib": {},
+    "top/set4/p4.2.a.txt": {},
+    "toptw/c101.txt": {"problem": "team-orienteering", "vehicles": 2, "convention": "trunc1"},
+    "minmax-mtsp/mtsplib/eil51-m5.txt": {},
 }
-
-LOAD = """
-import json, resource, sys, time
-import numpy as np
-d = dict(np.load(sys.argv[1])); work = int(sys.argv[2])
-"""
 
 TELL = """
 usage = [resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
 whole = sum(u.ru_utime + u.ru_stime for u in usage)
 print(json.dumps({"routes": sorted(routes), "engine": engine, "whole": whole}))
 """
-
-BARE = {
-    "pyvrp": LOAD
-    + """
-import pyvrp
-start = time.process_time()
-windows = "due" in d
-clients = [
-    pyvrp.Client(i, delivery=[int(d["demand"][i])], service_duration=int(d["service"][i]),
-                 **({"tw_early": int(d["ready"][i]), "tw_late": int(d["due"][i])} if windows else {}))
-    for i in range(1, len(d["demand"]))
-]
-shift = {"tw_early": int(d["ready"][0]), "tw_late": int(d["due"][0])} if windows else {}
-vehicles = pyvrp.VehicleType(int(d["vehicles"]), [int(d["capacity"])], **shift)
-places = [pyvrp.Location(float(x), float(y)) for x, y in d["xy"]]
-data = pyvrp.ProblemData(places, clients, [pyvrp.Depot(0)], [vehicles], [d["distance"]], [d["distance"]])
-result = pyvrp.solve(data, pyvrp.stop.MaxIterations(work), seed=1, collect_stats=False, display=False)
-routes = [[a.idx + 1 for a in route if a.is_client()] for route in result.best.routes()]
-engine = time.process_time() - start
-"""
-    + TELL,
-    "ortools": LOAD
-    + """
-from ortools.constraint_solver import pywrapcp, routing_enums_pb2
-start = time.process_time()
-n, v = len(d["demand"]), int(d["vehicles"])
-manager = pywrapcp.RoutingIndexManager(n, v, 0)
-model = pywrapcp.RoutingModel(manager)
-model.SetArcCostEvaluatorOfAllVehicles(model.RegisterTransitMatrix(d["distance"].tolist()))
-load = model.RegisterUnaryTransitVector(d["demand"].tolist())
-model.AddDimensionWithVehicleCapacity(load, 0, [int(d["capacity"])] * v, True, "load")
-if "due" in d:
-    moves = d["service"][:, None] + d["distance"]
-    horizon = int(d["ready"].max() + moves.max(axis=1).sum())
-    model.AddDimension(model.RegisterTransitMatrix(moves.tolist()), horizon, horizon, False, "time")
-    clock = model.GetDimensionOrDie("time")
-    for i in range(1, n):
-        clock.CumulVar(manager.NodeToIndex(i)).SetRange(int(d["ready"][i]), min(int(d["due"][i]), horizon))
-    for k in range(v):
-        clock.CumulVar(model.Start(k)).SetRange(int(d["ready"][0]), min(int(d["due"][0]), horizon))
-        clock.CumulVar(model.End(k)).SetRange(0, min(int(d["due"][0]), horizon))
-parameters = pywrapcp.DefaultRoutingSearchParameters()
-parameters.first_solution_strategy = routing_enums_pb2.FirstSolutionStrategy.PARALLEL_CHEAPEST_INSERTION
-parameters.local_search_metaheuristic = routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
-parameters.time_limit.FromSeconds(3600)
-parameters.solution_limit = work
-model.solver().ReSeed(1)
-answer = model.SolveWithParameters(parameters)
-routes = []
-for k in range(v):
-    at, visits = answer.Value(model.NextVar(model.Start(k))), []
-    while not model.IsEnd(at):
-        visits.append(manager.IndexToNode(at))
-        at = answer.Value(model.NextVar(at))
-    if visits:
-        routes.append(visits)
-engine = time.process_time() - start
-"""
-    + TELL,
-    "vroom": LOAD
-    + """
-import vroom
-start = time.process_time()
-made = vroom.Input()
-made.set_costs_matrix("car", d["distance"])
-made.set_durations_matrix("car", d["distance"] if "due" in d else np.zeros_like(d["distance"]))
-window = lambda i: vroom.TimeWindow(int(d["ready"][i]), int(d["due"][i]))
-timed = (lambda i: {"default_service": int(d["service"][i]), "time_windows": [window(i)]}) if "due" in d else lambda i: {}
-made.add_job([vroom.Job(i, i, delivery=[int(d["demand"][i])], **timed(i)) for i in range(1, len(d["demand"]))])
-shift = {"time_window": window(0)} if "due" in d else {}
-capacity = [min(int(d["capacity"]), int(d["demand"].sum()))]
-made.add_vehicle([vroom.Vehicle(k, start=0, end=0, capacity=capacity, **shift) for k in range(int(d["vehicles"]))])
-found = made.solve(exploration_level=work, nb_threads=1)
-frame = found.routes[found.routes["type"] == "job"]
-routes = [[int(i) for i in part["location_index"]] for _, part in frame.groupby("vehicle_id")]
-engine = time.process_time() - start
-"""
-    + TELL,
-}
 
 FIXED = """
 work = int(sys.argv[2])
@@ -170,26 +95,58 @@ routes = [list(r.visits) for r in solution.answer]
 )
 
 
-def integers(problem: RoutingProblem) -> dict[str, Any]:
-    """The data as a user of the bare library would scale them: everything that has decimals by ten."""
-    scale = 1 if (problem.travel.distances % 1 == 0).all() else 10
-    sites, vehicle = problem.sites, problem.fleet[0]
-    whole: Callable[[Any], Any] = lambda values: np.rint(np.asarray(values) * scale).astype(np.int64)  # noqa: E731
-    made: dict[str, Any] = {
-        "distance": whole(problem.travel.distances), "service": whole(sites.service), "demand": sites.demand.astype(np.int64),
-        "capacity": int(vehicle.capacity), "vehicles": vehicle.count, "xy": sites.coordinates,
+def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
+    """The arrays that ``_bare_routing`` describes: the data in the units in which waybound hands them to an engine."""
+    from waybound.solvers.engines import ortools_model, vroom_model
+    from waybound.solvers.engines.integer_scales import UNLIMITED
+    from waybound.solvers.engines.pyvrp_model import load_factor
+    from waybound.solvers.engines.routing_integers import integer_routing
+    from waybound.solvers.engines.vroom import vroom_integers
+
+    timed = vroom_model.TIMED if engine == "vroom" else ortools_model.TIMED
+    data = vroom_integers(problem) if engine == "vroom" else integer_routing(problem)
+    if engine == "ortools":
+        data = ortools_model.short_ways(problem, data)
+    sites, fleet = problem.sites, problem.fleet
+    loads = load_factor(data) if engine == "pyvrp" else 1
+    column: Callable[[Any], Any] = lambda values: loads * (values[:, 0] if values.shape[1] else np.zeros(len(values), np.int64))  # noqa: E731
+    limited = bool((data.max_distance != UNLIMITED).any())
+    moves = data.moves[0]
+    spanned = data.service[:, None] + moves.duration if data.maxima[0] else moves.distance_up
+    return {
+        "spanned": spanned,
+        "xy": np.zeros((len(sites), 2)) if sites.coordinates is None else sites.coordinates, "service": data.service, "ready": data.ready,
+        "due": data.due, "demand": column(data.demand), "pickup": column(data.pickup), "prize": data.prize, "required": sites.required,
+        "distance": moves.distance_up if limited else moves.distance, "duration": moves.duration, "depots": sites.depots,
+        "shipments": np.array([(s.pickup, s.delivery) for s in sites.shipments], dtype=np.int64).reshape(-1, 2),
+        "shipped": column(data.shipped), "vehicles": np.array([len(problem.customers) if v.count is None else v.count for v in fleet]),
+        "start": np.array([v.start for v in fleet]), "end": np.array([v.end for v in fleet]),
+        "capacity": np.where(data.capacity[:, 0] == UNLIMITED, UNLIMITED, data.capacity[:, 0] * loads), "fixed": data.fixed,
+        "unit": data.unit, "opens": data.opens, "closes": data.closes, "max_duration": data.max_duration,
+        "max_distance": data.max_distance, "span": data.maxima[:2].max(), "timed": bool(problem.features() & timed),
     }  # fmt: skip
-    if np.isfinite(sites.due).any():
-        made.update(ready=whole(sites.ready), due=whole(sites.due))
-    return made
 
 
 def run(code: str, *arguments: str) -> dict[str, Any]:
-    """Output of a fresh process."""
-    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
+    """Output of a fresh process, of Python code or of a script."""
+    command = [code] if code.endswith(".py") else ["-c", code]
+    done = subprocess.run([sys.executable, *command, *arguments], capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(done.stderr)
     return dict(json.loads(done.stdout.splitlines()[-1]))
+
+
+def bare(problem: RoutingProblem, engine: str, work: int) -> dict[str, Any]:
+    """What the bare library makes of a problem: routes and CPU seconds."""
+    with tempfile.TemporaryDirectory() as folder:
+        data = Path(folder) / "data.npz"
+        np.savez(data, **integers(problem, engine))
+        return run(str(Path(__file__).with_name(f"_bare_{engine}.py")), str(data), str(work))
+
+
+def shown(routes: list[list[int]], engine: str) -> list[list[int]]:
+    """Routes for comparison. VROOM drives a route one way or the other, in one run or the next, where both cost the same."""
+    return sorted(min(route, route[::-1]) for route in routes) if engine == "vroom" else sorted(routes)
 
 
 def compare(name: str, source: str, settings: dict[str, Any], engine: str, work: int, repeats: int) -> dict[str, Any]:
@@ -197,14 +154,11 @@ def compare(name: str, source: str, settings: dict[str, Any], engine: str, work:
     problem = read(source, **settings)
     assert isinstance(problem, RoutingProblem)
     runs: dict[str, list[dict[str, Any]]] = {"bare": [], "engine": [], "whole": []}
-    with tempfile.TemporaryDirectory() as folder:
-        data = Path(folder) / "data.npz"
-        np.savez(data, **integers(problem))
-        for _ in range(repeats):
-            runs["bare"].append(run(BARE[engine], str(data), str(work)))
-            for kind, code in (("engine", ENGINE), ("whole", WHOLE)):
-                runs[kind].append(run(code, source, str(work), engine, json.dumps(settings)))
-    routes = [json.dumps(r["routes"]) for kind in runs.values() for r in kind]
+    for _ in range(repeats):
+        runs["bare"].append(bare(problem, engine, work))
+        for kind, code in (("engine", ENGINE), ("whole", WHOLE)):
+            runs[kind].append(run(code, source, str(work), engine, json.dumps(settings)))
+    routes = [json.dumps(shown(r["routes"], engine)) for kind in runs.values() for r in kind]
     middle: Callable[[str, str], float] = lambda kind, what: statistics.median(r[what] for r in runs[kind])  # noqa: E731
     return {
         "instance": name, "engine": engine, "work": work, "same": len(set(routes)) == 1,
@@ -238,6 +192,11 @@ def main(arguments: list[str] | None = None) -> int:
         for engine, work in (("pyvrp", given.iterations), ("ortools", given.solutions), ("vroom", given.level)):
             if not BACKENDS[engine].installed():
                 print(f"{name}: {engine} is not installed")
+                continue
+            backend: Any = BACKENDS[engine]()
+            lacking = backend.missing(read(source, **settings))
+            if lacking:
+                print(f"{name}: {engine} lacks {', '.join(sorted(lacking))}")
                 continue
             row = compare(name, source, settings, engine, work, given.repeats)
             sound = sound and row["same"]

@@ -16,7 +16,7 @@ from ...formulations.evidence import Evidence
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
-from ...formulations.routing.objective import LongestRoute, Makespan, TotalCost
+from ...formulations.routing.objective import LongestRoute, Makespan, Reward, TotalCost
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...formulations.selection.feasibility import allowed
@@ -203,8 +203,8 @@ def _agree(problem: Problem, value: float, bound: float) -> None:
 
 
 def best_routes(problem: RoutingProblem) -> Optimum:
-    """The best routes of vehicles of one type that have no limit but capacity: the shortest tour of every set of customers (Held and Karp
-    1962), and the best way to share all customers among such sets.
+    """The best routes of vehicles of one type that have no limit but capacity and distance: the shortest tour of every set of customers
+    (Held and Karp 1962), and the best way to share all customers, or where rewards are collected some of them, among such sets.
 
     Raises
     ------
@@ -214,11 +214,13 @@ def best_routes(problem: RoutingProblem) -> Optimum:
         If there is no answer.
     """
     longest = problem.objective.is_only(LongestRoute) or problem.objective.is_only(Makespan)
-    limits = problem.features() - {
-        "objective:total-cost", "objective:longest-route", "objective:makespan", "capacity", "limited-fleet", "fixed-cost", "service-times",
-        "separate-durations",
+    rewarded = problem.objective.is_only(Reward)
+    known = {
+        "objective:total-cost", "objective:longest-route", "objective:makespan", "capacity", "max-distance", "limited-fleet", "fixed-cost",
+        "service-times", "separate-durations", *(("objective:reward", "optional-sites") if rewarded else ()),
     }  # fmt: skip
-    if limits or not (longest or problem.objective.is_only(TotalCost)):
+    limits = problem.features() - known
+    if limits or not (longest or rewarded or problem.objective.is_only(TotalCost)):
         raise UsageError(f"no optimum is known of routes with {', '.join(sorted(limits)) or str(problem.objective)}")
     customers, vehicle, sites = problem.customers, problem.fleet[0], problem.sites
     n = len(customers)
@@ -241,6 +243,7 @@ def best_routes(problem: RoutingProblem) -> Optimum:
     members = _members(n)
     cost = tour + members @ sites.service[customers] if timed else tour if longest else vehicle.fixed_cost + vehicle.unit_cost * tour
     cost[members @ sites.demand[customers] > vehicle.capacity * (1 + 1e-12)] = math.inf
+    cost[tour > vehicle.max_distance * (1 + 1e-12)] = math.inf
     most = n if problem.vehicle_limit is None else min(n, problem.vehicle_limit)
     best, first = np.full((most + 1, every), math.inf), np.zeros((most + 1, every), dtype=np.int64)
     best[:, 0] = 0.0
@@ -255,9 +258,12 @@ def best_routes(problem: RoutingProblem) -> Optimum:
             if part == 0:
                 break
             part = (part - 1) & rest
-    if not math.isfinite(best[most, every - 1]):
+    served = every - 1
+    if rewarded:
+        served = int(np.where(np.isfinite(best[most]), members @ sites.reward[customers], -math.inf).argmax())
+    if not math.isfinite(best[most, served]):
         raise CheckFailedError(f"no {most} routes serve all customers of {problem.name}")
-    routes, left, k = [], every - 1, most
+    routes, left, k = [], served, most
     while left:
         route = int(first[k, left])
         chosen, at, visits = route, int((ends[route] + moves[1:, 0]).argmin()), []

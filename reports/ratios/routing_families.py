@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.routing.objective import LongestRoute, Makespan, Objective
+from ...formulations.routing.objective import LongestRoute, Makespan, Objective, Reward
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...instances.routing.instance import Sites, VehicleType
@@ -76,9 +76,19 @@ def shared(k: int, rng: Rng, kind: str) -> Case:
     )
 
 
+def rewarded(k: int, rng: Rng, kind: str) -> Case:
+    """A few vehicles that collect rewards within a distance from which at least one site can be reached."""
+    n, travel = int(rng.integers(3, MOST + 2)), travel_of(rng, kind, MOST + 1)
+    sites = _sites(n, reward=np.r_[0.0, rng.integers(1, 20, n - 1)], required=False)
+    travel = Travel(EXPLICIT, matrix=travel.distances[:n, :n])
+    near = 2.0 * travel.distances[0, 1:]
+    vehicle = VehicleType(count=1 + k % 3, max_distance=float(near.min() + rng.uniform(0, 1) * near.sum() + 1.0))
+    return Case(RoutingProblem(sites, travel, (vehicle,), Objective.of(Reward()), name=f"{kind}-{k}"))
+
+
 def random_families(make: str) -> tuple[Family, ...]:
-    """The random families of ``salesman``, ``loads`` or ``shared`` problems."""
-    made = {"salesman": salesman, "loads": loads, "shared": shared}[make]
+    """The random families of ``salesman``, ``loads``, ``shared`` or ``rewarded`` problems."""
+    made = {"salesman": salesman, "loads": loads, "shared": shared, "rewarded": rewarded}[make]
     words = {"plane": "uniform", "clusters": "three clusters", "grid": "few places", "graph": "shortest paths", "rounded": "rounded"}
     return tuple(Family(kind, f"{words[kind]}, up to {MOST} customers", partial(_of_kind, made, kind)) for kind in KINDS)
 
@@ -153,3 +163,36 @@ def share_traps() -> tuple[Family, ...]:
     """On which the longest route cannot be cut evenly."""
     sides = [(3, 1.0, 2), (6, 6.0, 2), (6, 3.0, 3), (7, 7.0, 4)]
     return (listed("two-sides", "a line with the depot within", [partial(two_sides, a, f, k) for a, f, k in sides]),)
+
+
+def astray(near: int, lone: float, much: float) -> Case:
+    """A cluster as far away as a vehicle gets, ``near`` sites of reward 1 each, and a lone site of reward ``much`` on the other side.
+
+    Whoever goes to the one cannot go to the other.
+    """
+    xy = np.vstack([[0.0, 0.0], [[-lone, 0.0]], np.column_stack([np.full(near, 5.0), np.zeros(near)])])
+    sites = _sites(near + 2, reward=np.r_[0.0, much, np.ones(near)], required=False)
+    fleet = (VehicleType(count=1, max_distance=10.0),)
+    return Case(RoutingProblem(sites, Travel("euclidean", xy), fleet, Objective.of(Reward()), name=f"astray-{near}-{lone:g}-{much:g}"))
+
+
+def reward_traps() -> tuple[Family, ...]:
+    """On which the largest reward, or the largest for its distance, shuts out all others."""
+    cases = [(4, 4.0, 1.5), (8, 4.0, 1.5), (8, 0.5, 1.0), (8, 0.05, 0.5)]
+    return (listed("astray", "one site looks better than each of a cluster", [partial(astray, n, d, r) for n, d, r in cases]),)
+
+
+def long_ways(n: int) -> Case:
+    """Sites on a line, each twice as far from the depot as the one before, and on its other side: the nearest is always behind."""
+    x = np.r_[0.0, (-2.0) ** np.arange(n)]
+    problem = RoutingProblem(
+        _sites(n + 1), Travel("euclidean", np.column_stack([x, np.zeros(n + 1)])), (VehicleType(count=1),), LongestRoute()
+    )
+    return Case(problem)
+
+
+def nearest_traps() -> tuple[Family, ...]:
+    """On which the nearest site is the wrong one."""
+    return (
+        listed("long-ways", "a line on which the nearest site is always on the other side", [partial(long_ways, n) for n in range(3, 10)]),
+    )

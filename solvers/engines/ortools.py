@@ -14,7 +14,7 @@ from ...formulations.routing.routes import Routes
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from ..own_options import own_options
-from .ortools_model import Model
+from .ortools_model import Model, short_ways
 from .routing_integers import IntegerRouting, integer_routing
 from .routing_objective import awaited, claimed_objective, unscalable
 from .routing_shipments import entangled
@@ -45,7 +45,7 @@ DURATIONS = frozenset({"max-duration", "energy:elapsed", "duration-cost", "overt
 @BACKENDS.register("ortools")
 class ORTools(Engine):
     """OR-Tools routing library (Perron & Furnon): cheapest insertion, then guided local search, or tabu search
-    where moves cost nothing.
+    where moves cost nothing. Where rewards are all that counts, cheapest arcs and tabu search, the shorter way being the better of two.
 
     ``iterations`` counts solutions. Extra options are the scalar fields of its search parameters:
     ``first_solution_strategy``, ``local_search_metaheuristic`` (or ``metaheuristic``), ...
@@ -115,7 +115,8 @@ class _Search:
     """One run: publishes its incumbents and asks for its end from within the library's callback."""
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control, began: float) -> None:
-        self.problem, self.data, self.options, self.control = problem, data, options, control
+        self.problem, self.data, self.options, self.control = problem, short_ways(problem, data), options, control
+        self.rewarded = self.data is not data
         self.ends = began + options.time_limit
         self.solutions = 0
         self.publish_at = 0.0
@@ -151,7 +152,9 @@ class _Search:
         from ortools.constraint_solver import routing_enums_pb2
 
         routing = model.routing
-        parameters = _parameters(self.options, max(0.0, self.ends - time.perf_counter()), guided=bool(self.data.unit.any()))
+        parameters = _parameters(
+            self.options, max(0.0, self.ends - time.perf_counter()), guided=bool(self.data.unit.any()), rewarded=self.rewarded
+        )
         routing.solver().ReSeed(self.options.seed % 2**31)
         routing.CloseModelWithParameters(parameters)
 
@@ -204,23 +207,25 @@ class _Search:
 
     def _claim(self, cost: int, model: Model, answer: Routes) -> float | None:
         data = self.data
-        if data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
+        if self.rewarded or data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
             # Durations are rounded up, move by move, and the largest value is counted from the earliest departure.
             return self.problem.evaluate(answer).values[0] if len(self.problem.senses) == 1 else None
         return claimed_objective(self.problem, (cost - model.offset) / data.cost_factor)
 
 
-def _parameters(options: Options, seconds: float, guided: bool = True) -> Any:
+def _parameters(options: Options, seconds: float, guided: bool = True, rewarded: bool = False) -> Any:
     """The library's search parameters, the user's own changes checked against its fields.
 
-    Guided local search puts penalties on costs of moves, and finds nothing where these have none: tabu search does.
+    Guided local search puts penalties on costs of moves, and finds nothing where these have none: tabu search does. Insertion fills routes
+    in any order where only rewards count, which no later move mends: there routes go to the nearest site at first.
     """
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
     made = pywrapcp.DefaultRoutingSearchParameters()
-    made.first_solution_strategy = routing_enums_pb2.FirstSolutionStrategy.PARALLEL_CHEAPEST_INSERTION
+    first = routing_enums_pb2.FirstSolutionStrategy
+    made.first_solution_strategy = first.PATH_CHEAPEST_ARC if rewarded else first.PARALLEL_CHEAPEST_INSERTION
     searches = routing_enums_pb2.LocalSearchMetaheuristic
-    made.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if guided else searches.TABU_SEARCH
+    made.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if guided and not rewarded else searches.TABU_SEARCH
     made.time_limit.FromMilliseconds(max(1, round(1000 * min(seconds, 1e9))))
     if options.iterations is not None:
         made.solution_limit = options.iterations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,22 @@ TIMED = frozenset(
     }
 )  # fmt: skip
 """Features for which the library has to know when a vehicle is where."""
+
+
+def short_ways(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
+    """The same where moves cost nothing and visits are worth something: of equal rewards the shorter way is better.
+
+    Rewards alone leave the library's search without a direction: it ends with the first routes that are full.
+    """
+    costs = (data.unit, data.fixed, data.time, data.overtime, data.maxima)
+    if any(values.any() for values in costs) or not data.prize.any():
+        return data
+    step = int(np.gcd.reduce(data.prize))
+    longest = 2 * len(problem.customers) * max(int(m.distance.max(initial=0)) for m in data.moves)  # all moves of any answer
+    if (1 + longest) * (1 + int((data.prize // step).sum())) > UNLIMITED // 4:
+        return data
+    factor = data.cost_factor * (1 + longest) / step
+    return replace(data, prize=data.prize // step * (1 + longest), unit=np.ones_like(data.unit), cost_factor=factor)
 
 
 class Model:

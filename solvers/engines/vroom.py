@@ -71,7 +71,7 @@ class VROOM(Engine):
         if not FIRST <= level <= DEEPEST:
             raise UsageError(f"vroom: exploration_level is a number from {FIRST} to {DEEPEST}, not {level}")
         ends = time.perf_counter() + options.time_limit
-        return _search(problem, _integers(problem), level, options, control, ends)  # type: ignore[arg-type]
+        return _search(problem, vroom_integers(problem), level, options, control, ends)  # type: ignore[arg-type]
 
 
 def _beyond(problem: RoutingProblem) -> frozenset[str]:
@@ -116,7 +116,8 @@ def _search(problem: RoutingProblem, data: IntegerRouting, level: int, options: 
     return last
 
 
-def _integers(problem: Any) -> IntegerRouting:
+def vroom_integers(problem: Any) -> IntegerRouting:
+    """A routing problem in integers that leave VROOM room for its sums."""
     for fine in FINE[:-1]:
         with suppress(InputError):
             return integer_routing(problem, largest=LARGEST, total=LARGEST, fine=fine)

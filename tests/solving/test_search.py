@@ -39,10 +39,11 @@ def test_an_engine_that_overstays_is_asked_to_stop() -> None:
         control.publish("incumbent", 1.0)
         while not control.stopped:
             time.sleep(0.01)
-        return RawResult("feasible", limit="time", answer="last word")
+        return RawResult("feasible", limit="interrupt", answer="last word")
 
     searched = search(stubborn, Control(), 0.1, overtime=0.1)
     assert searched.result.answer == "last word"
+    assert searched.result.limit == "time"  # nobody but the clock interrupted it
     assert searched.seconds < 3
 
 

@@ -92,6 +92,8 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
     result: RawResult = outcome.get("result") or _from_incumbents(control, interrupted, outcome.get("fault"))
     if interrupted and result.limit != "interrupt" and result.status not in ("optimal", "infeasible", "unbounded"):
         result = replace(result, limit="interrupt")
+    elif asked is not None and not interrupted and result.limit == "interrupt":  # what asked was the clock
+        result = replace(result, limit="time")
     return Searched(result, interrupted, seconds)
 
 

@@ -16,6 +16,9 @@ from ....formulations.stop_kernel import asked
 ROUNDING = 1e-14
 """Part of a limit by which a route may exceed it: far less than the judge lets pass."""
 
+ROUTES = 64
+"""That there is room for at first."""
+
 
 @kernel()
 def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1, by_due):  # type: ignore[no-untyped-def]
@@ -79,62 +82,127 @@ def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1,
 
 
 @kernel()
-def best_insertion(flag, data, reward, fleet, capacity, limits, timed, density):  # type: ignore[no-untyped-def]
+def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, kept, density):  # type: ignore[no-untyped-def]
     """Add the customer of the largest reward, or reward for the distance that it adds, where it adds least, while any fits.
 
-    Returns the route of each customer, -1 for those left out, and its place on it.
+    Parameters
+    ----------
+    inward : array
+        Distances by where they lead, then by where they begin.
+    kept : bool
+        Whether limits ask for nothing but the distance that is added. Then a customer's best place on a route stays it until somebody is
+        put there, and is only compared with the two places beside the newcomer.
+
+    Returns
+    -------
+    (array, array)
+        The route of each customer, -1 for those left out, and its place on it.
     """
     demand = data[0]
     n = len(demand) - 2
-    routes, size = np.zeros((fleet, n + 2), np.int64), np.zeros(fleet, np.int64)
-    begin, latest = np.zeros((fleet, n + 2)), np.zeros((fleet, n + 2))
-    length, busy, load = np.zeros(fleet), np.zeros(fleet), np.zeros(fleet)
-    extra_of, place_of = np.full((fleet, n + 2), math.inf), np.zeros((fleet, n + 2), np.int64)
+    room = min(fleet, ROUTES)
+    routes, place_of = np.zeros((room, n + 2), np.int64), np.zeros((room, n + 2), np.int64)
+    least_of, extra_of = np.full((room, n + 2), math.inf), np.full((room, n + 2), math.inf)
+    size, load, begin, latest = np.zeros(fleet, np.int64), np.zeros(fleet), np.zeros(n + 2), np.zeros(n + 2)
+    extra, route_of = np.full(n + 2, math.inf), np.full(n + 2, -1)  # on the best route of each customer
     left = np.ones(n + 2, np.bool_)
     left[0] = left[n + 1] = False
-    fresh = np.ones(fleet, np.bool_)
-    open_ = 1  # routes with a customer, and the next one
+    open_, to, at = 1, 0, -1  # routes with a customer, and the next one; where the last customer was put
+    fresh = False  # whether nobody has looked at the next one yet
     while not asked(flag):
-        for r in range(open_):
-            if not fresh[r]:
-                continue
-            fresh[r] = False
-            length[r], busy[r] = _schedule(routes[r], size[r], data, limits, begin[r], latest[r])
+        for step in range(1 + fresh):
+            r = to if step == 0 else open_ - 1
+            length, busy = _schedule(routes[r], size[r], data, limits, begin, latest)
             for u in range(1, n + 1):
-                extra_of[r, u] = math.inf
                 if asked(flag):
                     break
-                if not left[u] or load[r] + demand[u] > capacity * (1 + ROUNDING):
+                if not left[u]:
                     continue
-                for k in range(size[r] + 1):
-                    extra, _ = _inserted(u, k, routes[r], size[r], data, limits, timed, begin[r], latest[r], length[r], busy[r])
-                    if extra < extra_of[r, u]:
-                        extra_of[r, u], place_of[r, u] = extra, k
-        chosen, to, best, least = -1, -1, -math.inf, math.inf
+                if load[r] + demand[u] > capacity * (1 + ROUNDING):
+                    least_of[r, u] = math.inf
+                elif not kept or size[r] < 2 or place_of[r, u] == at:
+                    found = _best_place(u, routes[r], size[r], data, inward, limits, timed, kept, begin, latest, length, busy)
+                    least_of[r, u], place_of[r, u] = found
+                elif least_of[r, u] < math.inf:
+                    found = _beside(u, at, routes[r], size[r], data, inward, least_of[r, u], place_of[r, u])
+                    least_of[r, u], place_of[r, u] = found
+                extra_of[r, u] = least_of[r, u]
+                if kept and least_of[r, u] < math.inf:
+                    k = place_of[r, u]
+                    extra_of[r, u], _ = _inserted(u, k, routes[r], size[r], data, limits, timed, begin, latest, length, busy)
+                if route_of[u] == r:
+                    extra[u] = math.inf
+                    for other in range(open_):
+                        if extra_of[other, u] < extra[u]:
+                            extra[u], route_of[u] = extra_of[other, u], other
+                elif extra_of[r, u] < extra[u] or (extra_of[r, u] == extra[u] and r < route_of[u]):
+                    extra[u], route_of[u] = extra_of[r, u], r
+        chosen, best, least = -1, -math.inf, math.inf
         for u in range(1, n + 1):
-            if not left[u]:
-                continue
-            for r in range(open_):
-                extra = extra_of[r, u]
-                if not extra < math.inf:
-                    continue
-                worth = reward[u] if not density else reward[u] / extra if extra > 0 else math.inf if reward[u] > 0 else 0.0
-                if worth > best or (worth == best and extra < least):
-                    chosen, to, best, least = u, r, worth, extra
+            if left[u] and extra[u] < math.inf:
+                worth = reward[u] if not density else reward[u] / extra[u] if extra[u] > 0 else math.inf if reward[u] > 0 else 0.0
+                if worth > best or (worth == best and extra[u] < least):
+                    chosen, best, least = u, worth, extra[u]
         if chosen < 0:
             break
-        _put(routes[to], size[to], chosen, place_of[to, chosen])
+        to = route_of[chosen]
+        at = place_of[to, chosen]
+        _put(routes[to], size[to], chosen, at)
         size[to] += 1
         load[to] += demand[chosen]
         left[chosen] = False
-        fresh[to] = True
-        if to == open_ - 1 and open_ < fleet:
-            open_ += 1
-    route_of, at = np.full(n + 2, -1), np.zeros(n + 2, np.int64)
-    for r in range(fleet):
+        fresh = to == open_ - 1 and open_ < fleet
+        open_ += fresh
+        if open_ > room:
+            more = min(fleet, 2 * room) - room
+            room += more
+            none = np.zeros((more, n + 2), np.int64)
+            routes, place_of = np.concatenate((routes, none)), np.concatenate((place_of, none))
+            least_of = np.concatenate((least_of, np.full((more, n + 2), math.inf)))
+            extra_of = np.concatenate((extra_of, np.full((more, n + 2), math.inf)))
+    route_of, place = np.full(n + 2, -1), np.zeros(n + 2, np.int64)
+    for r in range(open_):
         for k in range(size[r]):
-            route_of[routes[r, k]], at[routes[r, k]] = r, k
-    return route_of, at
+            route_of[routes[r, k]], place[routes[r, k]] = r, k
+    return route_of, place
+
+
+@kernel()
+def _best_place(u, route, size, data, inward, limits, timed, kept, begin, latest, length, busy):  # type: ignore[no-untyped-def]
+    """Where on a route it adds the least distance to visit ``u``, the first of several places; whatever limits say, if ``kept``."""
+    _, service, ready, due, distance, _ = data
+    least, place = math.inf, 0
+    end = len(service) - 1
+    for k in range(size + 1):
+        i, j = route[k - 1] if k > 0 else 0, route[k] if k < size else end
+        if timed:
+            # Both rise along the route, so that none later, or none so far, has a place for the window.
+            if k > 0 and begin[k - 1] > due[u] + ROUNDING * abs(due[u]):
+                break
+            if ready[u] + service[u] > latest[k] + ROUNDING * abs(latest[k]):
+                continue
+        extra = inward[u, i] + distance[u, j] - (distance[i, j] if size > 0 else 0.0)
+        if extra < least:
+            if not kept:
+                extra, _ = _inserted(u, k, route, size, data, limits, timed, begin, latest, length, busy)
+            if extra < least:
+                least, place = extra, k
+    return least, place
+
+
+@kernel()
+def _beside(u, at, route, size, data, inward, least, place):  # type: ignore[no-untyped-def]
+    """The best place of ``u`` and what it adds, where somebody was put at another place, ``at``."""
+    distance, end = data[4], len(data[0]) - 1
+    i, x, j = route[at - 1] if at > 0 else 0, route[at], route[at + 1] if at + 1 < size else end
+    place += place > at
+    before = distance[i, u] + inward[x, u] - distance[i, x]
+    if before < least or (before == least and at < place):
+        least, place = before, at
+    after = distance[x, u] + inward[j, u] - distance[x, j]
+    if after < least or (after == least and at + 1 < place):
+        least, place = after, at + 1
+    return least, place
 
 
 @kernel()
@@ -204,7 +272,7 @@ def _duration(u, k, route, size, data, limits):  # type: ignore[no-untyped-def]
     _, service, ready, due, _, time = data
     opening, closing, _, _ = limits
     end = len(service) - 1
-    clock, waiting, slack, at = opening, 0.0, closing - opening, 0
+    clock, waiting, slack, at = opening, 0.0, max(0.0, due[0] - opening), 0
     for step in range(size + 1):
         node = route[step] if step < k else u if step == k else route[step - 1]
         reached = clock + (service[at] if step > 0 else 0.0) + time[at, node]

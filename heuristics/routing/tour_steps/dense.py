@@ -20,8 +20,15 @@ STRIP = 1 << 20
 """Distances that are computed before the time is looked at."""
 
 
-def dense(between: Callable[[ArrayLike, ArrayLike], Floats], nodes: NDArray[np.int64], stop: Stop, what: str) -> Floats | None:
+def dense(
+    between: Callable[[ArrayLike, ArrayLike], Floats], nodes: NDArray[np.int64], stop: Stop, what: str, *, savings: bool = False
+) -> Floats | None:
     """``between(nodes[i], nodes[j])`` for all i and j; None where it was asked to stop.
+
+    Parameters
+    ----------
+    savings : bool
+        Whether that heuristic takes the problem too, to be named in the refusal.
 
     Raises
     ------
@@ -31,7 +38,8 @@ def dense(between: Callable[[ArrayLike, ArrayLike], Floats], nodes: NDArray[np.i
     n = len(nodes)
     if n > MOST_SITES or not fits(24.0 * n * n):
         reason = f"needs {readable(24.0 * n * n)}" if n <= MOST_SITES else f"takes at most {MOST_SITES:,}"
-        raise UsageError(f"{what} of {n:,} sites holds all distances between them and {reason}; savings needs none of them")
+        other = "; savings needs none of them" if savings else ""
+        raise UsageError(f"{what} of {n:,} sites holds all distances between them and {reason}{other}")
     made, step = np.empty((n, n)), max(1, STRIP // n)
     for first in range(0, n, step):
         if stop.reached():

@@ -13,6 +13,7 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import Stop
 from ....formulations.tolerance import EQUAL
 from ....instances.errors import UsageError
+from ...heuristic import HEURISTICS
 from .dense import STRIP, dense
 
 Floats = NDArray[np.float64]
@@ -114,7 +115,7 @@ def moving_costs(problem: RoutingProblem, stop: Stop, *, busy: bool = False, dis
     """
     vehicle, travel = problem.fleet[0], problem.travel
     nodes = np.concatenate([[vehicle.start], problem.customers])
-    moves = dense(travel.duration if busy else travel.distance, nodes, stop, "a tour")
+    moves = dense(travel.duration if busy else travel.distance, nodes, stop, "a tour", savings=not HEURISTICS["savings"].missing(problem))
     if moves is None:
         return None
     half = np.zeros(len(nodes))

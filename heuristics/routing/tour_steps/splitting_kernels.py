@@ -126,11 +126,60 @@ def best_split(flag, demand, service, ready, due, distance, time, capacity, limi
                 steps = 0
                 if asked(flag):
                     return last, 0, math.inf
+    return _walked(value, before, penalty, fleet)
+
+
+@kernel()
+def linear_split(flag, demand, costs, capacity, unit_cost, fixed_cost, most):  # type: ignore[no-untyped-def]
+    """``best_split`` where loads are whole numbers and the only limit, in time that grows with the customers alone (Vidal 2016).
+
+    A route from ``i`` to ``j`` costs what depends on ``i`` and what depends on ``j``: those begins of a route that can still be the best
+    one wait in a queue, the cheapest first, until their load is too much.
+    """
+    out, on, back = costs
+    n = len(demand)
+    fleet = most < n
+    layers = most if fleet else 1
+    along, until = np.zeros(n), np.zeros(n + 1)
+    for k in range(n):
+        along[k] = along[k - 1] + on[k - 1] if k > 0 else 0.0
+        until[k + 1] = until[k] + demand[k]
+    penalty = 1.0 + n * fixed_cost + 2.0 * unit_cost * (out.sum() + on.sum() + back.sum())
+    value, before = np.full((layers + 1, n + 1), math.inf), np.full((layers + 1, n + 1), -1)
+    value[0, 0] = 0.0
+    queue, begun = np.zeros(n, np.int64), np.zeros(n)
+    last = np.zeros(n, np.bool_)
+    for layer in range(layers):
+        if asked(flag):
+            return last, 0, math.inf
+        onward = layer + 1 if fleet else 0
+        head, tail = 0, 0
+        for j in range(n):
+            if value[layer, j] < math.inf:
+                new = value[layer, j] + fixed_cost + unit_cost * (out[j] - along[j])
+                while tail > head and begun[tail - 1] > new:
+                    tail -= 1
+                queue[tail], begun[tail] = j, new
+                tail += 1
+            while tail > head and queue[head] < j and until[j + 1] - until[queue[head]] > capacity * (1 + ROUNDING):
+                head += 1
+            if tail > head:
+                heavy = until[j + 1] - until[queue[head]] > capacity * (1 + ROUNDING)
+                value[onward, j + 1] = begun[head] + unit_cost * (along[j] + back[j]) + (penalty if heavy else 0.0)
+                before[onward, j + 1] = queue[head]
+    return _walked(value, before, penalty, fleet)
+
+
+@kernel()
+def _walked(value, before, penalty, fleet):  # type: ignore[no-untyped-def]
+    """The cut at the end of a shortest path, back from its last customer."""
+    n = value.shape[1] - 1
+    last = np.zeros(n, np.bool_)
     layer = int(np.argmin(value[:, n])) if fleet else 0
-    if not value[layer, n] < math.inf:
+    total, at = value[layer, n], n
+    if not total < math.inf:
         return last, 0, math.inf
-    total = value[layer, n]
-    broken, at = int(value[layer, n] / penalty), n
+    broken = int(total / penalty)
     while at > 0:
         last[at - 1] = True
         at = before[layer, at]

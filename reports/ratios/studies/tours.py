@@ -1,4 +1,4 @@
-"""Tours and their cuts: Christofides, iterated tour partitioning, optimal split and tour splitting, against their ratios."""
+"""Routes: Christofides, iterated tour partitioning, optimal split and tour splitting against their ratios; the others, which state none."""
 
 from __future__ import annotations
 
@@ -79,4 +79,29 @@ guarantee_study("split", "a tour cut in the best way, stated as tour-partitionin
 guarantee_study(
     "tour-splitting", "a tour cut evenly among k vehicles, stated 5/2 - 1/k", 1000, _ways("tour-splitting", splitting_ratio),
     (*families.random_families("shared"), *families.share_traps()),
+)  # fmt: skip
+
+
+def _none(problem: Any) -> None:
+    """No ratio is known."""
+
+
+REWARDS = (*families.random_families("rewarded"), *families.reward_traps())
+SHARED = (*families.random_families("shared"), *families.share_traps(), *families.nearest_traps())
+guarantee_study("savings", "routes joined at their ends, no ratio stated", 1000, [Configuration("savings", "savings", _none)], LOADS)
+guarantee_study("insertion", "one customer after the other, no ratio stated", 1000, [Configuration("I1", "insertion", _none)], LOADS)
+guarantee_study(
+    "greedy-assignment", "the first to be free takes the nearest, no ratio stated", 1000,
+    [Configuration("nearest", "greedy-assignment", _none), Configuration("largest reward", "pure-greedy", _none)], SHARED,
+)  # fmt: skip
+guarantee_study(
+    "greedy-orienteering", "the largest reward, or for its distance, no ratio stated", 1000,
+    [
+        Configuration("density or reward", "greedy-orienteering", _none),
+        Configuration("density", "greedy-orienteering", _none, {"by": "density"}),
+        Configuration("reward", "greedy-orienteering", _none, {"by": "reward"}),
+        Configuration("nearest", "greedy-assignment", _none),
+        Configuration("largest reward", "pure-greedy", _none),
+    ],
+    REWARDS,
 )  # fmt: skip

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from exact_routing import best_values
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from waybound.formulations.routing.objective import Reward
@@ -36,6 +36,7 @@ def tours(seed: int, n: int, windows: bool, fleet: int, *, ends: bool = False) -
 
 
 @settings(max_examples=120, deadline=None)
+@example(555, 1, True, 1, True)  # which must set out before the first site opens, and waits there for longer than it may be under way
 @given(st.integers(0, 10**6), st.integers(1, 6), st.booleans(), st.integers(1, 3), st.booleans())
 def test_answers_keep_all_limits_and_are_no_better_than_the_optimum(seed: int, n: int, windows: bool, fleet: int, ends: bool) -> None:
     problem = tours(seed, n, windows, fleet, ends=ends)

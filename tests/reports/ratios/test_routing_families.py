@@ -14,7 +14,7 @@ from waybound.reports.ratios.studies.tours import metric, partition_ratio
 SMALL = 5
 
 
-@pytest.mark.parametrize("make", ["salesman", "loads", "shared"])
+@pytest.mark.parametrize("make", ["salesman", "loads", "shared", "rewarded"])
 def test_the_optimum_of_a_random_problem_is_that_of_the_brute_force(make: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(families, "MOST", SMALL)
     for family in families.random_families(make):
@@ -46,7 +46,11 @@ def test_a_strip_leads_christofides_towards_half_as_much_again() -> None:
     assert ratios[-1] > 1.47 and max(ratios) <= 1.5
 
 
-@pytest.mark.parametrize("family", [*families.load_traps(), *families.share_traps()], ids=lambda family: family.name)
+@pytest.mark.parametrize(
+    "family",
+    [*families.load_traps(), *families.share_traps(), *families.nearest_traps(), *families.reward_traps()],
+    ids=lambda family: family.name,
+)
 def test_traps_are_metric_and_small_enough_to_enumerate(family: families.Family) -> None:
     for k in range(family.size or 0):
         case = family.case(k, 1)
@@ -71,3 +75,11 @@ def test_ratios_of_the_literature(demand: list[float], capacity: float, ratio: f
     travel = Travel("euclidean", np.random.default_rng(1).uniform(0, 9, (4, 2)))
     problem = RoutingProblem(Sites.of(range(4), demand=[0, *demand]), travel, (VehicleType(capacity=capacity),))
     assert partition_ratio(1.5)(problem) == pytest.approx(ratio)
+
+
+def test_both_rules_of_greedy_orienteering_are_led_astray() -> None:
+    (family,) = families.reward_traps()
+    for k, rule in ((1, "reward"), (3, "density")):
+        case = family.case(k, 1)
+        found = run_heuristic(case.problem, "greedy-orienteering", {"by": rule}, 1)
+        assert case.solved().value >= 5 * case.problem.evaluate(found.answer).values[0]

@@ -1,13 +1,20 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from exact_routing import best_values
 from small_routing import small
 
+from waybound.formulations.routing.objective import Reward, TotalCost
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UsageError
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.ortools import STATUS_MAP, ORTools
-from waybound.solvers.engines.ortools_model import Model
+from waybound.solvers.engines.ortools_model import Model, short_ways
 from waybound.solvers.engines.routing_integers import integer_routing
 
 
@@ -79,3 +86,29 @@ def test_answers_that_leave_customers_out_are_not_published() -> None:
     result = ORTools().run(problem, Options(time_limit=1, iterations=50), control)
     assert problem.evaluate(control.answer).feasible
     assert problem.evaluate(result.answer).feasible
+
+
+def collecting(seed: int) -> RoutingProblem:
+    rng = np.random.default_rng(seed)
+    sites = Sites.of(range(40), reward=np.r_[0, rng.integers(1, 20, 39)], required=False)
+    fleet = (VehicleType(count=2, max_distance=80.0),)
+    return RoutingProblem(sites, Travel("euclidean", rng.uniform(0, 50, (40, 2))), fleet, Reward())
+
+
+@pytest.mark.parametrize(("seed", "greedy"), [(0, 148.0), (1, 193.0), (4, 237.0)])
+def test_rewards_alone_still_give_the_search_a_direction(seed: int, greedy: float) -> None:
+    problem = collecting(seed)
+    found = ORTools().run(problem, Options(time_limit=60.0, seed=1, iterations=60), Control())
+    judged = problem.evaluate(found.answer)
+    assert judged.feasible and judged.values[0] == found.objective
+    assert judged.values[0] >= greedy
+
+
+def test_no_way_is_so_long_that_a_reward_is_given_up_for_it() -> None:
+    problem = collecting(0)
+    data = short_ways(problem, integer_routing(problem))
+    assert data.unit.all() and int(data.prize[1:].min()) > 2 * 39 * int(data.moves[0].distance.max())
+    assert data.prize / data.cost_factor == pytest.approx(problem.sites.reward)
+    costly = replace(problem, objective=Reward().then(TotalCost()))
+    priced = integer_routing(costly)
+    assert short_ways(costly, priced) is priced

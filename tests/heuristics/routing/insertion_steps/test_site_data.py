@@ -18,7 +18,7 @@ def problem(**travel: object) -> RoutingProblem:
 
 
 def test_nodes_are_the_start_the_customers_and_the_end() -> None:
-    found = site_data(problem(), NEVER)
+    found = site_data(problem(), NEVER, "insertion")
     assert found is not None
     nodes, (demand, _, ready, due, distance, time), limits = found
     assert nodes.tolist() == [0, 1, 3, 2]
@@ -28,9 +28,9 @@ def test_nodes_are_the_start_the_customers_and_the_end() -> None:
 
 
 def test_durations_of_their_own_are_kept_apart() -> None:
-    found = site_data(problem(duration_matrix=np.ones((4, 4))), NEVER)
+    found = site_data(problem(duration_matrix=np.ones((4, 4))), NEVER, "insertion")
     assert found is not None and found[1][5][0].tolist() == [0, 1, 1, 1]
 
 
 def test_asked_to_stop_there_is_nothing() -> None:
-    assert site_data(problem(), Stop(0.0)) is None
+    assert site_data(problem(), Stop(0.0), "insertion") is None

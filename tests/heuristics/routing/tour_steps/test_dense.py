@@ -26,7 +26,9 @@ def test_asked_to_stop_it_holds_nothing() -> None:
 def test_too_many_sites_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_SITES", 49)
     with pytest.raises(UsageError, match=r"a tour of 50 sites .* takes at most 49; savings needs none"):
-        dense(TRAVEL.distance, np.arange(50), NEVER, "a tour")
+        dense(TRAVEL.distance, np.arange(50), NEVER, "a tour", savings=True)
+    with pytest.raises(UsageError, match=r"takes at most 49$"):
+        dense(TRAVEL.distance, np.arange(50), NEVER, "greedy orienteering")
     monkeypatch.setattr(module, "MOST_SITES", 50)
     monkeypatch.setattr("waybound.instances.memory.available", lambda: 1e3)
     with pytest.raises(UsageError, match=r"a tour of 50 sites .* needs"):

@@ -4,13 +4,14 @@ import itertools
 import math
 
 import numpy as np
+import pytest
 from exact_routing import best_values
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
-from waybound.heuristics.routing.tour_steps.splitting_kernels import best_split, cheapest_cut, even_split
+from waybound.heuristics.routing.tour_steps.splitting_kernels import best_split, cheapest_cut, even_split, linear_split
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
@@ -106,3 +107,23 @@ def test_asked_to_stop_they_end() -> None:
     assert not best_split(HALT, ones, zeros, zeros, free, rows, rows, math.inf, limits, 1.0, 0.0, n)[0].any()
     assert not even_split(HALT, rows, 10).any()
     assert cheapest_cut(HALT, ones, 50.0, 50.0, n, rows).sum() <= n / 50 + 1
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 30), st.integers(1, 30))
+def test_where_only_loads_limit_routes_the_linear_split_finds_the_same(seed: int, n: int, most: int) -> None:
+    rng = np.random.default_rng(seed)
+    costs, demand = rng.integers(0, 20, (3, n)).astype(float), rng.integers(0, 9, n).astype(float)
+    capacity = float(rng.choice([5, 8, 20, math.inf]))  # of 5 some customers are too large
+    none, ever = np.zeros(n), np.full(n, math.inf)
+    limits = (0.0, math.inf, math.inf, math.inf)
+    last, broken, value = linear_split(GO, demand, costs, capacity, 2.0, 3.0, most)
+    expected = best_split(GO, demand, none, none, ever, costs, costs, capacity, limits, 2.0, 3.0, most)
+    assert (broken, value) == (expected[1], pytest.approx(expected[2], rel=1e-9, abs=1e-9))
+    assert last.any() == expected[0].any() and (not last.any() or last.sum() <= most)
+    if last.any():
+        assert sum(2.0 * cost(costs, p) + 3.0 for p in parts(last)) == pytest.approx(value, rel=1e-9)
+
+
+def test_the_linear_split_ends_when_it_is_asked_to() -> None:
+    assert not linear_split(HALT, np.ones(3), np.ones((3, 3)), 2.0, 1.0, 0.0, 3)[0].any()

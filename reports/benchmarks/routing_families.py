@@ -1,0 +1,228 @@
+"""One file of each routing family on every solver that its users would try: ``python -m waybound.reports.benchmarks.routing_families``.
+
+``[--folder FOLDER] [--family NAME ...] [--method NAME ...] [--seconds 5]``. ``FOLDER`` (by default what ``WAYBOUND_BENCHMARKS`` names)
+holds ``bks.csv`` with the values known, and the files. Each run is ``waybound solve FILE --solver NAME --time-limit SECONDS`` in a process
+of its own, with the heuristics that take the problem after the solvers: objective, best value known and how far it is, the bound that was
+verified and how far that is, and wall seconds of the search and of the whole process. A solver that cannot take a problem stands there
+with what it lacks.
+
+Exits with 1 if a run fails, or says no in other words than what it lacks, if an answer goes beyond a verified bound, or if a family has
+fewer than two solvers that answer.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from waybound import read
+from waybound.heuristics.heuristic import HEURISTICS
+
+SOLVERS = ("pyvrp", "ortools", "vroom", "highs")
+
+REFUSED = "cannot take this problem: it lacks "
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A file of a family.
+
+    Parameters
+    ----------
+    path : str
+        Within the folder.
+    row : mapping
+        Columns of ``bks.csv`` that its row has besides family and instance.
+    given : sequence of str
+        Arguments of the command besides the file.
+    rewritten : bool
+        Whether the file is first converted to VROOM's JSON.
+    """
+
+    path: str
+    row: Mapping[str, str] = field(default_factory=dict)
+    given: Sequence[str] = ()
+    rewritten: bool = False
+
+    def settings(self) -> dict[str, Any]:
+        """``given`` as Python's callers say it."""
+        found: dict[str, Any] = {}
+        for name, value in zip(self.given[::2], self.given[1::2], strict=True):
+            found |= dict([value.split("=")]) if name == "--set" else {name.removeprefix("--"): value}
+        return found
+
+
+FAMILIES = {
+    "CVRP": Sample("cvrp/E/E-n51-k5.vrp", {}, ("--set", "vehicles=unlimited")),
+    "VRPTW": Sample("vrptw-solomon/R101.txt", {"convention": "dimacs-trunc1", "objective": "distance"}, ("--convention", "trunc1")),
+    "TSP": Sample("tsplib/bays29.tsp"),
+    "MDVRP (Cordeau)": Sample("mdvrp-cordeau/p01.txt"),
+    "pickup and delivery (Li and Lim)": Sample("pdptw-lilim/100/lc101.txt"),
+    "VRPSPD (Salhi and Nagy)": Sample("vrpspd-salhi/CMT1X.vrpspd", {}, ("--set", "vehicles=unlimited")),
+    "orienteering (Tsiligirides)": Sample("op/tsiligirides1/tsiligirides_problem_1_budget_30.txt"),
+    "orienteering (OPLib)": Sample("op/oplib-gen2/att48-gen2-50.oplib"),
+    "team orienteering (Chao)": Sample("top/set4/p4.2.a.txt"),
+    "TOPTW": Sample(
+        "toptw/c101.txt", {"vehicles": "2"}, ("--problem", "team-orienteering", "--set", "vehicles=2", "--convention", "trunc1")
+    ),
+    "min-max mTSP": Sample("minmax-mtsp/mtsplib/eil51-m5.txt"),
+    "VROOM JSON": Sample("cvrp/E/E-n51-k5.vrp", rewritten=True),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Known:
+    """The best values known, in order of priority; ``text`` as the table shows them."""
+
+    values: tuple[float, ...]
+    text: str
+
+
+def best_known(folder: Path, sample: Sample) -> Known | None:
+    """What ``bks.csv`` says of a sample; None where it says nothing."""
+    place = Path(sample.path)
+    with (folder / "bks.csv").open(newline="") as stream:
+        for line in csv.DictReader(stream):
+            if (line["family"], line["instance"]) != (str(place.parent), place.stem):
+                continue
+            if all(line[name] == value for name, value in sample.row.items()):
+                first = [line["vehicles"]] if line["objective"].startswith("vehicles") else []
+                shown = [*first, line["value"]]
+                return Known(tuple(map(float, shown)), ", ".join(shown))
+    return None
+
+
+def numbers(value: Any) -> tuple[float, ...]:
+    """The numbers of an objective or bound in the command's JSON, those before the first that is not there."""
+    listed = value if isinstance(value, list) else [value]
+    return tuple(listed[: listed.index(None)] if None in listed else listed)
+
+
+def distance(values: Sequence[float], other: Sequence[float]) -> float:
+    """Relative, at the first level that differs; not a number where there is nothing to compare."""
+    pairs = list(zip(values, other, strict=False))
+    apart = next(((a, b) for a, b in pairs if abs(a - b) > 5e-5 * abs(b)), pairs[-1] if pairs else None)
+    return math.nan if apart is None else (apart[0] - apart[1]) / max(abs(apart[1]), 1e-12)
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What came of one run: exit code, the command's JSON, its complaint, and wall seconds."""
+
+    code: int
+    said: dict[str, Any]
+    complaint: str
+    seconds: float
+
+    @property
+    def refused(self) -> bool:
+        return self.code == 2 and REFUSED in self.complaint
+
+
+def solve(path: Path, method: str, seconds: float, given: Sequence[str]) -> Ran:
+    """One ``waybound solve``."""
+    kind = "--solver" if method in SOLVERS else "--heuristic"
+    command = [
+        sys.executable,
+        "-m",
+        "waybound",
+        "solve",
+        str(path),
+        kind,
+        method,
+        "--time-limit",
+        str(seconds),
+        "--json",
+        "--quiet",
+        *given,
+    ]
+    began = time.perf_counter()
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    complaint = next((line for line in done.stderr.splitlines() if line.startswith("error: ")), done.stderr.strip()[-300:])
+    said = json.loads(done.stdout) if done.stdout.startswith("{") else {}
+    return Ran(done.returncode, said, complaint.removeprefix("error: "), time.perf_counter() - began)
+
+
+def row(family: str, method: str, ran: Ran, known: Known | None) -> tuple[list[str], bool]:
+    """Cells of the table, and whether nothing is wrong."""
+    if ran.refused:
+        lacks = ran.complaint.partition(REFUSED)[2].partition(";")[0]
+        return [family, method, f"lacks {lacks}", *[""] * 4, f"{ran.seconds:.1f}"], True
+    if ran.code not in (0, 4):
+        return [family, method, f"exit code {ran.code}: {ran.complaint}", *[""] * 4, f"{ran.seconds:.1f}"], False
+    values, bound = numbers(ran.said["objective"]), numbers(ran.said["certificate"]["bound"])
+    most = ran.said["sense"] == "max"
+    # What a value known does not mention, such as the number of jobs done of VROOM's JSON, comes first.
+    gap = distance(values[-len(known.values) :], known.values) if known else math.nan
+    rising = most and known is not None and len(known.values) == len(values)
+    open_ = -distance(bound, values)
+    beyond = bool(values) and bool(bound) and (-open_ if most else open_) < -1e-6
+    return [
+        family, method, ", ".join(f"{v:.7g}" for v in values) or "no answer", known.text if known else "",
+        ("better by " if (gap > 5e-5 if rising else gap < -5e-5) else "") + percent(gap),
+        f"{bound[0]:.7g} ({percent(open_)})" if bound and values else f"{bound[0]:.7g}" if bound else "none",
+        f"{ran.said['seconds']['solve']:.1f}", f"{ran.seconds:.1f}",
+    ], not beyond and (ran.code == 4 or bool(ran.said["certificate"]["feasible"]))  # fmt: skip
+
+
+def percent(part: float) -> str:
+    return "" if math.isnan(part) else f"{100 * abs(part):.1f} %"
+
+
+HEADS = ("family", "method", "objective", "best known", "gap", "verified bound (gap)", "search s", "whole s")
+
+
+def table(folder: Path, families: Sequence[str], methods: Sequence[str], seconds: float) -> bool:
+    """Print the table as it grows; whether nothing is wrong."""
+    good = True
+    print("| " + " | ".join(HEADS) + " |\n" + "|---" * len(HEADS) + "|", flush=True)
+    with tempfile.TemporaryDirectory() as made:
+        for family in families:
+            sample = FAMILIES[family]
+            path, known = folder / sample.path, best_known(folder, sample)
+            if sample.rewritten:
+                source, path = path, Path(made) / f"{path.stem}.json"
+                convert = [sys.executable, "-m", "waybound", "convert", str(source), "--to", str(path), "--to-format", "vroom"]
+                subprocess.run(convert, capture_output=True, check=True)
+            problem = read(path, **sample.settings())
+            applicable = [h.name for h in HEURISTICS.values() if "routing" in h.families and not h.missing(problem)]
+            answered = 0
+            for method in (*SOLVERS, *applicable):
+                if methods and method not in methods:
+                    continue
+                ran = solve(path, method, seconds, sample.given)
+                cells, right = row(family, method, ran, known)
+                answered += method in SOLVERS and ran.code == 0
+                good = good and right
+                print("| " + " | ".join(cells) + " |", flush=True)
+            if not methods and answered < 2:
+                print(f"{family}: {answered} solvers answer")
+                good = False
+    return good
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--folder", type=Path, default=os.environ.get("WAYBOUND_BENCHMARKS"))
+    parser.add_argument("--family", choices=FAMILIES, action="append", help="only this one; may be repeated")
+    parser.add_argument("--method", action="append", help="only this solver or heuristic; may be repeated")
+    parser.add_argument("--seconds", type=float, default=5.0, help="time limit of each run")
+    chosen = parser.parse_args(arguments)
+    if chosen.folder is None:
+        parser.error("--folder or WAYBOUND_BENCHMARKS must name the folder of the files")
+    return 0 if table(Path(chosen.folder), chosen.family or tuple(FAMILIES), chosen.method or (), chosen.seconds) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
