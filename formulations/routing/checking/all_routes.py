@@ -44,8 +44,8 @@ def orders(problem: RoutingProblem) -> float:
 def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """The optimum of the first level, as far as rounding lets it be told, or that there is no answer; nothing of ``data`` is read.
 
-    Nothing is proved where there are too many routes (``MOST_ORDERS``), or the objective mixes the largest of all routes with other terms, or
-    has terms that are neither.
+    Nothing is proved where there are too many routes (``MOST_ORDERS``), or the objective mixes the largest of all routes with other terms,
+    or has terms that are neither.
     """
     if problem.family != "routing":
         raise InputError("all routes are evidence for routing problems", found=problem.family)

@@ -11,7 +11,7 @@ For the routes P_t of each vehicle type t, with c_p the route's share in the obj
     longest[i], latest[i]                                     the same with distances, and with times of return
     home[t]       z_t <= K_t b_t,  b binary;   makespan >= d b_t           where a maximum counts a way straight home
 
-A route that is no better in anything that any level of the objective counts than another one of the same type with the same sites is left out.
+A route that is no better in anything that a level of the objective counts than another one of the same type and sites is left out.
 Relaxed, this is the strongest of the forms: its bound is that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).
 Rows of maxima by site are stronger than those by route, makespan >= d_p y_p.
 
