@@ -15,7 +15,7 @@ import math
 import time
 from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...formulations.evidence import Evidence
 from ...formulations.programs.exactness import Exactness, Link
@@ -40,32 +40,45 @@ LESS = 1e-6
 
 
 class Bisecting(Engine):
-    """An engine that takes objectives with one of ``MAXIMA`` by limiting routes."""
+    """An engine that takes objectives with one of ``MAXIMA`` by limiting routes.
+
+    Class attributes
+    ----------------
+    own_maxima : bool
+        Whether it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any.
+    """
+
+    own_maxima: ClassVar[bool] = False
 
     @abstractmethod
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
-        """Features that the engine has, put together as it does not, in a problem without ``MAXIMA``."""
+        """Features that the engine has, put together as it does not."""
 
     @abstractmethod
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
-        """``Engine.run`` for a problem without ``MAXIMA``."""
+        """``Engine.run`` for a problem under which ``beyond`` names nothing."""
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """See ``Engine.missing``."""
         lacking = super().missing(problem)
-        if lacking:
-            return lacking
-        found = Bisection.of(self, problem)  # type: ignore[arg-type]
-        if isinstance(found, frozenset):
-            return found
-        return self.beyond(problem if found is None else found.limited(found.most))  # type: ignore[arg-type]
+        return lacking or self._lacking(problem, self._bisection(problem))  # type: ignore[arg-type]
+
+    def _lacking(self, problem: RoutingProblem, found: Bisection | frozenset[str] | None) -> frozenset[str]:
+        if isinstance(found, Bisection):
+            return frozenset()
+        return (self.beyond(problem) if self.own_maxima else found) if found is not None else self.beyond(problem)
+
+    def _bisection(self, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
+        if self.own_maxima and not self.beyond(problem):
+            return None
+        return Bisection.of(self, problem)
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
         lacking = self.missing(problem)
         if lacking:
             raise UnsupportedError(self.name, lacking)
-        found = Bisection.of(self, problem)  # type: ignore[arg-type]
+        found = self._bisection(problem)  # type: ignore[arg-type]
         if not isinstance(found, Bisection):
             return self.search(problem, options, control)  # type: ignore[arg-type]
         return _Search(self, found, options, control).run()
