@@ -46,9 +46,12 @@ class Bisecting(Engine):
     ----------------
     own_maxima : bool
         Whether it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any.
+    iterations_end : bool
+        Whether ``iterations`` end a search that finds nothing, too; one that counts answers ends by the clock.
     """
 
     own_maxima: ClassVar[bool] = False
+    iterations_end: ClassVar[bool] = True
 
     @abstractmethod
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
@@ -172,8 +175,7 @@ class _Search:
 
     def run(self) -> RawResult:
         asked, at = self.asked, self.asked.level
-        if self.options.start is not None:
-            self.take(self.options.start)
+        began = self.options.start is not None and self.take(self.options.start)
         follows = at + 1 < len(self.problem.senses)
         for share in (0.3 if at else 0.1 if self.repeats else 1.0, 1.0):
             if self.best is None or (at and not self.tried):
@@ -196,7 +198,8 @@ class _Search:
                 low = limit
         if follows and not self.spent:
             self.probe(self.value, 1.0, enough=False)
-        return self.told()
+        found = self.told()
+        return replace(found, statistics={**found.statistics, "start": "used"}) if began else found
 
     @property
     def value(self) -> float:
@@ -217,7 +220,7 @@ class _Search:
     @property
     def repeats(self) -> bool:
         """Whether the run shall repeat, so that no clock may end a probe."""
-        return self.options.iterations is not None or self.options.no_improvement is not None
+        return self.engine.iterations_end and (self.options.iterations is not None or self.options.no_improvement is not None)
 
     def probe(self, limit: float, share: float, *, enough: bool) -> bool:
         """Search under a limit with a share of what is left; whether the answer is a better one, of which the first may be ``enough``."""
@@ -225,14 +228,15 @@ class _Search:
         self.tried += 1
         if math.isfinite(limit) and any(problem.sites.required[site] for site in unreachable(problem)):
             return False
-        seconds = max(0.0, self.ends - time.perf_counter()) * share
+        seconds = max(0.0, self.ends - time.perf_counter()) * (1.0 if self.repeats else share)
         most = None if self.left is None else max(1, int(self.left * share))
         start = self.options.start if self.best is None else self.best[0]
         heard = _Hearing(self, enough and not self.repeats)
         known = self.best
         self.last = self.engine.search(problem, replace(self.options, time_limit=seconds, iterations=most, start=start), heard)
         if self.left is not None:
-            self.left -= max(1, int(self.last.statistics.get("iterations", most)))
+            statistics = self.last.statistics
+            self.left -= max(1, int(statistics.get("iterations", statistics.get("solutions", most))))
         if self.last.answer is not None:
             self.take(self.last.answer)
         return self.best is not known
@@ -255,7 +259,7 @@ class _Search:
     def told(self) -> RawResult:
         assert self.best is not None
         answer, verdict = self.best
-        limit = self.last.limit
+        limit = self.last.limit if self.last.limit != "interrupt" else "none"  # which is how the first better answer ends a probe
         if self.control.stopped:
             limit = "interrupt"
         elif self.left is not None and self.left <= 0:

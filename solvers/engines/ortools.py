@@ -63,6 +63,7 @@ class ORTools(Bisecting):
     interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
     needs_process = True
     own_maxima = True
+    iterations_end = False
     one_thread = True
     family = "routing"
     features = frozenset(

@@ -50,7 +50,8 @@ class PyVRP(Bisecting):
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites",
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
             "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "overtime",
-            "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "skills", "reloads",
+            "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "several-windows", "skills",
+            "reloads",
             "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties",
             "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
         }
@@ -65,6 +66,11 @@ class PyVRP(Bisecting):
             lacking |= {"energy:travel with separate-durations"}
         if {"shipments", "reloads"} <= problem.features():
             lacking |= {"shipments with reloads"}
+        several = problem.sites.windows
+        if several and any(several[site] for s in problem.sites.shipments for site in (s.pickup, s.delivery)):
+            lacking |= {"several-windows of shipments"}
+        if several and any(several[site] for v in problem.fleet for site in v.reloads):
+            lacking |= {"several-windows of reloads"}
         return lacking
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
