@@ -236,7 +236,7 @@ class _Search:
         self.last = self.engine.search(problem, replace(self.options, time_limit=seconds, iterations=most, start=start), heard)
         if self.left is not None:
             statistics = self.last.statistics
-            self.left -= max(1, int(statistics.get("iterations", statistics.get("solutions", most))))
+            self.left -= max(1, int(statistics.get("iterations", statistics.get("solutions", most or 1))))
         if self.last.answer is not None:
             self.take(self.last.answer)
         return self.best is not known
