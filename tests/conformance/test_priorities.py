@@ -157,4 +157,7 @@ def test_files_and_models_of_one_objective_refuse_several(tmp_path: Any) -> None
     for hand_over in (made.to_highs, made.to_pulp, made.to_cvxpy, made.to_mathopt, lambda: made.write(tmp_path / "m.mps")):
         with pytest.raises(UnsupportedError, match="levels of priority"):
             hand_over()
+    with pytest.raises(UnsupportedError, match=r"^a bare program .* levels of priority"):
+        wb.solve(made.program)
+    assert wb.solve(made, "highs", bound_time=0.0).objective == wb.solve(made.problem, "highs", bound_time=0.0).objective  # type: ignore[arg-type]
     assert made.program.first_level().to_highs().getNumCol() == made.program.num_variables

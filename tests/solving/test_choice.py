@@ -130,12 +130,11 @@ def test_the_nearest_form_is_the_one_that_lacks_fewest() -> None:
 
 
 def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
-    assert missing_features("pyvrp", asking(LongestRoute(), energy=Energy(99.0, charge="windows")))[0] == {
-        "objective:longest-route", "energy:windows",
-    }  # fmt: skip
+    charged: dict[str, Any] = {"energy": Energy(99.0, charge="windows"), "committed": True}
+    assert missing_features("pyvrp", asking(LongestRoute(), **charged))[0] == {"energy:windows", "committed-vehicles"}
     assert missing_features("saddle", asking(LongestRoute()))[0] == {"routing problems"}
     with pytest.raises(UnsupportedError, match=r"^no installed solver can take this problem: the nearest, ortools, lacks objective:1"):
-        wb.solve(asking(Reward() + LongestRoute(), energy=Energy(99.0, charge="windows")))
+        wb.solve(asking(Reward() + LongestRoute(), **charged))
 
 
 def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:
