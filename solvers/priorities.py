@@ -83,14 +83,14 @@ def by_priority(who: str, run: Run, program: Program, options: Options, control:
     if not further:
         return replace(first, status="feasible" if first.status == "optimal" else first.status, limit=said.limit)
     closed = all(one.status == "optimal" for one in searched) and len(searched) == len(program.further) + 1
-    limits = [one.limit for one in (*searched, said) if one.limit != "none"]
+    limits = [one.limit for one in (*searched, said) if one.limit != "none"] or ["time" if time.perf_counter() >= ends else "none"]
     holds = first.holds
     for one in searched[1:]:
         holds = holds.then(one.holds)
     return replace(
         first,
         status="optimal" if closed and not notes else "feasible",
-        limit="none" if closed else limits[0] if limits else "none",
+        limit="none" if closed else limits[0],
         answer=answer,
         objective=program.first_level().value(answer),
         further=tuple(further),
