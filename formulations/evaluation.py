@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .tolerance import EQUAL
+from .tolerance import EQUAL, same
 
 
 @dataclass(frozen=True)
@@ -86,6 +86,10 @@ class Evaluation:
     def size(self) -> float:
         """Of what was added up to the first value."""
         return self.sizes[0] if self.sizes else abs(self.values[0])
+
+    def same_at(self, level: int, value: float, precision: float = 0.0) -> bool:
+        """Whether the value of a level is ``value``, as closely as it can be known, or as ``precision`` asks where that is coarser."""
+        return same(self.values[level], value, self.sizes[level] if self.sizes else 0.0, max(precision, self.precision))
 
     @property
     def feasible(self) -> bool:

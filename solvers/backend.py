@@ -73,6 +73,15 @@ class Options:
 
 
 @dataclass(frozen=True)
+class LevelClaim:
+    """A solver's own figures on one level of an objective in order of priority; ``bound`` is one of all answers that are no worse at the
+    levels before."""
+
+    objective: float
+    bound: float | None = None
+
+
+@dataclass(frozen=True)
 class RawResult:
     """What a solver says, before anything of it is believed.
 
@@ -99,6 +108,10 @@ class RawResult:
         What a heuristic guarantees for its answer on this instance.
     links : tuple of Link
         How what was given was written otherwise on the way to the search.
+    further : tuple of LevelClaim
+        Of objectives in order of priority, the levels after the first one that were searched; ``objective`` and ``bound`` are the first's.
+    earlier : tuple
+        Answers of earlier levels, for the case that the judge finds ``answer`` worse at one of these.
     """
 
     status: str
@@ -113,6 +126,8 @@ class RawResult:
     holds: Exactness = Exactness.EXACT
     guarantee: Guarantee | None = None
     links: tuple[Link, ...] = ()
+    further: tuple[LevelClaim, ...] = ()
+    earlier: tuple[Any, ...] = ()
 
 
 class Control:

@@ -47,7 +47,7 @@ class LinearPrograms:
 
         ``suits`` and ``iterations`` concern those solvers alone that ``suits`` names: what counts as one is not the same for all.
         """
-        backend = self.backend()
+        backend, program = self.backend(), program.first_level()
         own = (suits or {}).get(self.solver.partition(":")[0])
         options = Options(
             time_limit=min(stop.seconds_left, MOST["time_limit"]), iterations=None if own is None else iterations,

@@ -21,6 +21,7 @@ from ..formulations.programs.reductions.whole_bounds import WHOLE_BOUNDS
 from ..formulations.programs.soundness import refuse_numbers
 from ..instances.errors import UnsupportedError
 from .backend import BACKENDS, Backend, Control, Options, RawResult, solver_named
+from .priorities import by_priority
 
 FEASIBLE_TOLERANCE = 1e-5
 """Residual up to which a point that a solver calls feasible, mostly by 1e-6, is handed on; ``solve`` judges it in the problem's words."""
@@ -94,7 +95,8 @@ class ProgramBackend(Backend):
         try:
             if not lacking and any(reduction.may_refuse for reduction in self.reductions):
                 with np.errstate(all="ignore"):  # ``run`` refuses numbers that mean nothing
-                    self.chain(program)
+                    for level in program.levels():
+                        self.chain(level)
         except Irreducible as fault:
             return frozenset({str(fault)})
         return lacking
@@ -112,7 +114,7 @@ class ProgramBackend(Backend):
         return UnsupportedError(self.label, set(missing), able)
 
     def run(self, program: Program, options: Options, control: Control) -> RawResult:
-        """Search a program as it is given; all results are in its own units.
+        """Search a program as it is given, one level of its objective after the other; all results are in its own units.
 
         ``RawResult.answer`` is a vector of shape (variables,); ``options.start`` is one too.
 
@@ -120,6 +122,8 @@ class ProgramBackend(Backend):
         ------
         InputError, UnsupportedError, UsageError
         """
+        if program.further:
+            return by_priority(self.label, self.run, program, options, control)
         refuse_numbers(program)
         options = self.converted(options)
         lacking = self.lacking(program)

@@ -18,7 +18,7 @@ from .formulations.problem import PROBLEMS, Problem
 from .formulations.programs.compiled import Compiled
 from .formulations.programs.cones import Cones
 from .formulations.programs.exactness import Exactness, Link
-from .formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Program, Rows, Variables
+from .formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, FurtherLevel, Program, Rows, Variables
 from .formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from .formulations.programs.reductions.minimisation import MINIMISATION
 from .formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
@@ -51,7 +51,7 @@ from .instances.sensing.graph import SensingGraph
 from .instances.worlds import WORLDS, World, WorldKind
 from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
 from .reports.ratios.study import STUDIES, Fault, Figure, Report, Study, StudySetting
-from .solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from .solvers.backend import BACKENDS, Control, Engine, LevelClaim, Options, RawResult
 from .solvers.bounds import BOUNDS, BoundMethod
 from .solvers.linear_programs import LinearPrograms
 from .solvers.program_backend import ProgramBackend
@@ -105,6 +105,7 @@ __all__ = [
     "Figure",
     "Form",
     "Format",
+    "FurtherLevel",
     "Generator",
     "Guarantee",
     "Heuristic",
@@ -115,6 +116,7 @@ __all__ = [
     "ItemWeights",
     "JsonPart",
     "Kind",
+    "LevelClaim",
     "LimitRows",
     "LinearConstraint",
     "LinearPrograms",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ...instances.errors import InputError
+from ...instances.errors import InputError, UnsupportedError
 from ...instances.instance import digest
 from ...instances.printable import printable
 from ..evaluation import Evaluation, judge
@@ -45,6 +45,8 @@ class ArrayProblem(Problem):
     ------
     InputError
         If its arrays do not fit each other, or hold a NaN or an infinite cost or coefficient.
+    UnsupportedError
+        If it has several objectives in order of priority, which are those of the problem that it was compiled from.
     """
 
     family: ClassVar[str] = "arrays"
@@ -54,6 +56,8 @@ class ArrayProblem(Problem):
         from ..programs.soundness import refuse_numbers
 
         _check_shapes(program)
+        if program.further:
+            raise UnsupportedError("a bare program", {"levels of priority"})
         refuse_numbers(program)
         self.program = program
         self.name = name or program.name

@@ -85,6 +85,19 @@ class Rows(Block):
 
 
 @dataclass(frozen=True, eq=False)
+class FurtherLevel:
+    """An objective that decides among the optima of those before it: ``cost x + offset``, ``cost`` of shape (variables,)."""
+
+    sense: str
+    cost: Floats
+    offset: float = 0.0
+
+    def value(self, x: Floats) -> float:
+        """Of the vector ``x`` of shape (variables,)."""
+        return float(self.cost @ x) + self.offset
+
+
+@dataclass(frozen=True, eq=False)
 class Program:
     """minimise or maximise ``cost x + x' quadratic x / 2 + offset`` over rows, bounds and integrality: arrays and nothing else.
 
@@ -100,6 +113,8 @@ class Program:
         Symmetric.
     cones : tuple of Cones
         Blocks of second-order and exponential cones, for backends that take them.
+    further : tuple of FurtherLevel
+        Objectives after the first one, in order of priority. All that asks for one objective means the first.
     """
 
     name: str
@@ -109,6 +124,7 @@ class Program:
     offset: float = 0.0
     quadratic: sp.csr_matrix | None = None
     cones: tuple[Cones, ...] = ()
+    further: tuple[FurtherLevel, ...] = ()
 
     # -- the whole, as arrays ----------------------------------------------------------------------------------------
 
@@ -193,6 +209,15 @@ class Program:
         ends = np.cumsum([b.size for b in self.variables])[:-1]
         blocks = zip(self.variables, np.split(cost, ends), strict=True)
         return replace(self, variables=tuple(replace(block, cost=part) for block, part in blocks))
+
+    def first_level(self) -> Program:
+        """The same without the objectives after the first one."""
+        return replace(self, further=()) if self.further else self
+
+    def levels(self) -> list[Program]:
+        """One program an objective, in order of priority; none of them knows what the others ask."""
+        first = self.first_level()
+        return [first, *(replace(first.with_costs(level.cost), sense=level.sense, offset=level.offset) for level in self.further)]
 
     # -- names -------------------------------------------------------------------------------------------------------
 

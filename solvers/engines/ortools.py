@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...formulations.problem import Problem
 from ...formulations.routing.routes import Routes
-from ...instances.errors import UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Engine, Options, RawResult
+from ...instances.errors import UsageError
+from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
+from .bisection import Bisecting
 from .ortools_model import Model, short_ways
 from .routing_integers import IntegerRouting, integer_routing
 from .routing_objective import awaited, claimed_objective, unscalable
@@ -43,7 +43,7 @@ DURATIONS = frozenset({"max-duration", "energy:elapsed", "duration-cost", "overt
 
 
 @BACKENDS.register("ortools")
-class ORTools(Engine):
+class ORTools(Bisecting):
     """OR-Tools routing library (Perron & Furnon): cheapest insertion, then guided local search, or tabu search
     where moves cost nothing. Where rewards are all that counts, cheapest arcs and tabu search, the shorter way being the better of two.
 
@@ -62,6 +62,8 @@ class ORTools(Engine):
     order = 20
     interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
     needs_process = True
+    own_maxima = True
+    iterations_end = False
     one_thread = True
     family = "routing"
     features = frozenset(
@@ -77,38 +79,29 @@ class ORTools(Engine):
         }
     )  # fmt: skip
 
-    def missing(self, problem: Problem) -> frozenset[str]:
-        """See ``Engine.missing``."""
-        lacking = super().missing(problem)
-        return lacking or _beyond(problem)  # type: ignore[arg-type]
+    def beyond(self, problem: RoutingProblem) -> frozenset[str]:
+        """See ``Bisecting.beyond``."""
+        held = problem.features()
+        lacking = unscalable(problem) | (entangled(problem) - {"shipments of sites with demands or pickups"})
+        if "objective:makespan" in held and awaited(problem):
+            # Spans of the library's dimensions are costs one by one; the largest of several is one only where all begin together.
+            lacking |= {"objective:makespan with waiting"}
+        if "closing-moves" in held:
+            ways = [problem.travel_of(k).closing for k in range(len(problem.fleet))]
+            closed = [w for w in ways if w is not None]
+            if len(closed) < len(ways) or any(not np.array_equal(w, closed[0]) for w in closed):
+                lacking |= {"closing-moves of some vehicles"}
+            if awaited(problem):  # least durations depart late, and moves close
+                lacking |= {f"{name} with closing-moves" for name in held & DURATIONS}
+        if {"committed-vehicles", "objective:vehicles"} <= held:
+            lacking |= {"objective:vehicles with committed-vehicles"}
+        return lacking
 
-    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+    def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
+        """See ``Bisecting.search``."""
         began = time.perf_counter()
-        data = integer_routing(problem)  # type: ignore[arg-type]
-        return replace(_Search(problem, data, options, control, began).run(), holds=data.holds, links=(data.link,))  # type: ignore[arg-type]
-
-
-def _beyond(problem: RoutingProblem) -> frozenset[str]:
-    """Features that the library has, put together as it does not."""
-    held = problem.features()
-    lacking = unscalable(problem) | (entangled(problem) - {"shipments of sites with demands or pickups"})
-    if "objective:makespan" in held and awaited(problem):
-        # Spans of the library's dimensions are costs one by one; the largest of several is one only where all begin together.
-        lacking |= {"objective:makespan with waiting"}
-    if "closing-moves" in held:
-        ways = [problem.travel_of(k).closing for k in range(len(problem.fleet))]
-        closed = [w for w in ways if w is not None]
-        if len(closed) < len(ways) or any(not np.array_equal(w, closed[0]) for w in closed):
-            lacking |= {"closing-moves of some vehicles"}
-        if awaited(problem):  # least durations depart late, and moves close
-            lacking |= {f"{name} with closing-moves" for name in held & DURATIONS}
-    if {"committed-vehicles", "objective:vehicles"} <= held:
-        lacking |= {"objective:vehicles with committed-vehicles"}
-    return lacking
+        data = integer_routing(problem)
+        return replace(_Search(problem, data, options, control, began).run(), holds=data.holds, links=(data.link,))
 
 
 class _Search:

@@ -8,11 +8,11 @@ import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ...formulations.problem import Problem
 from ...formulations.routing.routes import Routes
-from ...instances.errors import UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Engine, Options, RawResult
+from ...instances.errors import UsageError
+from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
+from .bisection import Bisecting
 from .pyvrp_model import Model
 from .routing_integers import IntegerRouting, integer_routing
 from .routing_objective import claimed_objective, unscalable
@@ -29,7 +29,7 @@ GROUPS = ("ils", "penalty", "neighbourhood", "perturbation")
 
 
 @BACKENDS.register("pyvrp")
-class PyVRP(Engine):
+class PyVRP(Bisecting):
     """PyVRP (Wouda, Lan & Kool 2024): iterated local search with late acceptance and penalised constraints.
 
     ``iterations`` counts its iterations. Extra options are fields of ``SolveParams`` by group: ``ils.history_length``,
@@ -50,40 +50,35 @@ class PyVRP(Engine):
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites",
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
             "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "overtime",
-            "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "skills", "reloads",
+            "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "several-windows", "skills",
+            "reloads",
             "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties",
-            "objective:weights", "objective:priorities",
+            "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
         }
     )  # fmt: skip
 
-    def missing(self, problem: Problem) -> frozenset[str]:
-        """See ``Engine.missing``."""
-        lacking = super().missing(problem)
-        if not lacking:
-            lacking |= _beyond(problem)  # type: ignore[arg-type]
+    def beyond(self, problem: RoutingProblem) -> frozenset[str]:
+        """See ``Bisecting.beyond``."""
+        lacking = unscalable(problem) | entangled(problem)
+        driven = [v.energy is not None and v.energy.charge == "travel" for v in problem.fleet]
+        if any(d and problem.travel_of(k).duration_matrix is not None for k, d in enumerate(driven)):
+            # Time on the move can only be limited as a distance.
+            lacking |= {"energy:travel with separate-durations"}
+        if {"shipments", "reloads"} <= problem.features():
+            lacking |= {"shipments with reloads"}
+        several = problem.sites.windows
+        if several and any(several[site] for s in problem.sites.shipments for site in (s.pickup, s.delivery)):
+            lacking |= {"several-windows of shipments"}
+        if several and any(several[site] for v in problem.fleet for site in v.reloads):
+            lacking |= {"several-windows of reloads"}
         return lacking
 
-    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+    def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
+        """See ``Bisecting.search``."""
         params = _parameters(options.extra)
-        data = integer_routing(problem)  # type: ignore[arg-type]
-        found = _Search(problem, data, options, control).run(params)  # type: ignore[arg-type]
+        data = integer_routing(problem)
+        found = _Search(problem, data, options, control).run(params)
         return replace(found, holds=data.holds, links=(data.link,))
-
-
-def _beyond(problem: RoutingProblem) -> frozenset[str]:
-    """Features that PyVRP has, put together as it does not."""
-    lacking = unscalable(problem) | entangled(problem)
-    driven = [v.energy is not None and v.energy.charge == "travel" for v in problem.fleet]
-    if any(d and problem.travel_of(k).duration_matrix is not None for k, d in enumerate(driven)):
-        # Time on the move can only be limited as a distance.
-        lacking |= {"energy:travel with separate-durations"}
-    if {"shipments", "reloads"} <= problem.features():
-        lacking |= {"shipments with reloads"}
-    return lacking
 
 
 class _Search:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...formulations.routing.routes import Route, Routes
+from ...formulations.routing.schedule import schedule
+from ...formulations.tolerance import widened
 from .integer_scales import UNLIMITED, Integers
 from .routing_integers import IntegerRouting
 
@@ -20,7 +22,8 @@ MAX_PENALTY = 100_000
 class Model:
     """A routing problem as PyVRP's ``ProblemData``.
 
-    Each skill is a load dimension: a site that asks for it takes one unit, a vehicle that lacks it has no room for any.
+    Each skill is a load dimension: a site that asks for it takes one unit, a vehicle that lacks it has no room for any. A site is a client
+    for each of its windows, of which one at most is visited.
 
     Attributes
     ----------
@@ -36,7 +39,9 @@ class Model:
         self.problem, self.integers = problem, integers
         sites, fleet = problem.sites, problem.fleet
         ends = {site for s in sites.shipments for site in (s.pickup, s.delivery)}
-        self.clients = [site for site in problem.customers.tolist() if site not in ends]
+        once = [site for site in problem.customers.tolist() if site not in ends]
+        self.clients = [site for site in once for _ in integers.windows[site]]
+        self.places = {site: range(k := self.clients.index(site), k + len(integers.windows[site])) for site in once}
         self.types = [k for k in range(len(fleet)) if integers.closes[k] >= integers.opens[k]]
         self.factor = load_factor(integers)
         self.words = sorted({word for asked in sites.skills for word in asked})
@@ -48,12 +53,10 @@ class Model:
         if not self.types:
             return
         xy = sites.coordinates if sites.coordinates is not None else np.zeros((len(sites), 2))
-        groups: list[Any] = []
-        member: dict[int, int] = {}
-        place = {site: k for k, site in enumerate(self.clients)}
-        for number, group in enumerate(sites.groups):
-            groups.append(pyvrp.ClientGroup([place[site] for site in group.sites], group.required))
-            member |= dict.fromkeys(group.sites, number)
+        alone = [site for site, copies in self.places.items() if len(copies) > 1 and not any(site in g.sites for g in sites.groups)]
+        exclusive = [*((g.sites, g.required) for g in sites.groups), *(((site,), bool(sites.required[site])) for site in alone)]
+        groups = [pyvrp.ClientGroup([k for site in members for k in self.places[site]], required) for members, required in exclusive]
+        member = {site: number for number, (members, _) in enumerate(exclusive) for site in members}
         types = [self._type(pyvrp, k) for k in self.types]
         distances = []
         for k, moves in enumerate(integers.moves):
@@ -62,7 +65,7 @@ class Model:
             distances.append(moves.distance_up if limited else moves.distance)
         self.data = pyvrp.ProblemData(
             locations=[pyvrp.Location(float(x), float(y)) for x, y in xy],
-            clients=[self._client(pyvrp, site, member.get(site)) for site in self.clients],
+            clients=[self._client(pyvrp, site, window, member.get(site)) for site in self.places for window in integers.windows[site]],
             depots=[
                 *(pyvrp.Depot(site) for site in sites.depots.tolist()),
                 *(pyvrp.Depot(site, *self._window(site), int(integers.service[site])) for site in turns),
@@ -94,11 +97,16 @@ class Model:
         import pyvrp
 
         kinds = pyvrp.ActivityType
-        activity = {site: pyvrp.Activity(kinds.CLIENT, k) for k, site in enumerate(self.clients)}
+        activity = {site: pyvrp.Activity(kinds.CLIENT, copies[0]) for site, copies in self.places.items()}
         activity |= {site: pyvrp.Activity(kinds.DEPOT, k) for site, k in self.turn.items()}
         for k, shipment in enumerate(self.problem.sites.shipments):
             activity |= {shipment.pickup: pyvrp.Activity(kinds.PICKUP, k), shipment.delivery: pyvrp.Activity(kinds.DELIVERY, k)}
         number = {k: at for at, k in enumerate(self.types)}
+        for route in answer if any(len(copies) > 1 for copies in self.places.values()) else ():
+            for site, begin in zip(route.visits, schedule(self.problem, route).begin.tolist(), strict=True):
+                at = [k for k, (_, closes) in enumerate(self.problem.sites.windows[site]) if begin <= widened(closes)]
+                if len(self.places.get(site, ())) > 1 and at:
+                    activity[site] = pyvrp.Activity(kinds.CLIENT, self.places[site][at[0]])
         try:
             routes = [pyvrp.Route(self.data, [activity[site] for site in route.visits], number[route.vehicle]) for route in answer]
             return pyvrp.Solution(self.data, routes)
@@ -114,12 +122,12 @@ class Model:
     def _skills(self, *sites: int) -> frozenset[str]:
         return frozenset().union(*(self.problem.sites.skills[site] for site in sites)) if self.words else frozenset()
 
-    def _client(self, pyvrp: Any, site: int, group: int | None) -> Any:
-        data, window = self.integers, self._window(site)
+    def _client(self, pyvrp: Any, site: int, window: tuple[int, int], group: int | None) -> Any:
+        data = self.integers
         return pyvrp.Client(
             site, delivery=self._loads(data.demand[site], self._skills(site)), pickup=self._loads(data.pickup[site], frozenset()),
             service_duration=int(data.service[site]), tw_early=window[0], tw_late=window[1], prize=int(data.prize[site]),
-            required=bool(self.problem.sites.required[site]), group=group,
+            required=group is None and bool(self.problem.sites.required[site]), group=group,
         )  # fmt: skip
 
     def _shipment(self, pyvrp: Any, number: int) -> Any:

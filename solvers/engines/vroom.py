@@ -8,11 +8,11 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ...formulations.problem import Problem
 from ...formulations.programs.exactness import Exactness
 from ...formulations.routing.routes import Routes
-from ...instances.errors import InputError, UnsupportedError, UsageError
-from ..backend import BACKENDS, Control, Engine, Options, RawResult
+from ...instances.errors import InputError, UsageError
+from ..backend import BACKENDS, Control, Options, RawResult
+from .bisection import Bisecting
 from .routing_integers import IntegerRouting, integer_routing
 from .routing_objective import awaited, claimed_objective, unscalable
 from .routing_shipments import entangled
@@ -29,7 +29,7 @@ FIRST, DEEPEST = 0, 5
 
 
 @BACKENDS.register("vroom")
-class VROOM(Engine):
+class VROOM(Bisecting):
     """VROOM (Coupey, Nicod & Varnier): constructions of several kinds, each improved by local search.
 
     ``exploration_level``, from 0 to 5, is how many it makes and how far each is taken; it ends by itself, often long before a time limit.
@@ -54,35 +54,28 @@ class VROOM(Engine):
             "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed",
             "energy:elapsed-fixed-start", "initial-energy", "max-duration", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel",
             "several-loads", "pickups", "shipments", "several-windows", "skills", "objective:total-cost", "objective:total-duration",
-            "objective:vehicles", "objective:weights", "objective:priorities",
+            "objective:vehicles", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
+            "objective:priorities",
         }
     )  # fmt: skip
 
-    def missing(self, problem: Problem) -> frozenset[str]:
-        """See ``Engine.missing``."""
-        return super().missing(problem) or _beyond(problem)  # type: ignore[arg-type]
+    def beyond(self, problem: RoutingProblem) -> frozenset[str]:
+        """See ``Bisecting.beyond``."""
+        held = problem.features()
+        lacking = unscalable(problem) | entangled(problem)
+        if awaited(problem):
+            lacking |= {f"{name} with waiting" for name in held & (STAYS | PRICED)}
+        if held & STAYS and "energy:travel" in held and problem.sites.service[problem.customers].any():
+            lacking |= {"energy:travel with limited durations"}
+        return lacking
 
-    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+    def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
+        """See ``Bisecting.search``."""
         level = self.converted(options).extra.get("exploration_level", DEEPEST)
         if not FIRST <= level <= DEEPEST:
             raise UsageError(f"vroom: exploration_level is a number from {FIRST} to {DEEPEST}, not {level}")
         ends = time.perf_counter() + options.time_limit
-        return _search(problem, vroom_integers(problem), level, options, control, ends)  # type: ignore[arg-type]
-
-
-def _beyond(problem: RoutingProblem) -> frozenset[str]:
-    """Features that VROOM has, put together as it does not."""
-    held = problem.features()
-    lacking = unscalable(problem) | entangled(problem)
-    if awaited(problem):
-        lacking |= {f"{name} with waiting" for name in held & (STAYS | PRICED)}
-    if held & STAYS and "energy:travel" in held and problem.sites.service[problem.customers].any():
-        lacking |= {"energy:travel with limited durations"}
-    return lacking
+        return _search(problem, vroom_integers(problem), level, options, control, ends)
 
 
 def _search(problem: RoutingProblem, data: IntegerRouting, level: int, options: Options, control: Control, ends: float) -> RawResult:

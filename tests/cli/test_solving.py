@@ -320,7 +320,7 @@ def test_a_feature_that_a_solver_lacks_is_named_with_those_that_have_it(run, ref
     path = tmp_path / "priorities.json"
     assert run("convert", "demo-tiny", "--to", path).exit_code == 0
     data = json.loads(path.read_text())
-    data["objective"] = ["vehicles", "total-cost"]
+    data["objective"] = ["total-cost", "vehicles"]
     path.write_text(json.dumps(data))
     lacking = [info.name for info in wb.solvers(wb.read(path)) if info.missing and info.installed]
     assert lacking

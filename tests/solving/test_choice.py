@@ -15,7 +15,17 @@ import waybound as wb
 from waybound.formulations.forms import FORMS, nearest_form
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC
-from waybound.formulations.routing.objective import TERMS, Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.objective import (
+    TERMS,
+    Composable,
+    LatestReturn,
+    LongestRoute,
+    Makespan,
+    Objective,
+    Reward,
+    TotalCost,
+    Vehicles,
+)
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
@@ -114,23 +124,32 @@ def test_a_refusal_names_what_the_nearest_form_lacks_and_nothing_that_forms_have
 
 
 def test_the_nearest_form_is_the_one_that_lacks_fewest() -> None:
-    problem = replace(asking(Vehicles().then(Makespan())), fleet=(VehicleType(2), VehicleType(1, name="other")))
-    assert FORMS["two-index-mtz"].missing(problem) == {"heterogeneous-fleet", "objective:makespan", "objective:priorities"}
-    assert nearest_form(problem) == ("three-index", {"objective:priorities"})
+    problem = replace(asking(Reward().then(Vehicles() - Makespan())), fleet=(VehicleType(2), VehicleType(1, name="other")))
+    assert FORMS["two-index-mtz"].missing(problem) == {"heterogeneous-fleet", "objective:makespan"}
+    assert nearest_form(problem) == ("three-index", {"objective:makespan"})
 
 
 def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
-    assert missing_features("pyvrp", asking(LongestRoute(), energy=Energy(99.0, charge="windows")))[0] == {
-        "objective:longest-route", "energy:windows",
-    }  # fmt: skip
+    charged: dict[str, Any] = {"energy": Energy(99.0, charge="windows"), "committed": True}
+    assert missing_features("pyvrp", asking(LongestRoute(), **charged))[0] == {"energy:windows", "committed-vehicles"}
     assert missing_features("saddle", asking(LongestRoute()))[0] == {"routing problems"}
     with pytest.raises(UnsupportedError, match=r"^no installed solver can take this problem: the nearest, ortools, lacks objective:1"):
-        wb.solve(asking(Reward() + LongestRoute(), energy=Energy(99.0, charge="windows")))
+        wb.solve(asking(Reward() + LongestRoute(), **charged))
 
 
 def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:
-    with pytest.raises(UnsupportedError, match=r"^highs cannot take this problem: it lacks objective:priorities; can take it: .*pyvrp"):
-        wb.solve(asking(Vehicles().then(TotalCost())), "highs")
+    xy = np.random.default_rng(1).uniform(0, 9, (13, 2))
+    sites = Sites.of(range(13), windows={1: [(0, 20), (30, 50)]})
+    problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(2, max_duration=90.0),), LatestReturn())
+    with pytest.raises(UnsupportedError, match=r"^highs cannot take this problem: it lacks several-windows; can take it: ortools"):
+        wb.solve(problem, "highs")
+
+
+@pytest.mark.parametrize("solver", ["highs", "cpsat", "mathopt", "scip", "pulp", "cvxpy"])
+def test_objectives_in_order_of_priority_are_taken_by_whoever_takes_a_form_of_each_level(solver: str) -> None:
+    asked = asking(Vehicles().then(TotalCost()))
+    assert missing_features(solver, asked) == (frozenset(), tuple(asked.forms()))
+    assert missing_features(solver, asking(TotalCost())) == (frozenset(), tuple(asked.forms()))
 
 
 def test_all_that_forms_engines_and_heuristics_for_routing_declare_is_in_the_vocabulary_of_the_data() -> None:

@@ -42,7 +42,7 @@ def refuted(check: Callable[..., None], *given: Any) -> str | None:
 def test_an_answer_worse_than_claimed_refutes_the_objective_and_a_better_one_does_not(
     sense: str, claimed: float, value: float, false: bool
 ) -> None:
-    found = refuted(check_objective, "liar", sense, RawResult("feasible", objective=claimed), worth(value))
+    found = refuted(check_objective, "liar", (sense,), RawResult("feasible", objective=claimed), worth(value))
     assert (found is not None) == false
     if found:
         assert f"liar claims the objective {claimed!r}" in found and repr(value) in found
@@ -51,13 +51,13 @@ def test_an_answer_worse_than_claimed_refutes_the_objective_and_a_better_one_doe
 def test_what_is_added_up_to_a_small_value_is_its_scale() -> None:
     """Terms of 1e6 that cancel to 1 cannot be told apart by 1e-3."""
     result = RawResult("feasible", objective=1.0)
-    assert refuted(check_objective, "s", "min", result, Evaluation((1.001,), (), (), {}, sizes=(2e6,))) is None
-    assert refuted(check_objective, "s", "min", result, Evaluation((1.001,), (), (), {}, sizes=(2.0,)))
+    assert refuted(check_objective, "s", ("min",), result, Evaluation((1.001,), (), (), {}, sizes=(2e6,))) is None
+    assert refuted(check_objective, "s", ("min",), result, Evaluation((1.001,), (), (), {}, sizes=(2.0,)))
 
 
 def test_no_claim_and_several_levels_are_not_compared() -> None:
-    assert refuted(check_objective, "s", "min", RawResult("optimal"), worth(5.0)) is None
-    assert refuted(check_objective, "s", "min", RawResult("optimal", objective=1.0), worth(5.0, 6.0)) is None
+    assert refuted(check_objective, "s", ("min",), RawResult("optimal"), worth(5.0)) is None
+    assert refuted(check_objective, "s", ("min",), RawResult("optimal", objective=1.0), worth(5.0, 6.0)) is None
 
 
 # -- feasibility -------------------------------------------------------------------------------------------------------
@@ -90,10 +90,10 @@ def test_a_claimed_answer_that_breaks_something_is_told_with_the_worst() -> None
 def test_an_answer_of_10_refutes_a_claim_that_it_beats_where_the_claim_is_meant_for_the_problem(
     sense: str, result: RawResult, words: str
 ) -> None:
-    assert words in str(refuted(check_bound, "liar", sense, result, worth(10.0), EXACT))
-    assert refuted(check_bound, "liar", sense, result, None, EXACT) is None
-    assert refuted(check_bound, "liar", sense, result, worth(10.0), RESTRICTION) is None
-    assert refuted(check_bound, "liar", sense, result, worth(10.0), Exactness.NEITHER) is None
+    assert words in str(refuted(check_bound, "liar", (sense,), result, worth(10.0), EXACT))
+    assert refuted(check_bound, "liar", (sense,), result, None, EXACT) is None
+    assert refuted(check_bound, "liar", (sense,), result, worth(10.0), RESTRICTION) is None
+    assert refuted(check_bound, "liar", (sense,), result, worth(10.0), Exactness.NEITHER) is None
 
 
 @pytest.mark.parametrize(
@@ -105,13 +105,13 @@ def test_an_answer_of_10_refutes_a_claim_that_it_beats_where_the_claim_is_meant_
     ],
 )  # fmt: skip
 def test_what_an_answer_of_10_does_not_beat_is_not_refuted_by_it(sense: str, result: RawResult) -> None:
-    assert refuted(check_bound, "s", sense, result, worth(10.0), EXACT) is None
+    assert refuted(check_bound, "s", (sense,), result, worth(10.0), EXACT) is None
 
 
 def test_a_relaxations_optimum_is_none_of_the_problem_but_its_infeasibility_and_bound_are() -> None:
-    assert refuted(check_bound, "s", "min", RawResult("optimal", objective=11.0), worth(10.0), RELAXATION) is None
-    assert refuted(check_bound, "s", "min", RawResult("infeasible"), worth(10.0), RELAXATION)
-    assert refuted(check_bound, "s", "min", RawResult("feasible", bound=11.0), worth(10.0), RELAXATION)
+    assert refuted(check_bound, "s", ("min",), RawResult("optimal", objective=11.0), worth(10.0), RELAXATION) is None
+    assert refuted(check_bound, "s", ("min",), RawResult("infeasible"), worth(10.0), RELAXATION)
+    assert refuted(check_bound, "s", ("min",), RawResult("feasible", bound=11.0), worth(10.0), RELAXATION)
 
 
 def test_an_optimum_beyond_a_verified_bound_is_refuted() -> None:

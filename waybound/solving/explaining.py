@@ -212,7 +212,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
         return Explanation("undecided", message=f"no rows can be named: {error}")
     if not made.exactness.infeasibility_is_valid:
         raise UsageError(f"form {made.form} is a {made.exactness.value}: that it has no point would prove nothing")
-    program = made.program
+    program = made.program.first_level()
     if any(_is_answer(problem, made, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
         return _FEASIBLE
     plain = replace(

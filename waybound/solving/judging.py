@@ -51,12 +51,14 @@ class Judge:
         whose = f"the {result.status} answer claimed by {self.solver}" if claimed else f"the last answer of {self.solver}"
         if self.exactness is Exactness.RELAXATION:
             whose = "the relaxation's point"
+        for earlier in result.earlier:
+            self._consider(earlier, self.decode, f"an answer of {self.solver} to the levels before the last", False)
         judged = self._consider(result.answer, self.decode, whose, claimed)
         if judged is None:
             return
         self.hear(claims.check_feasibility, self.solver, result, judged, self.exactness)
         if judged.feasible and prices:
-            self.hear(claims.check_objective, self.solver, self.problem.sense, result, judged)
+            self.hear(claims.check_objective, self.solver, self.problem.senses, result, judged)
 
     def incumbent(self, raw: Any) -> None:
         """Judge what the solver published last, which may be all that is left of it."""
@@ -99,8 +101,13 @@ class Judge:
         """
         feasible = [pair for pair in self._judged if pair[1].feasible]
         if feasible:
-            signs = [1.0 if sense == "min" else -1.0 for sense in self.problem.senses]
-            return min(feasible, key=lambda pair: tuple(s * v for s, v in zip(signs, pair[1].values, strict=True)))
+            for level, sense in enumerate(self.problem.senses):
+                best = (min if sense == "min" else max)((e for _, e in feasible), key=lambda e: e.values[level])
+                if level + 1 < len(best.values):  # rounding of one level does not decide before the next
+                    feasible = [pair for pair in feasible if pair[1].same_at(level, best.values[level])]
+                else:
+                    feasible = [pair for pair in feasible if pair[1].values[level] == best.values[level]]
+            return feasible[0]
         if self.faults:
             raise CheckFailedError("; ".join(self.faults))
         for fault in (self.crash, *self._lost):

@@ -325,7 +325,7 @@ def _certified(
     result, problem = searched.result, judge.problem
     answer, evaluation = found
     best = None if evaluation is None else evaluation.values[0]
-    judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
+    judge.hear(claims.check_bound, run.name, problem.senses, result, evaluation, run.exactness(result))
 
     began = time.perf_counter()
     evidence: list[Evidence] = list(first)
@@ -360,7 +360,7 @@ def _certified(
     answer, better = judge.best() if not judge.faults else found
     if better is not evaluation:
         evaluation = better
-        judge.hear(claims.check_bound, run.name, problem.sense, result, evaluation, run.exactness(result))
+        judge.hear(claims.check_bound, run.name, problem.senses, result, evaluation, run.exactness(result))
         certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
     opinions = tuple(opinion(name, said, result, evaluation, certificate) for name, said in heard)
     for one in opinions:
@@ -379,12 +379,12 @@ def _certified(
     if faults:
         if evaluation is None:
             raise CheckFailedError("; ".join(faults))
-        result = replace(result, status="unknown", objective=None, bound=None)
+        result = replace(result, status="unknown", objective=None, bound=None, further=())
     precision = EQUAL if evaluation is None else evaluation.precision
     bound, kind, source = _best_bound(problem, run, result, certificate, size, precision)
     objective = None if evaluation is None else evaluation.objective
-    if isinstance(objective, list) and bound is not None:
-        bound = [bound if isinstance(bound, float) else None, *[None] * (len(objective) - 1)]
+    if isinstance(bound, float) and evaluation is not None and len(evaluation.values) > 1:
+        bound, kind, source = _bounds_of_levels(problem, run, result, evaluation, bound, kind, source)
     gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
     status = _status(problem, run, result, certificate, evaluation, bound)
     messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
@@ -476,12 +476,35 @@ def _best_bound(
 ) -> tuple[Value | None, str | None, str | None]:
     """The best known bound of either kind; a verified one wins a tie."""
     verified = certificate.bound
-    claimed = result.bound if run.exactness(result).bound_is_valid and len(problem.senses) == 1 else None
+    claimed = result.bound if run.exactness(result).bound_is_valid else None
     if claimed is not None and math.isfinite(claimed):
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
         if ahead and (verified is None or not same(claimed, verified, size, precision)):
-            return claimed, "claimed", f"{run.name} ({run.form})" if run.form else run.name
+            return claimed, "claimed", _claimant(run)
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
+
+
+def _claimant(run: _Run) -> str:
+    return f"{run.name} ({run.form})" if run.form else run.name
+
+
+def _bounds_of_levels(
+    problem: Problem, run: _Run, result: RawResult, evaluation: Evaluation, first: float, kind: str | None, source: str | None
+) -> tuple[Value, str | None, str | None]:
+    """The bound of each level up to the first open one, that of the first level given; a later level has claimed ones alone.
+
+    What a solver calls closed, as closely as it sees, has the bound that is the answer's own value: a level that is closed is no gap.
+    """
+    closed = evaluation.same_at(0, first, EQUAL_TOLERANCE)
+    bounds: list[float | None] = [evaluation.values[0] if closed else first]
+    for level, claim in claims.concerned(problem.senses, result, evaluation) if run.exactness(result).bound_is_valid else ():
+        if not closed or claim.bound is None or not math.isfinite(claim.bound):
+            break
+        closed = evaluation.same_at(level, claim.bound, EQUAL_TOLERANCE)
+        bounds.append(evaluation.values[level] if closed else claim.bound)
+        if kind == "verified":
+            kind, source = "claimed", f"{source}, then {_claimant(run)}"
+    return [*bounds, *[None] * (len(evaluation.values) - len(bounds))], kind, source
 
 
 def _status(
@@ -492,7 +515,9 @@ def _status(
             value = evaluation.values[0]
             if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
-        return "optimal" if result.status == "optimal" and _claims_optimum(run.exactness(result), result, evaluation) else "feasible"
+        reached = all(evaluation.same_at(k, claim.objective, EQUAL_TOLERANCE) for k, claim in enumerate(result.further, start=1))
+        claimed = result.status == "optimal" and reached and _claims_optimum(run.exactness(result), result, evaluation)
+        return "optimal" if claimed else "feasible"
     if certificate.infeasible or certificate.unbounded:
         return "infeasible" if certificate.infeasible else "unbounded"
     if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness(result).infeasibility_is_valid:
@@ -504,9 +529,11 @@ def _status(
 
 def _claims_optimum(exactness: Exactness, result: RawResult, evaluation: Evaluation) -> bool:
     """Whether a claimed optimum is one of the problem: of a relaxation if it is met, up to what solvers see."""
-    if exactness is not Exactness.RELAXATION or result.bound is None or len(evaluation.values) != 1:
+    if exactness is not Exactness.RELAXATION:
         return exactness is Exactness.EXACT
-    return same(result.bound, evaluation.values[0], evaluation.size, EQUAL_TOLERANCE)
+    bounds = [result.bound, *(level.bound for level in result.further)]
+    met = [bound is not None and evaluation.same_at(k, bound, EQUAL_TOLERANCE) for k, bound in enumerate(bounds)]
+    return len(met) == len(evaluation.values) and all(met)
 
 
 def _versions(run: _Run) -> dict[str, str]:

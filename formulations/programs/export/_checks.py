@@ -20,6 +20,12 @@ def refuse_quadratic(program: Program, target: str) -> None:
         raise UnsupportedError(target, {"quadratic programs"})
 
 
+def refuse_levels(program: Program, target: str) -> None:
+    """Raise UnsupportedError for a program with several objectives in order of priority."""
+    if program.further:
+        raise UnsupportedError(target, {"levels of priority"})
+
+
 def refuse_crossing(program: Program) -> None:
     """Raise InputError for lower bounds above upper ones: a program that says at once that it has no answer."""
     for lower, upper, what, name in (

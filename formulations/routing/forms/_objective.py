@@ -1,6 +1,6 @@
 """Terms of an objective that no sum over arcs gives, as variables of the three-index form.
 
-For each vehicle k, where the term has a weight that makes less of it better::
+For each vehicle k, where the term has a weight that makes less of it better, in whichever level of the objective::
 
     elapsed[k]     duration_k >= return_k - departure_k                  where somebody may have to wait
     worked[k]      duration_k >= sum (s_i + d_ij) x_ijk
@@ -32,17 +32,28 @@ if TYPE_CHECKING:
     from ._vehicle_columns import Drive, VehicleColumns, Written
 
 
-def weights(problem: RoutingProblem) -> dict[str, float]:
-    """Weight of each term of the objective's first level."""
-    found: dict[str, float] = {}
-    for weight, term in problem.objective.levels()[0].terms:
-        found[term.name] = found.get(term.name, 0.0) + weight
-    return found
+Weights = dict[str, float]
+"""Weight of each term, by its name."""
 
 
-def _prices(problem: RoutingProblem, vehicle: VehicleType) -> tuple[float, float]:
+def weights_of_levels(problem: RoutingProblem) -> list[Weights]:
+    """Of each level of the objective, those of the terms that some level holds: a term is written whichever level it decides."""
+    found: list[Weights] = []
+    for level in problem.objective.levels():
+        found.append({})
+        for weight, term in level.terms:
+            found[-1][term.name] = found[-1].get(term.name, 0.0) + weight
+    held = dict.fromkeys(name for level in found for name, weight in sorted(level.items()) if weight)
+    return [{name: level.get(name, 0.0) for name in sorted(held)} for level in found]
+
+
+def weights(problem: RoutingProblem) -> Weights:
+    """Weights of the first level."""
+    return weights_of_levels(problem)[0]
+
+
+def _prices(weight: Weights, vehicle: VehicleType) -> tuple[float, float]:
     """Of one unit of duration and of overtime."""
-    weight = weights(problem)
     of_cost = weight.get("total-cost", 0.0)
     overtime = vehicle.unit_overtime_cost if math.isfinite(vehicle.regular_duration) else 0.0
     return of_cost * vehicle.unit_duration_cost + weight.get("total-duration", 0.0), of_cost * overtime
@@ -50,14 +61,15 @@ def _prices(problem: RoutingProblem, vehicle: VehicleType) -> tuple[float, float
 
 def durations_count(problem: RoutingProblem, vehicle: VehicleType) -> bool:
     """Whether the objective holds the duration of single routes of this type."""
-    return bool(weights(problem).get("makespan") or any(_prices(problem, vehicle)))
+    return any("makespan" in weight or any(_prices(weight, vehicle)) for weight in weights_of_levels(problem))
 
 
 def adverse(problem: RoutingProblem) -> frozenset[str]:
     """Features whose weight makes more of a maximum, or of time spent waiting, better: rows from below cannot express it."""
-    sign, found = (1.0 if problem.sense == "min" else -1.0), set()
-    for name, weight in weights(problem).items():
-        if weight * sign >= 0:
+    found = set()
+    levels = zip(problem.senses, weights_of_levels(problem), strict=True)
+    for sense, name, weight in ((sense, *item) for sense, level in levels for item in level.items()):
+        if weight == 0 or (weight > 0) == (sense == "min"):
             continue
         if name in ("makespan", "longest-route", "latest-return") or (name == "total-duration" and waiting_is_possible(problem)):
             found.add(f"objective:{name}")
@@ -71,31 +83,31 @@ def idle_cost(problem: RoutingProblem, kind: VehicleColumns) -> float:
     """What a committed vehicle costs on its way straight home, but for durations that have variables."""
     weight, vehicle = weights(problem), kind.vehicle
     paid = weight.get("total-cost", 0.0) * (vehicle.fixed_cost + vehicle.unit_cost * kind.idle_distance)
-    return paid if waiting_is_possible(problem) else paid + _prices(problem, vehicle)[0] * kind.idle_duration
+    return paid if waiting_is_possible(problem) else paid + _prices(weight, vehicle)[0] * kind.idle_duration
 
 
 def add_objective(made: Written) -> None:
     """The columns and rows of the terms that the objective has."""
     problem, weight = made.problem, weights(made.problem)
-    if weight.get("makespan"):
+    if "makespan" in weight:
         most = max(_longest_time(kind) for kind in made.types)
         makespan = made.add_columns("makespan", (), (), 0.0, most, weight["makespan"])
     for kind in made.types:
         if durations_count(problem, kind.vehicle):
             first = _durations(made, kind)
-            if weight.get("makespan"):
+            if "makespan" in weight:
                 row = np.arange(kind.count)
                 parts: list[Part] = [(row, np.full(kind.count, makespan), 1.0), (row, first + row, -1.0)]
                 made.rows.append(rows("makespan", kind.count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
-    if weight.get("makespan"):
+    if "makespan" in weight:
 
         def encode(x: Floats, drives: list[Drive]) -> None:
             x[makespan] = max((float(d.clock[-1] - d.clock[0]) for d in drives), default=0.0)
 
         made.encoders.append(encode)
-    if weight.get("longest-route"):
+    if "longest-route" in weight:
         _longest_route(made, weight["longest-route"])
-    if weight.get("latest-return"):
+    if "latest-return" in weight:
         _latest_return(made, weight["latest-return"])
 
 
@@ -106,7 +118,8 @@ def _longest_time(kind: VehicleColumns) -> float:
 def _durations(made: Written, kind: VehicleColumns) -> int:
     """The durations of one type, and their overtime; returns the first column."""
     vehicle, count = kind.vehicle, kind.count
-    price, extra = _prices(made.problem, vehicle)
+    price, extra = _prices(weights(made.problem), vehicle)
+    late = any(_prices(weight, vehicle)[1] for weight in weights_of_levels(made.problem))
     waits, most = waiting_is_possible(made.problem), _longest_time(kind)
     keys, labels, row = (kind.vehicles,), (kind.numbers,), np.arange(count)
     first = made.add_columns("duration", keys, labels, 0.0, most, price if waits else 0.0)
@@ -116,7 +129,7 @@ def _durations(made: Written, kind: VehicleColumns) -> int:
         made.rows.append(rows("elapsed", count, parts, 0.0, keys=keys, labels=labels))
     busy = kind.with_idle(kind.prep.time.weight, kind.idle_duration)
     made.rows.append(kind.over_arcs("worked", np.arange(len(kind.tail)), busy, -math.inf, 0.0, first))
-    if extra:
+    if late:
         regular = vehicle.regular_duration
         over = made.add_columns("overtime", keys, labels, 0.0, max(0.0, most - regular), extra)
         parts = [(row, over + row, 1.0), (row, first + row, -1.0)]
@@ -126,7 +139,7 @@ def _durations(made: Written, kind: VehicleColumns) -> int:
         for d in drives:
             if d.kind is kind:
                 x[first + d.number] = d.clock[-1] - d.clock[0]
-                if extra:
+                if late:
                     x[over + d.number] = max(0.0, x[first + d.number] - regular)
 
     made.encoders.append(encode)

@@ -11,7 +11,7 @@ For the routes P_t of each vehicle type t, with c_p the route's share in the obj
     longest[i], latest[i]                                     the same with distances, and with times of return
     home[t]       z_t <= K_t b_t,  b binary;   makespan >= d b_t           where a maximum counts a way straight home
 
-A route that is no better in anything the objective counts than another one of the same type with the same sites is left out.
+A route that is no better in anything that a level of the objective counts than another one of the same type and sites is left out.
 Relaxed, this is the strongest of the forms: its bound is that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).
 Rows of maxima by site are stronger than those by route, makespan >= d_p y_p.
 
@@ -39,7 +39,8 @@ from ..preparation import offset
 from ..reachability import minimum_vehicles
 from ..routes import Route, Routes
 from ._all_routes import MOST_ROUTES, Priced, Walk, orders_of_stops, way_home
-from ._objective import weights
+from ._objective import Weights, weights_of_levels
+from ._priorities import with_levels
 from ._routes import used
 from .three_index import FEATURES
 
@@ -52,15 +53,18 @@ MAXIMA = {"makespan": "duration", "longest-route": "distance", "latest-return": 
 
 def refuses(problem: RoutingProblem) -> frozenset[str]:
     """Problems with many routes, and maxima that should be large."""
-    sign = 1.0 if problem.sense == "min" else -1.0
-    found = {f"objective:{name}" for name, weight in weights(problem).items() if name in MAXIMA and weight * sign < 0}
+    levels = zip(problem.senses, weights_of_levels(problem), strict=True)
+    found = {
+        f"objective:{name}"
+        for sense, level in levels for name, weight in level.items() if name in MAXIMA and weight * (1.0 if sense == "min" else -1.0) < 0
+    }  # fmt: skip
     return frozenset(found | ({f"more than {MOST_ROUTES} orders of stops"} if orders_of_stops(problem) > MOST_ROUTES else set()))
 
 
 def build(problem: RoutingProblem) -> Compiled:
     """The program over all routes; see the module's text for its mathematics."""
-    every = (route for kind in range(len(problem.fleet)) for route in Walk(problem, kind).routes())
-    return _Writing(problem, every).compiled(Exactness.EXACT)
+    every = [route for kind in range(len(problem.fleet)) for route in Walk(problem, kind).routes()]
+    return with_levels(problem, lambda p: _Writing(p, every).compiled(Exactness.EXACT))
 
 
 def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
@@ -86,27 +90,24 @@ def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
         if priced is None:
             raise InputError("a route breaks a limit", found=", ".join(map(str, route.visits)))
         found.append(priced)
-    return _Writing(problem, found).compiled(Exactness.RESTRICTION)
+    return with_levels(problem, lambda p: _Writing(p, found).compiled(Exactness.RESTRICTION))
 
 
 class _Writing:
     """Columns and rows of one program."""
 
     def __init__(self, problem: RoutingProblem, every: Iterable[Priced]) -> None:
-        self.problem, self.weights = problem, weights(problem)
-        self.maxima = {term: what for term, what in MAXIMA.items() if self.weights.get(term)}
+        self.problem, self.levels = problem, weights_of_levels(problem)
+        self.weights = self.levels[0]
+        self.maxima = {term: what for term, what in MAXIMA.items() if term in self.weights}
         self.opens = min(Walk(problem, kind).opens for kind in range(len(problem.fleet)))
         self.routes = self._best(every)
-        self.share = np.array([self._share(r) for r in self.routes])
+        self.share = np.array([_share(r, self.weights) for r in self.routes])
         self.homes = {kind: way_home(problem, kind) for kind, v in enumerate(problem.fleet) if v.committed}
         self.variables: list[Variables] = []
         self.rows: list[Rows] = []
         self.columns = 0
         self.maximum: dict[int, tuple[str, float]] = {}
-
-    def _share(self, r: Priced) -> float:
-        amounts = {"total-cost": r.cost, "vehicles": 1.0, "reward": r.reward, "total-duration": r.duration, "penalties": -r.penalty}
-        return math.fsum(weight * amounts.get(name, 0.0) for name, weight in self.weights.items())
 
     def _best(self, every: Iterable[Priced]) -> list[Priced]:
         """Those that no other route of the same type and sites is as good as in all that counts."""
@@ -161,7 +162,7 @@ class _Writing:
             key, label, most = (np.array([kind]),), ([v.name for v in problem.fleet],), vehicle.count
             if vehicle.committed and most is not None:
                 home = self.homes[kind]
-                upper, cost = (0.0, 0.0) if home is None else (float(most), self._share(home) - self.weights.get("vehicles", 0.0))
+                upper, cost = (0.0, 0.0) if home is None else (float(most), _share(home, self.weights) - self.weights.get("vehicles", 0.0))
                 self.idle[kind] = self._add("z", key, label, upper, cost, integer=True)
                 parts.append((np.zeros(1, dtype=np.int64), np.array([self.idle[kind]]), 1.0))
                 self.rows.append(rows("vehicles", 1, parts, float(most), float(most), key, label))
@@ -252,8 +253,14 @@ class _Writing:
 
     def _worth(self, r: Priced) -> tuple[float, ...]:
         """All that counts, less being better."""
-        sign = 1.0 if self.problem.sense == "min" else -1.0
-        return (sign * self._share(r), *(float(getattr(r, what)) for what in self.maxima.values()))
+        signs = [1.0 if sense == "min" else -1.0 for sense in self.problem.senses]
+        shares = [sign * _share(r, level) for sign, level in zip(signs, self.levels, strict=True)]
+        return (*shares, *(float(getattr(r, what)) for what in self.maxima.values()))
+
+
+def _share(r: Priced, weight: Weights) -> float:
+    amounts = {"total-cost": r.cost, "vehicles": 1.0, "reward": r.reward, "total-duration": r.duration, "penalties": -r.penalty}
+    return math.fsum(each * amounts.get(name, 0.0) for name, each in weight.items())
 
 
 FORMS.add("set-partitioning", Form("set-partitioning", "routing", FEATURES, build, refuses=refuses, order=5))

@@ -60,6 +60,7 @@ from ..routes import Route, Routes
 from ._choices import add_copies, add_groups, add_shipments, add_windows
 from ._levels import add_loads, add_residual_energy
 from ._objective import add_objective, adverse, idle_cost, weights
+from ._priorities import with_levels
 from ._routes import ArcIndex, routes_of, used
 from ._vehicle_columns import Drive, VehicleColumns, Written, arc_and_time_columns, vehicle_columns
 from ._vehicle_rows import closing_rows, fleet_rows, limits_rows, order_rows, time_rows, visits_rows
@@ -75,7 +76,7 @@ FEATURES = frozenset(
         "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "several-windows", "skills", "reloads", "recharging",
         "initial-energy", "closing-moves", "committed-vehicles", "objective:total-cost", "objective:vehicles", "objective:reward",
         "objective:makespan", "objective:longest-route", "objective:total-duration", "objective:latest-return", "objective:penalties",
-        "objective:weights",
+        "objective:weights", "objective:priorities",
     }
 )  # fmt: skip
 
@@ -103,6 +104,10 @@ def build(problem: RoutingProblem) -> Compiled:
     problem : RoutingProblem
         An unlimited type counts as one vehicle a customer.
     """
+    return with_levels(problem, _built)
+
+
+def _built(problem: RoutingProblem) -> Compiled:
     types: list[VehicleColumns] = []
     first = vehicle = 0
     for number in range(len(problem.fleet)):

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 from exact_routing import best_values
-from small_routing import small
+from small_routing import small, varied
 
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.routing.checking import all_routes
 from waybound.formulations.routing.checking.all_routes import check_all_routes, orders
-from waybound.formulations.routing.objective import LongestRoute, Makespan, TotalCost
+from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
@@ -46,6 +46,15 @@ def test_the_largest_of_all_routes_is_proved(feature: str, term) -> None:
         best = best_values(problem)
         if best is not None:
             assert check_all_routes(problem, {}) == pytest.approx(float(best[0]), rel=1e-9)
+
+
+@pytest.mark.parametrize("term", [LongestRoute(), TotalCost(), LatestReturn()])
+@pytest.mark.parametrize("feature", ["vehicle-travel", "vehicle-speeds", "skills", "committed-vehicles"])
+def test_vehicles_of_their_own_kind_are_never_bounded_beyond_the_optimum(feature: str, term) -> None:
+    for seed in range(8):
+        problem = replace_objective(varied(feature, seed, 3), term)
+        best = best_values(problem)
+        assert best is None or check_all_routes(problem, {}) <= best[0] * (1.0 + 1e-12)
 
 
 def replace_objective(problem: RoutingProblem, objective) -> RoutingProblem:

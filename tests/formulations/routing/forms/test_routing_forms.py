@@ -27,7 +27,7 @@ from oracles import (
 )
 from small_routing import WHOLE_FAMILY, varied
 
-from waybound.formulations.routing.objective import LongestRoute, Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import InputError, UnsupportedError
@@ -230,7 +230,9 @@ def test_forms_say_what_they_lack() -> None:
         waits.compile("two-index-mtz")
     assert routing(xy=SQUARE_4, objective=LongestRoute()).forms() == ["three-index", "set-partitioning"]
     assert routing(xy=SQUARE_4, objective=Reward() + LongestRoute()).forms() == []
-    assert routing(xy=SQUARE_4, objective=Vehicles().then(TotalCost())).forms() == []
+    assert routing(xy=SQUARE_4, objective=Vehicles().then(TotalCost())).forms() == routing(xy=SQUARE_4).forms()
+    assert routing(xy=SQUARE_4, objective=Reward().then(Makespan())).forms() == ["three-index", "set-partitioning"]
+    assert routing(xy=SQUARE_4, objective=Reward().then(Vehicles() - Makespan())).forms() == []
     with pytest.raises(UnsupportedError):
         routing(xy=SQUARE_4, objective=Reward() + LongestRoute()).compile()
 

@@ -1,0 +1,162 @@
+"""Objectives in order of priority, for backends that take one: level by level, what was reached held by a row.
+
+The program of level k + 1 is that of level k with another objective and the row ``cost_k x <= value_k`` (``>=`` where more is better),
+and its search begins with the answer of level k. Where the value is a multiple of what all costs are multiples of, it is held exactly;
+any other up to ``EQUAL`` of the absolute values that add up to it, or, with continuous variables, up to ``VECTOR``, as closely as
+solvers know them.
+
+A bound of level k + 1 holds for all answers no worse than ``value_j`` at each level j <= k, so for the best one, whether or not a level
+before was closed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..formulations.checking.granularity import grain
+from ..formulations.evidence import Evidence
+from ..formulations.programs.exactness import Link
+from ..formulations.programs.program import Floats, FurtherLevel, Program, Rows
+from ..formulations.tolerance import EQUAL, VECTOR, same
+from ..instances.errors import UnsupportedError
+from .backend import Control, LevelClaim, Options, RawResult
+
+Run = Callable[[Program, Options, Control], RawResult]
+
+
+def by_priority(who: str, run: Run, program: Program, options: Options, control: Control) -> RawResult:
+    """Search the levels of ``program`` one after the other, all within the one time limit; other limits hold for each level.
+
+    Parameters
+    ----------
+    who : str
+        Name of the solver.
+    run : callable
+        Searches a program of one objective.
+    program : Program
+    options : Options
+    control : Control
+
+    Returns
+    -------
+    RawResult
+        ``objective`` and ``bound`` are those of the first level, ``further`` those of the others as far as they were searched.
+        ``optimal`` only where every level was closed. ``earlier`` holds the answers of levels before the last one.
+
+    Raises
+    ------
+    UnsupportedError
+        If the first objective is quadratic, which no row can hold.
+    """
+    if program.quadratic is not None:
+        raise UnsupportedError(who, {"levels of priority after a quadratic objective"})
+    ends = time.perf_counter() + options.time_limit
+    current, held = program.first_level(), Held()
+    said = first = run(current, options, control)
+    answer, further, earlier, notes, searched = first.answer, list[LevelClaim](), list[Any](), list[str](), [first]
+    for number, level in enumerate(program.further, start=2):
+        left = ends - time.perf_counter()
+        if answer is None or said.status not in ("optimal", "feasible") or said.limit in ("time", "interrupt", "memory"):
+            break
+        if control.stopped or left <= 0:
+            said = replace(said, status="feasible", limit="interrupt" if control.stopped else "time")
+            break
+        current = held.add(current, answer, level)
+        within = replace(options, time_limit=left, start=answer)
+        try:
+            said = run(current, within, _LevelControl(control, first, held))
+        except UnsupportedError as fault:
+            said = RawResult("unknown", message=f"level {number}: {fault}")
+        searched.append(said)
+        if said.answer is not None and held.keeps(said.answer):
+            earlier.append(answer)
+            answer = said.answer
+        elif said.status not in ("unknown", "error"):
+            notes.append(f"level {number}: {who} says {said.status} of what the answer before it is one of")
+            said = replace(said, status="feasible")
+        further.append(LevelClaim(level.value(answer), said.bound))
+    if not further:
+        return replace(first, status="feasible" if first.status == "optimal" else first.status, limit=said.limit)
+    closed = all(one.status == "optimal" for one in searched) and len(searched) == len(program.further) + 1
+    limits = [one.limit for one in (*searched, said) if one.limit != "none"] or ["time" if time.perf_counter() >= ends else "none"]
+    holds = first.holds
+    for one in searched[1:]:
+        holds = holds.then(one.holds)
+    return replace(
+        first,
+        status="optimal" if closed and not notes else "feasible",
+        limit="none" if closed else limits[0],
+        answer=answer,
+        objective=program.first_level().value(answer),
+        further=tuple(further),
+        earlier=tuple(earlier),
+        statistics={**first.statistics, "further_levels": [one.statistics for one in searched[1:]]},
+        message="; ".join(dict.fromkeys(m for m in (*(one.message for one in searched), *notes) if m)),
+        holds=holds,
+        links=(*searched[-1].links, Link("levels-of-priority", told=held.told)),
+    )
+
+
+class Held:
+    """The rows that hold the levels before the one that is searched."""
+
+    def __init__(self) -> None:
+        self._levels: list[tuple[Floats, float]] = []
+        self._values: list[float] = []
+
+    def add(self, program: Program, x: Floats, level: FurtherLevel) -> Program:
+        """``program`` with its objective held at the value of ``x``, and ``level`` in its place."""
+        sign = 1.0 if program.sense == "min" else -1.0
+        cost, at = sign * program.cost, np.nonzero(program.cost)[0].astype(np.int32)
+        most = _side(program, sign, x)
+        self._values.append(program.value(x))
+        self._levels.append((cost, most + VECTOR * float(np.abs(cost) @ np.abs(x))))
+        row = Rows(
+            f"level{len(self._levels)}", indptr=np.array([0, len(at)], dtype=np.int32), indices=at, data=program.cost[at],
+            lower=np.array([-np.inf if sign > 0 else -most]), upper=np.array([most if sign > 0 else np.inf]),
+        )  # fmt: skip
+        made = program.with_costs(level.cost)
+        return replace(made, sense=level.sense, offset=level.offset, rows=(*program.rows, row))
+
+    def keeps(self, x: Floats) -> bool:
+        """Whether ``x`` is no worse at any level than what was reached, as closely as solvers see."""
+        return all(float(cost @ x) <= most for cost, most in self._levels)
+
+    @property
+    def told(self) -> str:
+        """What was held, for people."""
+        return "held " + ", ".join(f"level {k} at {value:.10g}" for k, value in enumerate(self._values, start=1))
+
+
+def _side(program: Program, sign: float, x: Floats) -> float:
+    """The most that ``sign`` times the objective without its offset may be, so that it is no worse than ``x``."""
+    at = np.nonzero(program.cost)[0]
+    cost, whole = sign * program.cost[at], bool(program.integer[at].all())
+    amount = np.where(program.integer[at], np.round(x[at]), x[at])
+    value, size, step = float(cost @ amount), float(np.abs(cost) @ np.abs(amount)), grain(cost)
+    if step is not None:
+        multiple = step.multiple(round(value * step.parts / step.units))
+        if whole or same(value, multiple, size):  # a continuous variable that is whole stays so
+            return multiple
+    return value + (EQUAL if whole else VECTOR) * size
+
+
+class _LevelControl(Control):
+    """Hands on the incumbents of a later level, with the value of the first level and its bound, as long as all before it are kept."""
+
+    def __init__(self, outer: Control, first: RawResult, held: Held) -> None:
+        super().__init__()
+        self._outer, self._first, self._held = outer, first, held
+        outer.on_stop(self.stop)
+
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        super().publish(answer, objective, bound, evidence)
+        if answer is not None and self._held.keeps(answer):
+            self._outer.publish(answer, self._first.objective, evidence=evidence)
