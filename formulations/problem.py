@@ -10,7 +10,7 @@ from ..instances.errors import InputError, UsageError
 from ..instances.registry import Registry
 from ..instances.text import shown
 from .evaluation import Evaluation
-from .evidence import Evidence, Reason
+from .evidence import Evidence, LeftOut, Reason
 from .forms import FORMS, compile_form
 
 if TYPE_CHECKING:
@@ -110,6 +110,10 @@ class Problem(ABC):
     def answer_at_hand(self) -> Any | None:
         """An answer that needs no search, where there may be one: what refutes a solver that claims there is none. It is judged first."""
         return None
+
+    def left_out(self, answer: Any) -> Sequence[LeftOut]:
+        """What ``answer`` might hold and does not, each with the reason."""
+        return ()
 
     # -- parts of all answers ----------------------------------------------------------------------------------------
 

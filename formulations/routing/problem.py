@@ -21,13 +21,14 @@ from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, c
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
 from ...instances.routing.travel import Travel, convention_named
 from ..evaluation import Evaluation
-from ..evidence import Evidence, Reason
+from ..evidence import Evidence, LeftOut, Reason
 from ..problem import Decision, Problem
 from ..references import indices_of
 from .answers import routes_from_json, routes_to_frame, routes_to_json
 from .facts import digested, facts
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes
+from .left_out import left_out
 from .objective import Composable, Objective, Reward
 from .reachability import unreachable
 from .routes import Route, Routes
@@ -372,6 +373,11 @@ class RoutingProblem(Problem):
             for found in fleet_conflicts(self, stopped):
                 site = found.data.get("site")
                 yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
+
+    def left_out(self, answer: Routes) -> tuple[LeftOut, ...]:
+        """Customers that ``answer`` does not visit, each with the reason: that no vehicle can serve it, or what every place for it in these
+        routes would break or cost."""
+        return left_out(self, answer)
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 

@@ -15,6 +15,9 @@ from . import TABLES, Tables
 from .facts import plain_text
 from .table import Column, Row, Table, short
 
+SHOWN_UNSERVED = 10
+"""Sites that stay unserved which are shown unless all are asked for."""
+
 SHOWN_ID = 60
 """Characters of a site's id that are shown among others."""
 
@@ -53,18 +56,14 @@ def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
 
 def unserved_sites(problem: RoutingProblem, answer: Routes | None) -> dict[str, str]:
     """Sites that the answer does not visit (all that are unreachable without one), each with the reason."""
-    ids = problem.sites.ids
     if answer is None:
-        return {ids[i]: why for i, why in unreachable(problem).items()}
-    visited = {i for route in answer for i in route.visits}
-    left = [int(i) for i in problem.customers if int(i) not in visited]
-    reasons = unreachable(problem) if left else {}  # which takes long where there are thousands
-    return {ids[i]: reasons.get(i, "optional, and left out of this answer") for i in left}
+        return {problem.sites.ids[i]: why for i, why in unreachable(problem).items()}
+    return {one.where: one.reason for one in problem.left_out(answer)}
 
 
 def unserved_table(reasons: dict[str, str]) -> Table:
     """One row a site that stays unserved."""
-    return Table("Unserved sites", (Column("site"), Column("reason", wide=True)), tuple(reasons.items()))
+    return Table("Unserved sites", (Column("site"), Column("reason", wide=True)), tuple(reasons.items()), most=SHOWN_UNSERVED)
 
 
 # -- what a problem holds --------------------------------------------------------------------------------------------------
