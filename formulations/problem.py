@@ -157,6 +157,10 @@ class Problem(ABC):
         """The answer that ``given`` stands for: one already, or what says clearly which one; raises UsageError for anything else."""
         return given
 
+    def check_start(self, answer: Any) -> None:
+        """Raise UsageError if ``answer`` speaks of what this problem does not have, so that it is one of another instance."""
+        return
+
     @abstractmethod
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """The answer as a table."""

@@ -400,6 +400,14 @@ class RoutingProblem(Problem):
         ends = itertools.accumulate(map(len, listed), initial=0)
         return Routes.of(sites[first:last] for first, last in itertools.pairwise(ends))
 
+    def check_start(self, answer: Routes) -> None:
+        for number, route in enumerate(answer, start=1):
+            if not 0 <= route.vehicle < len(self.fleet):
+                raise UsageError(f"route {number} has vehicle type {route.vehicle}, and there are {len(self.fleet)}, numbered from 0")
+            for site in route.visits:
+                if not 0 <= site < len(self.sites):
+                    raise UsageError(f"route {number} visits site {site}, and there are {len(self.sites)}, numbered from 0")
+
     def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
         """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated); ``on_board`` where loads are
         collected or shipped, ``energy`` where stores are filled on the way.

@@ -91,17 +91,23 @@ def _windows(windows: dict[str, Any]) -> list[Row]:
 
 def _travel(travel: dict[str, Any]) -> list[Row]:
     own = ", durations of their own" if travel["own_durations"] else ""
-    return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates"))]
+    closing = f", {travel['closing_moves']} moves close" if "closing_moves" in travel else ""
+    return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates") + closing)]
 
 
 def _fleet(fleet: list[dict[str, Any]]) -> list[Row]:
-    rows = []
+    rows, starts = [], {v["start"] for v in fleet}
     for v in fleet:
         count = "any number of vehicles" if v["count"] is None else f"at most {v['count']}"
         words = {"capacity": "capacity", "max_duration": "duration up to", "max_distance": "distance up to"}
         limits = [f"{words[key]} {v[key]:g}" for key in words if math.isfinite(v[key])]
         if v["energy"] is not None:
             limits.append("energy {capacity:g} at rate {rate:g} ({charge})".format(**v["energy"]))
+            limits += [f"{v['energy']['initial']:g} at departure"] if "initial" in v["energy"] else []
+            limits += [f"recharging at {plain_text(v['energy']['stations'])}"] if "stations" in v["energy"] else []
+        limits += [f"fixed cost {v['fixed_cost']:g}"] if v["fixed_cost"] else []
+        limits += [f"unit cost {v['unit_cost']:g}"] if v["unit_cost"] != 1 else []
+        limits += [f"from {v['start']} to {v['end']}"] if v["start"] != v["end"] or len(starts) > 1 else []
         limits += [f"{name.replace('_', ' ')} {plain_text(value)}" for name, value in v.items() if name not in USUAL]
         rows.append(("fleet", f"{v['name']}: " + ", ".join([count, *limits])))
     return rows
