@@ -137,8 +137,11 @@ class Solution:
         return self.problem.answer_to_frame(self.answer)
 
     def left_out(self) -> pd.DataFrame:
-        """What the answer leaves out, one row each: ``where`` (routing: the id of a site), the ``reason``, and whether it is ``proved`` that no
-        answer can hold it; other reasons are of this answer."""
+        """What the answer leaves out, one row each.
+
+        Columns ``where`` (routing: the id of a site), ``reason``, and ``proved``: whether no answer can hold it, as a checker confirmed;
+        all other reasons are of this answer.
+        """
         import pandas as pd
 
         self._need_answer()

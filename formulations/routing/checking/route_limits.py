@@ -100,7 +100,7 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
             spans.append((rate, store, charge == "elapsed-fixed-start", rate * rounding))
     further = zip(vehicle.further_capacity, sites.further_demand.T, sites.further_pickup.T, strict=False)
     carried = [(vehicle.capacity, sites.pickup), *((limit, loads) for limit, *both in further for loads in both)]
-    for limit, loads in carried if "reloads" not in problem.features() else ():
+    for limit, loads in carried if not vehicle.reloads else ():
         held = loads[at].copy()
         held[[0, -1]] = 0.0
         if held.any():  # all that is delivered is on board at the start, all that is collected at the end

@@ -116,7 +116,8 @@ THROUGH_FORMS = {
     **{f"{name}, mixed, {k}, {limit}": (
         members.makespan_orienteering(*sites(name), vehicles=k, max_duration=limit, weight="printed"), best)
        for name, k, limit, best in (("SQUARE-4", 1, 16, 16.375), ("SQUARE-4", 2, 14, 19.4285714286), ("ASYM-5", 1, 10, 5.4))},
-    **{f"OCTO-8, reward, 1, {limit}": (members.orienteering(*OCTO, max_duration=limit), best) for limit, best in ((20, 8), (25, 13), (30, 18))},
+    **{f"OCTO-8, reward, 1, {limit}": (members.orienteering(*OCTO, max_duration=limit), best)
+       for limit, best in ((20, 8), (25, 13), (30, 18))},
     **{f"OCTO-8, reward, {k}, {limit}": (members.team_orienteering(*OCTO, vehicles=k, max_duration=limit), best)
        for k, limit, best in ((2, 20, 15), (2, 25, 25), (3, 20, 21))},
 }  # fmt: skip
