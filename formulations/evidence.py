@@ -61,6 +61,28 @@ ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry("kind of 
 
 
 @dataclass(frozen=True)
+class LeftOut:
+    """What an answer leaves out, and why.
+
+    Parameters
+    ----------
+    where : str
+        Its name.
+    reason : str
+        In the problem's words.
+    proved : bool
+        Whether no answer can hold it, as a checker confirmed; else the reason is one of this answer.
+    """
+
+    where: str
+    reason: str
+    proved: bool
+
+    def to_json(self) -> dict[str, Any]:
+        return {"where": self.where, "reason": self.reason, "proved": self.proved}
+
+
+@dataclass(frozen=True)
 class Reason:
     """Why a problem has no answer, or one part of it.
 

@@ -10,7 +10,7 @@ from ..instances.errors import InputError, UsageError
 from ..instances.registry import Registry
 from ..instances.text import shown
 from .evaluation import Evaluation
-from .evidence import Evidence, Reason
+from .evidence import Evidence, LeftOut, Reason
 from .forms import FORMS, compile_form
 
 if TYPE_CHECKING:
@@ -111,6 +111,10 @@ class Problem(ABC):
         """An answer that needs no search, where there may be one: what refutes a solver that claims there is none. It is judged first."""
         return None
 
+    def left_out(self, answer: Any) -> Sequence[LeftOut]:
+        """What ``answer`` might hold and does not, each with the reason."""
+        return ()
+
     # -- parts of all answers ----------------------------------------------------------------------------------------
 
     def check_statement(self, statement: Any) -> None:
@@ -152,6 +156,10 @@ class Problem(ABC):
     def answer_of(self, given: Any) -> Any:
         """The answer that ``given`` stands for: one already, or what says clearly which one; raises UsageError for anything else."""
         return given
+
+    def check_start(self, answer: Any) -> None:
+        """Raise UsageError if ``answer`` speaks of what this problem does not have, so that it is one of another instance."""
+        return
 
     @abstractmethod
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:

@@ -136,6 +136,18 @@ class Solution:
         self._need_answer()
         return self.problem.answer_to_frame(self.answer)
 
+    def left_out(self) -> pd.DataFrame:
+        """What the answer leaves out, one row each.
+
+        Columns ``where`` (routing: the id of a site), ``reason``, and ``proved``: whether no answer can hold it, as a checker confirmed;
+        all other reasons are of this answer.
+        """
+        import pandas as pd
+
+        self._need_answer()
+        left = [(one.where, one.reason, one.proved) for one in self.problem.left_out(self.answer)]
+        return pd.DataFrame(left, columns=["where", "reason", "proved"])
+
     def plot(self, *, ax: Any = None, title: str | None = None, **options: Any) -> Any:
         """Draw the answer.
 
@@ -195,6 +207,7 @@ class Solution:
             "opinions": [asdict(opinion) for opinion in self.opinions],
             "faults": list(self.faults),
             "answer": None if self.answer is None else self.problem.answer_to_json(self.answer),
+            "left_out": [] if self.answer is None else [one.to_json() for one in self.problem.left_out(self.answer)],
             "certificate": self.certificate.to_json(),
         }
 

@@ -55,6 +55,8 @@ def _further(problem: RoutingProblem) -> dict[str, Any]:
     """What most problems do not have."""
     s, at, held = problem.sites, problem.customers, features(problem)
     found: dict[str, Any] = {}
+    if "demand-or-service-of-depots" in held:
+        found["at_depots"] = {name: math.fsum(getattr(s, name)[s.depots]) for name in ("demand", "service")}
     if "several-loads" in held:
         found["further_demand"] = [_spread(column) for column in s.further_demand[at].T]
     if "pickups" in held:

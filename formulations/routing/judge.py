@@ -53,14 +53,10 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         if not 0 <= route.vehicle < len(fleet) or any(not 0 <= i < len(sites) for i in route.visits):
             judge.test("visits", 1.0, f"{name} has a vehicle type or a site that does not exist", vehicle=name)
             continue
-        vehicle, plan = fleet[route.vehicle], schedule(problem, route)
+        vehicle, plan = fleet[route.vehicle], check_route(problem, name, route, judge)
         if route.visits:  # else a committed vehicle on its way home, which counts for nothing but its cost
             used[route.vehicle] += 1
             np.add.at(count, np.array(route.visits, dtype=np.int64), 1)
-            _check_stops(problem, name, route, judge)
-        _check_moves(problem, name, route, judge)
-        _check_times(problem, name, route, plan, judge)
-        _check_limits(name, vehicle, plan, judge)
         beyond = max(0.0, plan.duration - vehicle.regular_duration)
         paid = vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance
         if vehicle.unit_duration_cost or vehicle.unit_overtime_cost:
@@ -99,6 +95,17 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         quantities["penalties"] = terms["penalties"]
     names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))
     return Evaluation(values, judge.checks(names), tuple(judge.violations), quantities, sizes)
+
+
+def check_route(problem: RoutingProblem, name: str, route: Route, judge: Checklist) -> Schedule:
+    """Put on the list what one route breaks by itself; returns its schedule."""
+    plan = schedule(problem, route)
+    if route.visits:
+        _check_stops(problem, name, route, judge)
+    _check_moves(problem, name, route, judge)
+    _check_times(problem, name, route, plan, judge)
+    _check_limits(name, problem.fleet[route.vehicle], plan, judge)
+    return plan
 
 
 def _driven(problem: RoutingProblem, answer: Routes) -> Iterator[tuple[str, Route]]:

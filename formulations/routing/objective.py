@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -153,6 +154,21 @@ class Weighted(Composable):
         return " + ".join(parts).replace("+ -", "- ")
 
 
+def _read(text: str) -> Weighted:
+    """Inverse of ``str`` of a level."""
+    first, *rest = re.split(r"\s+([+-])\s+", text.strip())
+    terms = []
+    for sign, part in [("+", first), *zip(rest[::2], rest[1::2], strict=True)]:
+        weight, times, name = part.rpartition("*")
+        if name not in TERMS:
+            raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}")
+        try:
+            terms.append((float(f"{sign}1") * (float(weight) if times else 1.0), TERMS[name]()))
+        except ValueError:
+            raise UsageError(f"the weight of {name} must be a number, not {weight!r}") from None
+    return Weighted(tuple(terms))
+
+
 def _only_level(part: Composable) -> Weighted:
     levels = part.levels()
     if len(levels) != 1:
@@ -182,13 +198,10 @@ class Objective(Composable):
 
     @classmethod
     def named(cls, names: tuple[str, ...]) -> Objective:
-        """An objective from the names of its terms, in order of priority."""
+        """An objective from the names of its terms in order of priority, or from sums as they are printed: ``reward - 0.5*makespan``."""
         if not names:
             raise UsageError(f"an objective needs at least one term; choose from {', '.join(TERMS)}")
-        for name in names:
-            if name not in TERMS:
-                raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}")
-        return cls(tuple(TERMS[name]().levels()[0] for name in names))
+        return cls(tuple(_read(name) for name in names))
 
     def is_only(self, *terms: type[Term]) -> bool:
         """Whether the levels are exactly these terms with weight 1."""

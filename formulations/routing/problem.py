@@ -21,13 +21,14 @@ from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, c
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
 from ...instances.routing.travel import Travel, convention_named
 from ..evaluation import Evaluation
-from ..evidence import Evidence, Reason
+from ..evidence import Evidence, LeftOut, Reason
 from ..problem import Decision, Problem
 from ..references import indices_of
 from .answers import routes_from_json, routes_to_frame, routes_to_json
 from .facts import digested, facts
 from .fleet_need import fleet_conflicts, none
 from .judge import evaluate_routes
+from .left_out import left_out
 from .objective import Composable, Objective, Reward
 from .reachability import unreachable
 from .routes import Route, Routes
@@ -373,6 +374,11 @@ class RoutingProblem(Problem):
                 site = found.data.get("site")
                 yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
 
+    def left_out(self, answer: Routes) -> tuple[LeftOut, ...]:
+        """Customers that ``answer`` does not visit, each with the reason: that no vehicle can serve it, or what every place for it in these
+        routes would break or cost."""
+        return left_out(self, answer)
+
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Routes) -> dict[str, Any]:
@@ -393,6 +399,14 @@ class RoutingProblem(Problem):
         sites = indices_of(itertools.chain.from_iterable(listed), self.sites.index(), "site")
         ends = itertools.accumulate(map(len, listed), initial=0)
         return Routes.of(sites[first:last] for first, last in itertools.pairwise(ends))
+
+    def check_start(self, answer: Routes) -> None:
+        for number, route in enumerate(answer, start=1):
+            if not 0 <= route.vehicle < len(self.fleet):
+                raise UsageError(f"route {number} has vehicle type {route.vehicle}, and there are {len(self.fleet)}, numbered from 0")
+            for site in route.visits:
+                if not 0 <= site < len(self.sites):
+                    raise UsageError(f"route {number} visits site {site}, and there are {len(self.sites)}, numbered from 0")
 
     def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
         """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated); ``on_board`` where loads are

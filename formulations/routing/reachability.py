@@ -13,6 +13,7 @@ from ...instances.routing.reach import Use, least_use, ways_alone
 from ..tolerance import LIMIT, widened
 
 if TYPE_CHECKING:
+    from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
 Flags = NDArray[np.bool_]
@@ -22,11 +23,14 @@ MOST_DETOURS = 5_000
 
 WORDS = {
     "load": "its demand is {:g}, the capacity {:g}",
+    "pickup": "{:g} is collected there, the capacity is {:g}",
     "arrival": "it is reached at {:.6g} at the earliest, due {:g}",
     "return": "the return from it is at {:.6g} at the earliest, due {:g}",
     "duration": "a route to it lasts {:.6g} at least, the longest duration is {:g}",
     "distance": "a route to it is {:.6g} long at least, the longest distance is {:g}",
     "energy": "a route to it draws {:.6g} of energy at least ({charge}), the store holds {:g}",
+    "skills": "the vehicle lacks {}",
+    "shipment": "the shipment from {} to {} weighs {:g}, the capacity is {:g}",
 }
 
 
@@ -50,6 +54,9 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
     """
     with np.errstate(over="ignore", invalid="ignore"):  # sums that overflow are for the checker to judge
         verdicts = [_reasons(problem, kind) for kind in range(len(problem.fleet))]
+    for vehicle, reasons in zip(problem.fleet, verdicts, strict=True):
+        for k, why in _unable(problem, vehicle):
+            reasons[k] = reasons[k] or why
     customers = problem.customers
     found = {}
     for k, site in enumerate(customers.tolist()):
@@ -127,6 +134,20 @@ def _reasons(problem: RoutingProblem, kind: int) -> list[str | None]:
     if len(reasons) > MOST_DETOURS:
         return [reason if large else None for reason, large in zip(reasons, too_large, strict=True)]
     return _broken(problem, kind, detours=True)
+
+
+def _unable(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[int, str]]:
+    """What a vehicle cannot serve wherever it is, by number of the customer."""
+    sites, place = problem.sites, {site: k for k, site in enumerate(problem.customers.tolist())}
+    for site, k in place.items() if sites.skills else ():
+        if lacking := sorted(sites.skills[site] - vehicle.skills):
+            yield k, WORDS["skills"].format(", ".join(lacking))
+    for shipment in sites.shipments:
+        ends = (shipment.pickup, shipment.delivery)
+        for load, capacity in zip(shipment.load, vehicle.capacities, strict=False):
+            if load > widened(capacity):
+                why = WORDS["shipment"].format(*(sites.ids[end] for end in ends), load, capacity)
+                yield from ((place[end], why) for end in ends)
 
 
 def _broken(problem: RoutingProblem, kind: int, *, detours: bool) -> list[str | None]:

@@ -15,6 +15,7 @@ from ..text import label
 from .fleet import equal_fleet, with_problems
 from .instance import Group, RoutingInstance, Shipment, Sites, VehicleType
 from .json_vehicles import decode_vehicle
+from .reach import refuse_powerless
 from .travel import EXPLICIT, Travel
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ def instance_from_frame(
     else:
         kinds = _fleet(fleet, made)
     problem = RoutingInstance(label(name), "frame", made, moves, kinds, min_vehicles=min_vehicles)
-    _refuse_powerless(problem)
+    refuse_powerless(problem)
     return with_problems(problem)
 
 
@@ -217,22 +218,6 @@ def _closing(values: Any, ids: tuple[str, ...]) -> Floats:
         return np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError("closing times must be numbers", found=str(error)) from None
-
-
-def _refuse_powerless(instance: RoutingInstance) -> None:
-    """Raise InputError if no vehicle has the energy for a first and a last move."""
-    at = instance.sites.customers
-    if not len(at):
-        return
-    for v in instance.fleet:
-        if v.energy is None or v.stations:
-            return
-        moves = (v.travel or instance.travel).at_speed(v.speed)
-        least = v.energy.rate * float(moves.duration(v.start, at).min() + moves.duration(at, v.end).min())
-        if least <= v.energy.at_departure * (1.0 + 1e-9):
-            return
-    raise InputError("the energy of no vehicle lasts to any site and back", expected=f"at least {least:g}",
-                     found=f"{max(v.energy.at_departure for v in instance.fleet if v.energy):g}")  # fmt: skip
 
 
 def _reals(sites: pd.DataFrame, title: str) -> Floats:

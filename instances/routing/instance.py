@@ -45,7 +45,7 @@ class RoutingInstance:
     min_vehicles : int
         Routes that must be used at least.
     objective : tuple of str, optional
-        Names of the objective's terms in order of priority, where the file says them; else the problem's own.
+        The objective's terms, or weighted sums of them, in order of priority, where the file says them; else the problem's own.
     notes : tuple of str
         What a user should be told, such as where the fleet limit comes from.
     """

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
 from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle
-from .reach import refuse_unreachable
+from .reach import refuse_powerless, refuse_unreachable
 
 KEYS = ("name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "objective", "notes")
 SITE_KEYS = (
@@ -91,6 +91,7 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
         notes=strings(data.get("notes", []), "notes"),
     )  # fmt: skip
     refuse_unreachable(made)
+    refuse_powerless(made)
     return made
 
 

@@ -116,7 +116,7 @@ def shortest_ways(moves: Floats, through: Indices) -> Floats:
 class Use(NamedTuple):
     """What routes use at least of a limit, and may use at most; arrays, or a number for all.
 
-    ``limit`` is ``load, arrival, return, duration, distance`` or ``energy``.
+    ``limit`` is ``load, pickup, arrival, return, duration, distance`` or ``energy``.
     """
 
     limit: str
@@ -142,6 +142,10 @@ def least_use(sites: Sites, vehicle: VehicleType, stops: Sequence[Indices], legs
     where the depot closes too early to leave later. A charge of ``windows`` is no less than the time from the opening of the depot.
     """
     yield Use("load", _sum(sites.demand[k] for k in stops), vehicle.capacity)
+    for k, capacity in enumerate(vehicle.further_capacity):
+        yield Use("load", _sum(sites.further_demand[stop, k] for stop in stops), capacity)
+        yield Use("pickup", _sum(sites.further_pickup[stop, k] for stop in stops), capacity)
+    yield Use("pickup", _sum(sites.pickup[k] for k in stops), vehicle.capacity)
     *ways, home = legs("time")
     opens = max(float(sites.ready[vehicle.start]), vehicle.shift[0])
     clock: Floats = np.asarray(opens)
@@ -159,7 +163,7 @@ def least_use(sites: Sites, vehicle: VehicleType, stops: Sequence[Indices], legs
     if vehicle.energy is not None:
         charge = vehicle.energy.charge
         charged = _sum(legs("travel")) if charge == "travel" else elapsed if charge == "elapsed" else finish - opens
-        yield Use("energy", vehicle.energy.rate * charged, vehicle.energy.capacity)
+        yield Use("energy", vehicle.energy.rate * charged, vehicle.energy.at_departure)
 
 
 def _sum(parts: Iterator[Floats] | Sequence[Floats]) -> Floats:
@@ -199,7 +203,7 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
     sites = instance.sites
     if any(v.reloads or v.stations for v in instance.fleet):
         return  # ways through these depots are not looked at
-    fleet = [replace(v, capacity=math.inf, energy=None) for v in instance.fleet]
+    fleet = [replace(v, capacity=math.inf, further_capacity=(), energy=None) for v in instance.fleet]
     if not np.isfinite(sites.due).any() and all(
         math.isinf(v.max_duration) and math.isinf(v.max_distance) and math.isinf(v.shift[1]) for v in fleet
     ):
@@ -221,6 +225,22 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
         f"no vehicle can reach customer {sites.ids[at[k]]}: {WORDS[use.limit]}", line=None if lines is None else int(lines[at[k]]),
         expected=f"at most {plain(most)}", found=f"at least {plain(float(use.least[k]))}",
     )  # fmt: skip
+
+
+def refuse_powerless(instance: RoutingInstance) -> None:
+    """Raise InputError if no vehicle has the energy for a first and a last move."""
+    at = instance.sites.customers
+    if not len(at):
+        return
+    for v in instance.fleet:
+        if v.energy is None or v.stations:
+            return
+        moves = (v.travel or instance.travel).at_speed(v.speed)
+        least = v.energy.rate * float(moves.duration(v.start, at).min() + moves.duration(at, v.end).min())
+        if least <= v.energy.at_departure * (1.0 + 1e-9):
+            return
+    raise InputError("the energy of no vehicle lasts to any site and back", expected=f"at least {least:g}",
+                     found=f"{max(v.energy.at_departure for v in instance.fleet if v.energy):g}")  # fmt: skip
 
 
 def _at_speed(travel: Travel, speed: float) -> Move:

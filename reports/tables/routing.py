@@ -15,6 +15,9 @@ from . import TABLES, Tables
 from .facts import plain_text
 from .table import Column, Row, Table, short
 
+SHOWN_UNSERVED = 10
+"""Sites that stay unserved which are shown unless all are asked for."""
+
 SHOWN_ID = 60
 """Characters of a site's id that are shown among others."""
 
@@ -53,18 +56,14 @@ def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
 
 def unserved_sites(problem: RoutingProblem, answer: Routes | None) -> dict[str, str]:
     """Sites that the answer does not visit (all that are unreachable without one), each with the reason."""
-    ids = problem.sites.ids
     if answer is None:
-        return {ids[i]: why for i, why in unreachable(problem).items()}
-    visited = {i for route in answer for i in route.visits}
-    left = [int(i) for i in problem.customers if int(i) not in visited]
-    reasons = unreachable(problem) if left else {}  # which takes long where there are thousands
-    return {ids[i]: reasons.get(i, "optional, and left out of this answer") for i in left}
+        return {problem.sites.ids[i]: why for i, why in unreachable(problem).items()}
+    return {one.where: one.reason for one in problem.left_out(answer)}
 
 
 def unserved_table(reasons: dict[str, str]) -> Table:
     """One row a site that stays unserved."""
-    return Table("Unserved sites", (Column("site"), Column("reason", wide=True)), tuple(reasons.items()))
+    return Table("Unserved sites", (Column("site"), Column("reason", wide=True)), tuple(reasons.items()), most=SHOWN_UNSERVED)
 
 
 # -- what a problem holds --------------------------------------------------------------------------------------------------
@@ -92,17 +91,23 @@ def _windows(windows: dict[str, Any]) -> list[Row]:
 
 def _travel(travel: dict[str, Any]) -> list[Row]:
     own = ", durations of their own" if travel["own_durations"] else ""
-    return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates"))]
+    closing = f", {travel['closing_moves']} moves close" if "closing_moves" in travel else ""
+    return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates") + closing)]
 
 
 def _fleet(fleet: list[dict[str, Any]]) -> list[Row]:
-    rows = []
+    rows, starts = [], {v["start"] for v in fleet}
     for v in fleet:
         count = "any number of vehicles" if v["count"] is None else f"at most {v['count']}"
         words = {"capacity": "capacity", "max_duration": "duration up to", "max_distance": "distance up to"}
         limits = [f"{words[key]} {v[key]:g}" for key in words if math.isfinite(v[key])]
         if v["energy"] is not None:
             limits.append("energy {capacity:g} at rate {rate:g} ({charge})".format(**v["energy"]))
+            limits += [f"{v['energy']['initial']:g} at departure"] if "initial" in v["energy"] else []
+            limits += [f"recharging at {plain_text(v['energy']['stations'])}"] if "stations" in v["energy"] else []
+        limits += [f"fixed cost {v['fixed_cost']:g}"] if v["fixed_cost"] else []
+        limits += [f"unit cost {v['unit_cost']:g}"] if v["unit_cost"] != 1 else []
+        limits += [f"from {v['start']} to {v['end']}"] if v["start"] != v["end"] or len(starts) > 1 else []
         limits += [f"{name.replace('_', ' ')} {plain_text(value)}" for name, value in v.items() if name not in USUAL]
         rows.append(("fleet", f"{v['name']}: " + ", ".join([count, *limits])))
     return rows

@@ -25,7 +25,8 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A titled table of texts, made printable; every row has one entry a column. ``total`` is a last row set apart.
+    """A titled table of texts, made printable; every row has one entry a column. ``total`` is a last row set apart, ``most`` the number
+    of rows that are shown where not all are asked for.
 
     Only ``wide`` columns show texts of any length.
     """
@@ -34,6 +35,7 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     total: tuple[str, ...] = field(default=())
+    most: int | None = None
 
     def __post_init__(self) -> None:
         def cleaned(row: tuple[str, ...]) -> tuple[str, ...]:

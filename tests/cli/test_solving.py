@@ -133,6 +133,19 @@ def test_proven_infeasibility_is_exit_3_with_the_reason(run):
     assert "capacity 9" in result.stdout
 
 
+def test_sites_left_out_are_told_with_the_reason_the_first_of_them_or_all(run, strict_json, tmp_path):
+    rows = "".join(f"{k},{k},0,5,false\n" for k in range(1, 16))
+    file = tmp_path / "prizes.csv"
+    file.write_text(f"# vehicles: 1\n# max-duration: 8\nid,x,y,reward,required\n0,0,0,0,true\n{rows}")
+    ask = ("solve", file, "--problem", "orienteering", "--solver", "highs", "-q")
+    told = run(*ask)
+    assert told.exit_code == 0 and "and 1 more rows; -v shows all" in told.stdout
+    assert "no vehicle can serve it: a route to it lasts 10 at least, the longest duration is 8" in told.stdout
+    assert "more rows" not in run(*ask, "-v").stdout
+    left = strict_json(run(*ask, "--json").stdout)["left_out"]
+    assert [one["where"] for one in left] == [str(k) for k in range(5, 16)] and all(one["proved"] for one in left)
+
+
 def test_nothing_is_written_where_there_is_no_answer(run, tmp_path):
     result = run(
         "solve", "demo-tiny", "--set", "capacity=9", "--solver", "highs", "-q", "--out", tmp_path / "a.sol", "--plot", tmp_path / "a.svg"

@@ -64,8 +64,8 @@ def print_json(data: Any) -> None:
     write_out(json_text(data))
 
 
-def table_text(table: Table) -> str:
-    """A table, its title above it."""
+def table_text(table: Table, every: bool = False) -> str:
+    """A table, its title above it; ``every`` row where it says itself how many come first."""
     from rich import box
     from rich.table import Table as Grid
     from rich.text import Text
@@ -80,10 +80,11 @@ def table_text(table: Table) -> str:
             column.name, footer=table.total[k] if table.total else "", justify="right" if column.right else "left", overflow="fold",
             no_wrap=column.right, ratio=1 if column.wide else None,
         )  # fmt: skip
-    for row in table.rows[:SHOWN_ROWS]:
+    shown = SHOWN_ROWS if table.most is None else len(table.rows) if every else table.most
+    for row in table.rows[:shown]:
         grid.add_row(*(Text(cell) for cell in row))
-    more = len(table.rows) - SHOWN_ROWS
-    return _rendered(grid) + (f"and {more:,} more rows; --json has all\n" if more > 0 else "")
+    more, where = len(table.rows) - shown, "--json has all" if table.most is None else "-v shows all"
+    return _rendered(grid) + (f"and {more:,} more rows; {where}\n" if more > 0 else "")
 
 
 def lines_text(title: str, lines: Sequence[Line]) -> str:

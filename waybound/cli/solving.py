@@ -207,7 +207,7 @@ def _shown(solution: Solution, verbose: bool) -> str:
     from ..reports.tables.answers import answer_tables
     from .output import lines_text, table_text
 
-    told = "".join(map(table_text, answer_tables(solution.problem, solution.answer)))
+    told = "".join(table_text(table, every=verbose) for table in answer_tables(solution.problem, solution.answer))
     lines = solution_lines(solution)
     lines += [Line("note", note) for note in solution.problem.notes]
     if verbose:

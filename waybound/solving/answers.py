@@ -47,3 +47,14 @@ def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[
         return problem.answer_of(given), ()
     except (InputError, UsageError) as error:
         raise UsageError(f"{called} cannot be read: {error}") from None
+
+
+def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
+    """``answer_given`` for what a search shall start from; raises UsageError for an answer that can only be one of another instance."""
+    start, told = answer_given(problem, given, "the start")
+    if start is not None:
+        try:
+            problem.check_start(start)
+        except UsageError as error:
+            raise UsageError(f"the start is for another instance: {error}") from None
+    return start, told

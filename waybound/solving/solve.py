@@ -28,7 +28,7 @@ from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.linear_programs import LinearPrograms, linear_programs
 from ..solvers.program_backend import EQUAL_TOLERANCE, ProgramBackend
 from . import claims
-from .answers import answer_given
+from .answers import start_given
 from .beside import Beside, BoundWork, free_core
 from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
@@ -162,7 +162,7 @@ def solve(
         given = problem.compile()
     elif isinstance(problem, Compiled):
         given, problem = problem, problem.problem
-    start, told = answer_given(problem, start, "the start")
+    start, told = start_given(problem, start)
     linear = linear_programs(lp_solver, seed, threads)
     chosen = Options(
         time_limit, iterations, gap, threads, seed, start, memory_limit, no_improvement, linear.solver, {**(options or {}), **parameters}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
 from .known_features import unknown_features
-from .route_limits import allowed, limits_of, named_customers, servable_sets, summable, within_reach
+from .route_limits import able, allowed, limits_of, named_customers, servable_sets, summable, within_reach
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -59,7 +59,7 @@ def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
     if len(customers) > MOST_DETOURS:  # no matrix of moves: the demand alone tells
         found[customers] = problem.sites.demand[customers] > max(allowed(v.capacity) for v in problem.fleet)
     elif summable(problem):
-        found[customers] = ~np.any([within_reach(limits_of(problem, v)) for v in problem.fleet], axis=0)
+        found[customers] = ~np.any([within_reach(limits_of(problem, v)) & able(problem, v) for v in problem.fleet], axis=0)
     return found
 
 
@@ -72,7 +72,7 @@ def _can_be_served(problem: RoutingProblem, node: int) -> bool:
     for vehicle in problem.fleet:
         limits = limits_of(problem, vehicle)
         near = within_reach(limits)
-        if near[node - 1]:
+        if near[node - 1] and able(problem, vehicle)[node - 1]:
             others = np.nonzero(near)[0] + 1
             if servable_sets(limits, np.array([node]), others[others != node], 1):
                 return True

@@ -90,7 +90,7 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
     budgets = [(busy, vehicle.max_duration, rounding), (far, vehicle.max_distance, ulps * float(far.max(axis=0).sum()))]
     spans = [(1.0, vehicle.max_duration, False, rounding)]
     if vehicle.energy is not None:
-        store, rate, charge = vehicle.energy.capacity, vehicle.energy.rate, vehicle.energy.charge
+        store, rate, charge = vehicle.energy.at_departure, vehicle.energy.rate, vehicle.energy.charge
         if charge == "windows":
             drawn = rate * np.maximum(busy, ready[None, :] - np.append(ready[:-1], 0.0)[:, None])
         else:
@@ -98,6 +98,13 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
         budgets.append((drawn, store, rate * rounding + ulps * float(drawn.max(axis=0).sum())))
         if charge in ("elapsed", "elapsed-fixed-start"):
             spans.append((rate, store, charge == "elapsed-fixed-start", rate * rounding))
+    further = zip(vehicle.further_capacity, sites.further_demand.T, sites.further_pickup.T, strict=False)
+    carried = [(vehicle.capacity, sites.pickup), *((limit, loads) for limit, *both in further for loads in both)]
+    for limit, loads in carried if not vehicle.reloads else ():
+        held = loads[at].copy()
+        held[[0, -1]] = 0.0
+        if held.any():  # all that is delivered is on board at the start, all that is collected at the end
+            budgets.append((np.broadcast_to(held, far.shape), limit, ulps * float(held.sum())))
     if problem.forbidden is not None:  # what lies beyond every limit is on no route
         shut = problem.forbidden[grid]
         busy, budgets = np.where(shut, math.inf, busy), [(np.where(shut, math.inf, w), x, wide) for w, x, wide in budgets]
@@ -105,6 +112,16 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
         ready, due, demand, busy, [(w, allowed(x, 0.0, wide)) for w, x, wide in budgets if math.isfinite(x)],
         [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed, wide in spans if math.isfinite(x)], vehicle.capacity, horizon, rounding,
     )  # fmt: skip
+
+
+def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
+    """Customers for which it has the skills, and room for each shipment that begins or ends there; shape (n,)."""
+    sites = problem.sites
+    good = np.array([needs <= vehicle.skills for needs in sites.skills] if sites.skills else [True] * len(sites))
+    for shipment in sites.shipments:
+        if any(load > allowed(capacity) for load, capacity in zip(shipment.load, vehicle.capacities, strict=False)):
+            good[[shipment.pickup, shipment.delivery]] = False
+    return good[sites.customers]
 
 
 def within_reach(limits: Limits) -> NDArray[np.bool_]:

@@ -61,3 +61,24 @@ def test_levels_are_not_lost_in_a_sum():
 def test_a_composable_says_its_levels():
     with pytest.raises(TypeError):
         Composable()  # type: ignore[abstract]
+
+
+@pytest.mark.parametrize(
+    "aim", [TotalCost() + Vehicles() * 3, Reward() - 0.25 * Makespan(), (-2 * Makespan()).then(TotalCost() - Reward())]
+)
+def test_what_is_printed_reads_back_the_same(aim):
+    objective = Objective.of(aim)
+    assert Objective.named(tuple(str(level) for level in objective.levels())) == objective
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("reward - profit", "unknown objective term 'profit'"),
+        ("x*reward", "weight of reward must be a number, not 'x'"),
+        ("0*reward", "not zero"),
+    ],
+)
+def test_a_sum_that_cannot_be_read_is_refused(text, message):
+    with pytest.raises(UsageError, match=message):
+        Objective.named((text,))

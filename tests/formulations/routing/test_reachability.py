@@ -10,11 +10,15 @@ import pytest
 from exact_routing import routes
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TWO_INDEX, optimum, routing, small_problems, solved
+from small_routing import varied
 
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.reachability import minimum_vehicles, servable_alone, unreachable
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.errors import InputError
+from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 
 DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -139,3 +143,49 @@ def test_where_direct_ways_will_do_no_others_are_looked_at(monkeypatch: pytest.M
     assert unreachable(problem) == {}
     tight = replace(problem, fleet=(VehicleType(max_distance=10.0),))
     assert unreachable(tight) == {}  # ways through others are too many to be looked at
+
+
+ON_BOARD = {
+    "several-loads": ({"demand": [[0, 0], [1, 9], [1, 2]]}, {"capacity": 5, "further_capacity": (4,)}, "its demand is 9, the capacity 4"),
+    "pickups": ({"pickup": [0, 8, 1]}, {"capacity": 5}, "8 is collected there, the capacity is 5"),
+    "several pickups": ({"pickup": [[0, 0], [0, 8], [0, 1]]}, {"further_capacity": (5,)}, "8 is collected there, the capacity is 5"),
+    "initial-energy": ({}, {"energy": Energy(30, initial=7)}, "a route to it draws 8 of energy at least (travel), the store holds 7"),
+    "skills": ({"skills": {1: ["tall", "cold"]}, "required": False}, {"skills": frozenset(["cold"])}, "the vehicle lacks tall"),
+    "shipments": ({"shipments": [Shipment(2, 1, (6.0,))]}, {"capacity": 5}, "the shipment from b to a weighs 6, the capacity is 5"),
+    "shifts": ({}, {"shift": (1, 8)}, "the return from it is at 9 at the earliest, due 8"),
+    "vehicle-speeds": ({}, {"speed": 0.5, "max_duration": 15}, "a route to it lasts 16 at least, the longest duration is 15"),
+    "vehicle-travel": (
+        {}, {"travel": Travel("EXPLICIT", matrix=np.full((3, 3), 6.0)), "max_distance": 11},
+        "a route to it is 12 long at least, the longest distance is 11",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", ON_BOARD)
+def test_each_feature_has_its_words_which_the_checker_confirms(case):
+    held, limits, told = ON_BOARD[case]
+    xy = np.array([(0, 0), (4, 0), (3, 0)], dtype=float)
+    problem = RoutingProblem(Sites.of("oab", **held), Travel("euclidean", xy), [VehicleType(2, **limits)])
+    assert unreachable(problem)[1] == told
+    assert all(1 not in visits for visits in routes(problem, problem.fleet[0]))
+    required = problem.sites.required[1]
+    assert verified_bound(problem, Evidence("infeasible-site", "", math.inf, {"site": "a"})) == (math.inf if required else -math.inf)
+    assert [reason.where for reason in problem.infeasibility_reasons()][:1] == (["a"] if required else [])
+
+
+@pytest.mark.parametrize("feature", ["several-loads", "pickups", "shipments", "skills", "initial-energy", "shifts", "vehicle-travel"])
+def test_who_is_out_of_reach_is_on_no_route(feature):
+    found = 0
+    for seed in range(40):
+        try:
+            problem = varied(feature, seed, 3)
+        except InputError:  # a shipment that no vehicle can deliver in time is no problem
+            continue
+        store = Energy(60.0, initial=25.0) if feature == "initial-energy" else None
+        tight = [replace(v, capacity=2.0, max_distance=40.0, skills=frozenset(), energy=store) for v in problem.fleet]
+        nobody = replace(problem.sites, required=np.zeros(len(problem.sites), dtype=bool))
+        problem = replace(problem, sites=nobody, fleet=tuple(tight), min_vehicles=0)
+        for site in unreachable(problem):
+            found += 1
+            assert all(site not in visits for v in problem.fleet for visits in routes(problem, v)), (seed, site)
+    assert found > 10

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from exact_routing import RoutingTruth, best_values
+from oracles import OCTO_8, agrees
 
 from waybound.formulations.routing import members
 from waybound.formulations.routing.objective import LatestReturn, Makespan, Objective, Reward, TotalCost
@@ -50,7 +51,7 @@ def test_least_cost(name, vehicles, limit, best):
     ("name", "vehicles", "best"),
     [
         ("SQUARE-4", 1, 18), ("SQUARE-4", 2, 12), ("SQUARE-4", 3, 12), ("SQUARE-4", 4, 10), ("GAP-5", 1, 28), ("GAP-5", 2, 20),
-        ("GAP-5", 3, 16), ("ASYM-5", 1, 16), ("ASYM-5", 2, 14), ("ASYM-5", 3, 13),
+        ("GAP-5", 3, 16), ("GAP-5", 4, 16), ("GAP-5", 5, 16), ("ASYM-5", 1, 16), ("ASYM-5", 2, 14), ("ASYM-5", 3, 13),
     ],
 )  # fmt: skip
 def test_least_makespan(name, vehicles, best):
@@ -74,7 +75,9 @@ def test_windows_and_what_energy_is_charged_for(store, travel, fixed, windows):
         ("SQUARE-4", 1, 6, 4, 6, 1), ("SQUARE-4", 1, 8, 5, 8, 2), ("SQUARE-4", 1, 10, 10, 10, 7), ("SQUARE-4", 1, 12, 15, 12, 12),
         ("SQUARE-4", 1, 16, 19, 14, 16.375), ("SQUARE-4", 2, 8, 9, 8, 6), ("SQUARE-4", 2, 14, 22, 12, 19.4285714286),
         ("GAP-5", 2, 14, 9, 14, None), ("GAP-5", 2, 16, 13, 16, None), ("GAP-5", 3, 16, 14, 16, None), ("ASYM-5", 1, 14, 19, 14, 15),
-        ("ASYM-5", 2, 12, 24, 12, 20), ("ASYM-5", 1, 10, 9, 9, 5.4),
+        ("ASYM-5", 2, 12, 24, 12, 20), ("ASYM-5", 1, 10, 9, 9, 5.4), ("SQUARE-4", 1, 14, 19, 14, 16), ("SQUARE-4", 1, 18, 22, 18, 19),
+        ("SQUARE-4", 2, 6, 7, 6, 4), ("SQUARE-4", 2, 10, 15, 10, 12), ("SQUARE-4", 2, 12, 22, 12, 19), ("SQUARE-4", 2, 16, 22, 12, 19.75),
+        ("GAP-5", 2, 20, 14, 20, None), ("GAP-5", 2, 28, 14, 20, None), ("ASYM-5", 2, 10, 15, 9, 11.4),
     ],
 )  # fmt: skip
 def test_orienteering(name, vehicles, limit, reward, makespan, mixed):
@@ -83,6 +86,78 @@ def test_orienteering(name, vehicles, limit, reward, makespan, mixed):
     assert best_values(members.makespan_orienteering(*sites(name), **fleet)) == pytest.approx((reward, makespan))
     if mixed is not None:
         assert best_values(members.makespan_orienteering(*sites(name), weight="printed", **fleet)) == pytest.approx((mixed,))
+
+
+REWARDS = [
+    *(("SQUARE-4", k, 5.9, 0) for k in (1, 2, 3)), ("GAP-5", 1, 14, 6), ("GAP-5", 1, 16, 9), ("GAP-5", 1, 18, 10), ("GAP-5", 1, 20, 13),
+    ("GAP-5", 1, 28, 14), ("ASYM-5", 1, 8, 4), ("ASYM-5", 1, 12, 15),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "vehicles", "limit", "reward"), REWARDS)
+def test_rewards(name, vehicles, limit, reward):
+    assert best_values(members.team_orienteering(*sites(name), vehicles=vehicles, max_duration=limit)) == pytest.approx((reward,))
+
+
+@pytest.mark.parametrize(("vehicles", "limit", "mixed"), [(1, 8, 1), (1, 12, 11), (2, 8, 1)])
+def test_the_printed_weight_where_the_triangle_inequality_fails(vehicles, limit, mixed):
+    problem = members.makespan_orienteering(*sites("ASYM-5"), vehicles=vehicles, max_duration=limit, weight="printed")
+    assert best_values(problem) == pytest.approx((mixed,))
+
+
+OCTO = (Sites.of(range(9), reward=[0, 5, 3, 8, 4, 6, 2, 7, 5]), Travel("euclidean", OCTO_8))
+
+THROUGH_FORMS = {
+    **{f"{name}, makespan, {k}": (members.min_makespan_vrp(*sites(name), vehicles=k), best) for name, k, best in (
+        ("SQUARE-4", 2, 12), ("SQUARE-4", 4, 10), ("GAP-5", 3, 16), ("ASYM-5", 2, 14))},
+    **{f"{name}, reward, {k}, {limit}": (members.team_orienteering(*sites(name), vehicles=k, max_duration=limit), best)
+       for name, k, limit, best in (
+           ("SQUARE-4", 2, 5.9, 0), ("SQUARE-4", 2, 12, 22), ("GAP-5", 1, 18, 10), ("GAP-5", 2, 16, 13), ("ASYM-5", 1, 12, 15))},
+    **{f"{name}, mixed, {k}, {limit}": (
+        members.makespan_orienteering(*sites(name), vehicles=k, max_duration=limit, weight="printed"), best)
+       for name, k, limit, best in (("SQUARE-4", 1, 16, 16.375), ("SQUARE-4", 2, 14, 19.4285714286), ("ASYM-5", 1, 10, 5.4))},
+    **{f"OCTO-8, reward, 1, {limit}": (members.orienteering(*OCTO, max_duration=limit), best)
+       for limit, best in ((20, 8), (25, 13), (30, 18))},
+    **{f"OCTO-8, reward, {k}, {limit}": (members.team_orienteering(*OCTO, vehicles=k, max_duration=limit), best)
+       for k, limit, best in ((2, 20, 15), (2, 25, 25), (3, 20, 21))},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", THROUGH_FORMS)
+def test_every_form_finds_it(case):
+    problem, best = THROUGH_FORMS[case]
+    forms = problem.forms()
+    assert "three-index" in forms
+    for form in forms if not case.startswith("OCTO") else forms[:1]:
+        agrees(problem, form, best)
+
+
+@pytest.mark.parametrize(("store", "best"), [(9.5, None), (10, 22)])
+@pytest.mark.parametrize("form", ["three-index", "set-partitioning"])
+def test_forms_keep_a_walk_between_stations_together(store, best, form):
+    travel = Travel("euclidean", np.array([(0, 0), (10, 0), (1, 0), (11, 0)], dtype=float))
+    problem = members.recharging_vrp(Sites.of(range(4), depot=[True, True, False, False]), travel, energy=store, homes=[0])
+    agrees(problem, form, best)
+
+
+LONG = pytest.mark.long
+
+
+@pytest.mark.parametrize(
+    ("limit", "reward", "makespan"),
+    [(20, 8, 18.111062), pytest.param(25, 13, 24.676581, marks=LONG), pytest.param(30, 18, 29.815734, marks=LONG)],
+)
+def test_the_printed_weight_on_eight_sites(limit, reward, makespan):
+    problem = members.makespan_orienteering(*OCTO, vehicles=1, max_duration=limit, weight="printed")
+    agrees(problem, "three-index", reward - 2.0 / limit * makespan)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("store", "best"), [(12, None), (14, 56), (16, 44), (20, 38), (40, 36)])
+def test_refuelling_of_one_vehicle_through_a_form(store, best):
+    places = Sites.of(range(7), depot=[True, True, *[False] * 5])
+    problem = members.recharging_vrp(places, Travel("manhattan", REFUEL), energy=store, homes=[0])
+    agrees(problem, "three-index", best)
 
 
 def test_the_printed_weight_may_prefer_a_smaller_reward():
