@@ -1,4 +1,4 @@
-"""Evidence ``state-space``: a Lagrangian bound from one price a site, over the best walk that each type of vehicle can make at these prices.
+"""Evidence ``state-space``: a Lagrangian bound from one price a site, over the best walk of each type of vehicle at these prices.
 
 An answer is a set of routes; with prices u of visits, u_i <= 0 counted for a site that may be left out, it costs at least::
 
@@ -23,7 +23,6 @@ from ....instances.errors import InputError
 from ...checking.granularity import Grain, grain, lift
 from ...evidence import CHECKERS
 from ...stop import current_stop
-from ...tolerance import widening
 from .known_features import unknown_features
 from .multipliers import number, numbers
 from .round_trips import least_peak

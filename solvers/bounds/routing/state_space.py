@@ -51,6 +51,21 @@ NEIGHBOURS = 20
 MANY_ROUTES = 4
 """From so many on prices are shared out among all walks."""
 
+SHARE = 0.05
+"""Of the bound: the length of the first steps."""
+
+TOPS = 8
+"""Limits of the resource at which the best walks through a customer are looked for."""
+
+PATIENCE = 4
+"""Steps without a rise after which they are halved."""
+
+BUDGET = 0.7
+"""Part of the time that is left; other methods come later."""
+
+LEAST_STEPS = 400
+"""Where prices follow single walks, of which each has many visits."""
+
 
 @dataclass(eq=False)
 class _Walks:
@@ -77,12 +92,11 @@ class _Walks:
         self.usable = usable
         inner = usable & self.kept
         inner[0] = inner[:, 0] = False
-        weight = np.floor(np.where(usable, r.weight, 0.0) / self.step + 1e-9).astype(np.int64)
-        late = int((inner & (weight == 0)).any(axis=0).sum())
+        weight = np.rint(np.where(usable, r.weight, 0.0) / self.step).astype(np.int64)  # floors, as the checker's, would add up
         weight[1:, 1:] = np.maximum(weight[1:, 1:], 1)
         self.lower = np.floor(np.where(reached, r.lower - r.start, 0.0) / self.step + 1e-9).astype(np.int64)
         upper = np.floor(np.where(reached, r.upper - r.start, -2.0 * self.step) / self.step + 1e-6).astype(np.int64)
-        self.upper = np.where(reached, np.minimum(upper, upper[0]) + late, -2)
+        self.upper = np.where(reached, np.minimum(upper, upper[0]), -2)
         self.top = int(self.upper[0])
         self.first, self.last = weight[0].copy(), weight[:, 0].copy()
         self.heads, self.tails = map(np.ascontiguousarray, np.nonzero(inner.T))
@@ -170,7 +184,7 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     ----------
     problem : RoutingProblem
     stop : Stop
-        The ascent ends earlier when it stalls.
+        Seven tenths of what it leaves are used, less where the ascent stalls.
     linear : unused
         No program is solved.
 
@@ -180,6 +194,7 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     """
     if too_many_arcs(problem, stop.seconds_left):
         return None
+    stop = stop.within(BUDGET * stop.seconds_left)
     sites, customers, relaxed = problem.sites, problem.sites.customers, without_stops(problem)
     terms = terms_of(problem)
     assert terms is not None
@@ -187,24 +202,27 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     types = alike(relaxed)
     moves = [VehicleMoves.of(relaxed, v, terms, np.zeros(len(customers)), {}) for v in types]
     name = _resource(problem, moves)
-    seconds = min(stop.seconds_left, 10.0)
-    kept = [_kept(m, name, WORK_PER_SECOND * seconds / ROUNDS / len(moves)) for m in moves]
-    step = max(_step(m.resources[name], int(k.sum()), WORK_PER_SECOND * seconds / ROUNDS / len(moves)) for m, k in zip(moves, kept, strict=True))
-    fine = max(_step(m.resources[name], m.cost.size, CHECKED / len(moves)) for m in moves)
-    walks = [_Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
+    work = WORK_PER_SECOND * min(stop.seconds_left, 10.0) / ROUNDS / len(moves)
+    kept = [_kept(m, name, work) for m in moves]
     node = {site: k for k, site in enumerate(customers.tolist())}
     required = sites.required[customers]
     rows = _Rows(
-        required, [(np.array([node[s] for s in g.sites]), g.required) for g in sites.groups], [min(len(customers), c) for c in types.values()],
+        required,
+        [(np.array([node[s] for s in g.sites]), g.required) for g in sites.groups],
+        [min(len(customers), count) for count in types.values()],
         max(problem.min_vehicles, int(required.any()), _loads(relaxed)),
-    )  # fmt: skip
-    many = len(walks) == 1 and required.all() and rows.counts[0] >= MANY_ROUTES
-    prices = _shared(walks[0], rows, _weights(relaxed), stop) if many else _followed(walks, rows, stop)
-    if prices is None:
-        return None
+    )
+    many = len(moves) == 1 and bool(required.all()) and rows.counts[0] >= MANY_ROUTES
+    least = 20 if many else LEAST_STEPS
+    step = max(_step(m.resources[name], int(k.sum()), work, least) for m, k in zip(moves, kept, strict=True))
+    fine = max(_step(m.resources[name], m.cost.size, CHECKED / len(moves), least) for m in moves)
+    walks = [_Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
+    prices, value = _shared(walks[0], rows, _weights(relaxed), stop) if many else _followed(walks, rows, stop)
     listed = np.zeros(len(sites))
     listed[customers] = prices
-    return Evidence("state-space", f"state-space relaxation over {name}", sign * 0.0, {"prices": listed.tolist(), "resource": name, "step": fine})
+    return Evidence(
+        "state-space", f"state-space relaxation over {name}", sign * value, {"prices": listed.tolist(), "resource": name, "step": fine}
+    )
 
 
 def _loads(problem: RoutingProblem) -> int:
@@ -240,12 +258,12 @@ def _resource(problem: RoutingProblem, moves: list[VehicleMoves]) -> str:
     return max(found, key=found.__getitem__)
 
 
-def _step(resource: Resource, arcs: int, work: float) -> float:
+def _step(resource: Resource, arcs: int, work: float, least: int) -> float:
     """A step of which weights and limits are multiples, if the work that it takes allows; a coarser one if not."""
     room = float(resource.upper[0]) - resource.start
     if not room > 0:
         return 1.0
-    most = float(np.clip(work / max(1, arcs), 20, STEPS))
+    most = float(np.clip(work / max(1, arcs), least, STEPS))
     finite = resource.weight[np.isfinite(resource.weight)]
     unit = grain(finite[:4000])
     size = 0.0 if unit is None else unit.size
@@ -253,22 +271,23 @@ def _step(resource: Resource, arcs: int, work: float) -> float:
 
 
 def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
-    """The cheapest moves into and out of each customer, as many as there is time for."""
+    """The cheapest and shortest moves into and out of each customer, as many as there is time for."""
     usable = np.isfinite(moves.cost)
     n = len(usable)
     near = int(np.clip(work / (300.0 * n), NEIGHBOURS, n))
     if near >= n - 2:
         return usable
+    finite = np.where(usable, moves.cost, 0.0)
+    dear = np.where(usable, moves.cost - np.where(usable, moves.cost, math.inf).min(axis=0, initial=np.abs(finite).max()), math.inf)
+    weight = np.where(usable, moves.resources[name].weight, math.inf)
+    far = sum(part / max(float(part[usable].max(initial=0.0)), 1e-300) for part in (dear, weight))
     kept = np.zeros_like(usable)
-    np.put_along_axis(kept, np.argpartition(moves.cost[1:], near, axis=1)[:, :near] , True, axis=1) if False else None
-    order = np.argpartition(np.where(usable, moves.cost, math.inf), near, axis=1)[:, :near]
-    np.put_along_axis(kept, order, True, axis=1)
-    order = np.argpartition(np.where(usable, moves.cost, math.inf), near, axis=0)[:near]
-    np.put_along_axis(kept, order, True, axis=0)
+    np.put_along_axis(kept, np.argpartition(far, near, axis=1)[:, :near], True, axis=1)
+    np.put_along_axis(kept, np.argpartition(far, near, axis=0)[:near], True, axis=0)
     return kept & usable
 
 
-def _followed(walks: list[_Walks], rows: _Rows, stop: Stop) -> Floats | None:
+def _followed(walks: list[_Walks], rows: _Rows, stop: Stop) -> tuple[Floats, float]:
     """Prices that follow the best walk of each type."""
     n = len(rows.required)
     heavy = np.ones(n + 1)
@@ -293,24 +312,46 @@ def _followed(walks: list[_Walks], rows: _Rows, stop: Stop) -> Floats | None:
 
     usable = np.concatenate([w.cost[w.usable] for w in walks])
     dearest = float(np.abs(usable).max(initial=0.0))
-    gain = np.maximum(0.0, -np.min([np.where(w.usable, w.cost, 0.0)[:, 1:].min(axis=0) for w in walks], axis=0))
-    closest = np.min([np.where(w.usable, w.cost, dearest)[:, 1:].min(axis=0) for w in walks], axis=0)
-    starts = [np.where(rows.required, np.maximum(share * closest, 0.0), -share * gain) for share in (0.0, 0.3, 0.6, 1.0)]
+    starts = _starts(walks, rows, dearest)
     begun = [(look(prices)[0], k) for k, prices in enumerate(starts)]
     value, k = max(begun)
     if not math.isfinite(value):
-        return starts[-1]
-    return ascend(look, starts[k], 1e-3 * dearest or 1.0, 1e3 * (len(usable) + 1) * (dearest + 1.0), stop, patience=10)[0]
+        return starts[0], value
+    return ascend(look, starts[k], 1e-3 * dearest or 1.0, 1e3 * (len(usable) + 1) * (dearest + 1.0), stop, patience=10)
 
 
-def _shared(walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> Floats | None:
+def _starts(walks: list[_Walks], rows: _Rows, dearest: float) -> list[Floats]:
+    """Prices to begin with: shares of the cheapest moves for required customers; for the others what a visit gains less the worth of the
+    resource that it takes at least, as in a knapsack."""
+    cost = np.min([np.where(w.usable, w.cost, dearest) for w in walks], axis=0)
+    closest = np.maximum(cost[:, 1:].min(axis=0), 0.0)
+    gain = np.maximum(0.0, -np.min([np.where(w.usable, w.cost, 0.0)[:, 1:].min(axis=0) for w in walks], axis=0))
+    need = np.min([_needs(w) for w in walks], axis=0)
+    room = float(sum(c * float(w.top) for c, w in zip(rows.counts, walks, strict=True)))
+    order = np.argsort(-gain / np.maximum(need, 1e-9), kind="stable")
+    last = order[min(int(np.searchsorted(np.cumsum(need[order]), room)), len(order) - 1)]
+    rate = float(gain[last] / max(need[last], 1e-9))
+    made = [np.where(rows.required, share * closest, -np.maximum(0.0, gain - share * rate * need)) for share in (0.0, 0.6, 1.0, 1.4, 2.0)]
+    return [np.where(rows.required, closest, -gain), *made]
+
+
+def _needs(walks: _Walks) -> Floats:
+    """Half of the two least weights of moves at each customer, in steps."""
+    weight = np.where(walks.usable, walks.resource.weight, math.inf)
+    ends = np.concatenate([weight[:, 1:], weight[1:].T])
+    two = np.partition(np.minimum(ends[: len(weight)], ends[len(weight) :]), 1, axis=0)[:2]
+    made: Floats = np.where(np.isfinite(two).all(axis=0), two.sum(axis=0), 0.0) / (2.0 * walks.step)
+    return made
+
+
+def _shared(walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> tuple[Floats, float]:
     """Prices that follow the best walks through all customers."""
     from .state_space_kernels import best_through
 
     n = len(rows.required)
     heavy = np.append(0.0, weights)
     price = _begun(walks, heavy, stop)
-    best, best_price = -math.inf, None
+    best, best_price = -math.inf, price
     rate, how = np.full(n + 1, math.inf), np.zeros((n + 1, 4), np.int64)
     share, waited = SHARE, 0
     average = np.zeros(n + 1)
@@ -322,7 +363,6 @@ def _shared(walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> Floats |
             break
         least, _ = walks.best(ahead)
         value = float(price.sum()) + (rows.fewest if least > 0 else rows.counts[0]) * least
-        if DEBUG: print(f"{value:.1f} sum {price.sum():.1f} z {least:.2f} share {share:.4f}")
         if value > best:
             waited = 0 if value > best + 1e-4 * abs(best) else waited + 1
             best, best_price = value, price
@@ -349,7 +389,7 @@ def _shared(walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> Floats |
         price = price + lift
         if length > 0:
             price = price + share * abs(float(price.sum())) / length * average
-    return None if best_price is None else best_price[1:]
+    return best_price[1:], best
 
 
 def _begun(walks: _Walks, heavy: Floats, stop: Stop) -> Floats:
@@ -364,12 +404,13 @@ def _begun(walks: _Walks, heavy: Floats, stop: Stop) -> Floats:
     return np.where(np.isfinite(least), least, 0.0) * heavy / full
 
 
-DEBUG=False; SHARE=0.05; TOPS=8; PATIENCE=4
 def _lacks(problem: Problem) -> frozenset[str]:
     """Other families, objectives in which more of a cost is better, and features that nothing is known of."""
     if problem.family != "routing":
         return frozenset({f"{problem.family} problems"})
     unknown = unknown_features(without_stops(problem))  # type: ignore[arg-type]
+    if not len(problem.customers):  # type: ignore[attr-defined]
+        unknown = unknown | {"no customers"}
     return unknown if terms_of(problem) is not None else unknown | {"objective:weights"}  # type: ignore[arg-type]
 
 
@@ -377,4 +418,4 @@ def _prepare() -> None:
     from . import state_space_kernels as state_space_kernels  # compiles, or loads what was compiled before
 
 
-BOUNDS.add("state-space", BoundMethod("state-space", _lacks, state_space_bound, order=2, prepare=_prepare))
+BOUNDS.add("state-space", BoundMethod("state-space", _lacks, state_space_bound, order=1, prepare=_prepare))

@@ -64,10 +64,13 @@ def walk_costs(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                     continue
                 if at > upper[i]:
                     at = upper[i]
-                x = 0 if before[i, at, 0] != j else 1
-                v = cost[k] + value[i, at, x]
+                v, x = cost[k] + value[i, at, 0], 0
                 if v >= v1:
                     continue
+                if before[i, at, 0] == j:
+                    v, x = cost[k] + value[i, at, 1], 1
+                    if v >= v1:
+                        continue
                 h = load[i, at, x] + heavy[j]
                 if i == p0:
                     if v < v0:
@@ -85,7 +88,10 @@ def walk_costs(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 def add_visits(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     before, starts, tails, weight, upper, node, level, other, times, visits
 ):
-    """Add ``times`` to ``visits`` for each node on the best walk to ``node``, or the best by another way (``other`` 1); how many there are."""
+    """Add ``times`` to ``visits`` for each node on the best walk to ``node``, or the best by another way (``other`` 1).
+
+    Returns how many there are.
+    """
     count = 0
     while node > 0:
         visits[node] += times
