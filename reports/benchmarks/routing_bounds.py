@@ -20,6 +20,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.problem import problem_from_instance
@@ -76,7 +77,7 @@ def rows(folder: Path, families: Sequence[str], every: int) -> Iterator[Row]:
     for line in lines[::every]:
         group = line["family"].partition("/")[0]
         places = [p for p in sorted((folder / line["family"]).glob(f"{line['instance']}.*")) if p.suffix not in (".sol", ".tour")]
-        settings: dict[str, object] = {"vehicles": line["vehicles"]} if group in FLEETS and line["vehicles"] else {}
+        settings: dict[str, Any] = {"vehicles": line["vehicles"]} if group in FLEETS and line["vehicles"] else {}
         if line["convention"] in CONVENTIONS:
             settings["convention"] = CONVENTIONS[line["convention"]]
         if "unlimited" in line["objective"]:

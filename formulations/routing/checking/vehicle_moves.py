@@ -40,7 +40,10 @@ def terms_of(problem: RoutingProblem) -> Terms | None:
     for weight, term in problem.objective.levels()[0].terms:
         found[term.name] = found.get(term.name, 0.0) + sign * weight
     peaks = {name: found[name] for name in PEAKS if found.get(name)}
-    made = Terms(*(found.get(name, 0.0) for name in ("total-cost", "total-duration", "vehicles", "reward", "penalties")), peaks)
+    cost, duration, vehicles, reward, penalties = (
+        found.get(name, 0.0) for name in ("total-cost", "total-duration", "vehicles", "reward", "penalties")
+    )
+    made = Terms(cost, duration, vehicles, reward, penalties, peaks)
     known = {"total-cost", "total-duration", "vehicles", "reward", "penalties", *PEAKS}
     return made if set(found) <= known and min(made.cost, made.duration, *peaks.values(), 0.0) >= 0 else None
 
