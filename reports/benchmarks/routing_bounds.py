@@ -22,11 +22,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.routing.objective import LongestRoute, Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.stop import Stop
+from waybound.formulations.stop import Flag, Stop
 from waybound.instances.errors import WayboundError
 from waybound.instances.reading import read_instance
 from waybound.solvers.bounds import BOUNDS
@@ -52,6 +54,13 @@ class ProcessorTime(Stop):
         made = ProcessorTime(seconds)
         made._wish = self._wish
         return made
+
+    @property
+    def flag(self) -> Flag:
+        if self._flag is None:  # without the clock on the wall; compiled loops are left between their calls
+            self._flag = np.zeros(1, np.int64)
+            self._wish.tell(self._flag)
+        return self._flag
 
     def reached(self) -> str:
         return super().reached() or ("time" if self.seconds_left <= 0 else "")

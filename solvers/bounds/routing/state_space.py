@@ -217,7 +217,10 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     step = max(_step(m.resources[name], int(k.sum()), work, least) for m, k in zip(moves, kept, strict=True))
     fine = max(_step(m.resources[name], m.cost.size, CHECKED / len(moves), least) for m in moves)
     walks = [_Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
-    prices, value = _shared(walks[0], rows, _weights(relaxed), stop) if many else _followed(walks, rows, stop)
+    if many:
+        prices, value = _shared_out(moves[0], walks[0], rows, _weights(relaxed), stop)
+    else:
+        prices, value = _followed(walks, rows, stop)
     listed = np.zeros(len(sites))
     listed[customers] = prices
     return Evidence(
@@ -344,16 +347,25 @@ def _needs(walks: _Walks) -> Floats:
     return made
 
 
-def _shared(walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> tuple[Floats, float]:
-    """Prices that follow the best walks through all customers."""
+def _shared_out(moves: VehicleMoves, walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> tuple[Floats, float]:
+    """Prices on the moves that are looked at, then, where these are not all, lowered until they hold for all."""
+    heavy = np.append(0.0, weights)
+    if len(walks.tails) >= (np.isfinite(moves.cost[1:, 1:])).sum():
+        return _shared(walks, rows, heavy, stop, _begun(walks, heavy, stop), SHARE)
+    prices, _ = _shared(walks, rows, heavy, stop.within(0.6 * stop.seconds_left), _begun(walks, heavy, stop), SHARE)
+    every = np.isfinite(moves.cost)
+    step = _step(walks.resource, int(every.sum()), WORK_PER_SECOND * min(stop.seconds_left, 10.0) / 6.0, 20)
+    return _shared(_Walks(moves.cost, walks.resource, step, every), rows, heavy, stop, np.append(0.0, prices), 0.0)
+
+
+def _shared(walks: _Walks, rows: _Rows, heavy: Floats, stop: Stop, price: Floats, share: float) -> tuple[Floats, float]:
+    """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with."""
     from .state_space_kernels import best_through
 
     n = len(rows.required)
-    heavy = np.append(0.0, weights)
-    price = _begun(walks, heavy, stop)
     best, best_price = -math.inf, price
     rate, how = np.full(n + 1, math.inf), np.zeros((n + 1, 4), np.int64)
-    share, waited = SHARE, 0
+    waited, steady = 0, share == 0.0
     average = np.zeros(n + 1)
     tops = np.unique(np.linspace(0, walks.top, TOPS + 1)[1:].astype(np.int64))
     while not stop.reached():
@@ -384,7 +396,7 @@ def _shared(walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> tuple[Fl
         length = float(average @ average)
         if waited > PATIENCE:
             share, waited = share / 2.0, 0
-            if share < 1e-4:
+            if share < 1e-4 or steady:
                 break
         price = price + lift
         if length > 0:

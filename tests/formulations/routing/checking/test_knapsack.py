@@ -51,7 +51,7 @@ def test_each_visit_takes_half_of_its_cheapest_moves():
 
 
 def test_other_objectives_and_malformed_evidence():
-    assert check_knapsack(star([1.0], 4.0, -1.0 * TotalCost()), {"resource": "distance", "rate": 1.0}) == math.inf
+    assert check_knapsack(star([1.0], 4.0, Reward() + TotalCost()), {"resource": "distance", "rate": 1.0}) == math.inf
     for wrong in ({"rate": math.nan}, {"resource": "order"}):
         with pytest.raises(InputError):
             check_knapsack(star([1.0], 4.0), {"resource": "distance", "rate": 1.0} | wrong)

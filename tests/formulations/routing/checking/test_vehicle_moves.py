@@ -22,7 +22,7 @@ def test_weights_are_those_of_a_minimisation():
     assert (found.cost, found.vehicles, found.reward, found.peaks, found.penalties) == (2.0, 3.0, -1.5, {"makespan": 4.0}, 1.0)
     flipped = terms_of(replace(problem, objective=Objective.of(Reward() - 0.5 * TotalDuration())))
     assert flipped is not None and (flipped.reward, flipped.duration) == (-1.0, 0.5)
-    for goal in (-1.0 * TotalCost(), Reward() + Makespan(), TotalCost() - TotalDuration()):
+    for goal in (Reward() + TotalCost(), Reward() + Makespan(), TotalCost() - TotalDuration()):
         assert terms_of(replace(problem, objective=Objective.of(goal))) is None
 
 
