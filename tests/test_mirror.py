@@ -13,6 +13,7 @@ ROOT = TESTS.parent
 FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "waybound")
 
 KERNELS = {
+    "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
     "heuristics/routing/insertion_steps/assignment_kernels": "heuristics/routing/greedy_assignment",
     "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
@@ -21,6 +22,7 @@ KERNELS = {
     "heuristics/selection/greedy_steps/filling": "heuristics/selection/knapsack_greedy",
     "heuristics/selection/greedy_steps/loops": "heuristics/selection/greedy_steps/picking",
     "solvers/bounds/routing/route_label_kernels": "solvers/bounds/routing/column_generation",
+    "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
     "solvers/bounds/selection/gain_kernels": "solvers/bounds/selection/growing_sets",
     "solvers/engines/local_max_min/cleaning_kernels": "solvers/engines/local_max_min/cleaning",
     "solvers/engines/local_max_min/lane_kernels": "solvers/engines/local_max_min/level_kernels",

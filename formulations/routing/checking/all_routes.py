@@ -15,8 +15,10 @@ import numpy as np
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
 from .infeasible_site import verdict
-from .known_features import own_moves
+from .known_features import departure, own_moves
+from .round_trips import PEAKS
 from .route_limits import Limits, allowed, limits_of, summable
+from .vehicle_moves import terms_of
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -24,12 +26,6 @@ if TYPE_CHECKING:
 
 MOST_ORDERS = 20_000
 """Orders of some of the customers, times types of vehicle: 7 customers of one type, 6 of 10, 5 of 61."""
-
-PEAKS = frozenset({"longest-route", "makespan"})
-"""Terms that are the largest of all routes."""
-
-SUMS = frozenset({"total-cost", "reward", "vehicles"})
-"""Terms that are sums over routes."""
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -50,14 +46,13 @@ def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     if problem.family != "routing":
         raise InputError("all routes are evidence for routing problems", found=problem.family)
     level = problem.objective.levels()[0].terms
-    peak = any(term.name in PEAKS for _, term in level)
-    if orders(problem) > MOST_ORDERS or not summable(problem) or (peak and (len(level) > 1 or level[0][0] < 0)):
-        return verdict(problem, proved=False)
-    if not {term.name for _, term in level} <= PEAKS | SUMS:
+    terms, peak = terms_of(problem), any(term.name in PEAKS for _, term in level)
+    if orders(problem) > MOST_ORDERS or not summable(problem) or terms is None or (peak and (len(level) > 1 or level[0][0] < 0)):
         return verdict(problem, proved=False)
     least = problem.sense == "min"
     doubt, n = 0.0, len(problem.sites.customers)
-    ways: dict[tuple[int, int], float] = {(0, 0): 0.0}  # customers visited and number of routes
+    idle = min(departure(problem, v) for v in problem.fleet) if "latest-return" in terms.peaks else 0.0
+    ways: dict[tuple[int, int], float] = {(0, 0): level[0][0] * idle if idle else 0.0}  # customers visited and number of routes
     for vehicle in problem.fleet:
         limits = limits_of(problem, vehicle)
         routes, off = _routes(problem, limits, vehicle)
@@ -77,11 +72,12 @@ def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     found = [value for (done, count), value in ways.items() if done & must == must and count >= problem.min_vehicles]
     if not found:
         return verdict(problem, proved=True)
-    depots = sum(weight for weight, term in problem.objective.levels()[0].terms if term.name == "reward") * math.fsum(
-        problem.sites.reward[problem.sites.depots].tolist()
-    )
+    weights = {name: math.fsum(weight for weight, term in level if term.name == name) for name in ("reward", "penalties")}
+    sites = problem.sites
+    fixed = weights["reward"] * math.fsum(sites.reward[sites.depots].tolist())
+    fixed += weights["penalties"] * math.fsum(sites.penalty[~sites.depot].tolist())
     best = min(found) - n * doubt if least else max(found) + n * doubt
-    return best + depots - (1.0 if least else -1.0) * 4.0 * _EPS * (abs(best) + abs(depots)) if depots else best
+    return best + fixed - (1.0 if least else -1.0) * 8.0 * _EPS * (abs(best) + abs(fixed)) if fixed else best
 
 
 def _keep(ways: dict[Any, float], way: Any, value: float, least: bool) -> None:
@@ -96,6 +92,7 @@ def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tu
     at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
     far, busy = own_moves(problem, vehicle)[0][np.ix_(at, at)].tolist(), limits.busy.tolist()
     ready, demand, reward = limits.ready.tolist(), limits.demand.tolist(), sites.reward[at].tolist()
+    penalty = sites.penalty[at].tolist()
     due, budgets = [limits.latest(d) for d in limits.due.tolist()], [(way.tolist(), limit) for way, limit in limits.budgets]
     opening, capacity, end, least = ready[0], allowed(limits.capacity), len(at) - 1, problem.sense == "min"
     found: dict[int, float] = {}
@@ -103,9 +100,12 @@ def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tu
 
     def ended(mask: int, clock: float, spent: float, latest: float, length: float, won: float) -> None:
         nonlocal size
+        lasts = max(spent, clock - latest)
+        paid = vehicle.unit_duration_cost * lasts + vehicle.unit_overtime_cost * max(0.0, lasts - vehicle.regular_duration)
+        saved = math.fsum(penalty[k] for k in range(1, end) if mask >> k & 1)
         parts = {
-            "total-cost": vehicle.fixed_cost + vehicle.unit_cost * length, "reward": won, "vehicles": 1.0,
-            "longest-route": length, "makespan": max(spent, clock - latest),
+            "total-cost": vehicle.fixed_cost + vehicle.unit_cost * length + paid, "reward": won, "vehicles": 1.0, "penalties": -saved,
+            "longest-route": length, "makespan": lasts, "total-duration": lasts, "latest-return": clock,
         }  # fmt: skip
         weighted = [weight * parts[name] for name, weight in terms.items()]
         size = max(size, math.fsum(map(abs, weighted)))
@@ -132,4 +132,6 @@ def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tu
                 extend(node, mask | 1 << node, begin, total, leave, load + demand[node], length + far[last][node], won + reward[node], used)
 
     extend(0, 0, opening, 0.0, due[0], 0.0, 0.0, 0.0, [0.0] * len(budgets))
-    return found, 16.0 * (len(at) + 2) * _EPS * size + abs(terms.get("makespan", 0.0)) * limits.rounding
+    by_time = math.fsum(abs(terms.get(name, 0.0)) for name in ("makespan", "total-duration", "latest-return"))
+    by_time += abs(terms.get("total-cost", 0.0)) * (vehicle.unit_duration_cost + vehicle.unit_overtime_cost)
+    return found, 16.0 * (len(at) + 2) * _EPS * size + by_time * limits.rounding

@@ -31,7 +31,7 @@ from ....instances.errors import InputError
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from .multipliers import number, numbers
-from .relaxation import Relaxation, Resource, relax
+from .relaxation import Relaxation, Resource, order_resource, relax
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -89,7 +89,7 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     if relaxed.fewest > relaxed.most:
         return math.inf
     at = relaxed.customers
-    relaxed = replace(relaxed, resources={**relaxed.resources, "order": _order(len(at))})
+    relaxed = replace(relaxed, resources={**relaxed.resources, "order": order_resource(len(at))})
 
     def to_node(values: Floats) -> Floats:
         return np.concatenate([[0.0], values[at]])
@@ -123,14 +123,6 @@ def _bound(relaxed: Relaxation, out: Floats, into: Floats, phi: float, prices: d
     # At most 2 nodes arcs are summed up, each from a few rounded numbers of which ``size`` is the sum of the largest.
     error = 64.0 * float(np.finfo(np.float64).eps) * 2 * len(out) * size
     return math.fsum([*out, *into, max(bounds), -error]) if max(bounds) < math.inf else math.inf
-
-
-def _order(customers: int) -> Resource:
-    """Moves so far: a route that visits each of its customers once makes one more at most."""
-    n = customers + 1
-    lower, upper = np.ones(n), np.full(n, float(customers))
-    lower[0], upper[0] = 0.0, float(n)
-    return Resource(np.ones((n, n)), 0.0, lower, upper, 0.0, 4.0 * n)
 
 
 def _resource_cost(resource: Resource, mu: Floats, usable: NDArray[np.bool_]) -> Floats:

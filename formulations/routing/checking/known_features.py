@@ -14,7 +14,8 @@ Whatever is not named here proves nothing: a checker that ignores a feature may 
 ``vehicle-speeds, vehicle-travel``
     Taken up where one vehicle is looked at; where vehicles are merged, a move is the shortest of any of them.
 
-``reloads`` and ``recharging`` are missing: loads and energy start anew at depots on the way, and ways lead through them.
+``reloads`` and ``recharging`` are missing: loads and energy start anew at depots on the way, and ways lead through them. Some checkers take
+the problem ``without_stops`` instead (``stops_on_the_way``).
 """
 
 from __future__ import annotations

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ...checking.granularity import Grain, grain, is_decimal
 from ...tolerance import widening
 from .known_features import departure, last_return, least_moves, unknown_features
+from .stops_on_the_way import without_stops
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -99,24 +100,20 @@ class Relaxation:
 
 def relax(problem: RoutingProblem) -> Relaxation | None:
     """The relaxation of ``problem``; None where its objective is no sum over arcs, where sites may be left out, or for unknown features."""
+    problem = without_stops(problem)
     weights = None if unknown_features(problem) else _term_weights(problem)
     customers = problem.sites.customers
     if weights is None or len(customers) == 0 or not problem.sites.required[customers].all():
         return None
     per_cost, per_vehicle = weights
-    nodes = len(customers) + 1
     between, _ = least_moves(problem)
-    cost = per_cost * min(v.unit_cost for v in problem.fleet) * _merged(problem, between)
-    cost[0] = _first_move(problem, lambda v: per_cost * (v.fixed_cost + v.unit_cost * between[v.start, customers]) + per_vehicle)
+    cost = per_cost * min(v.unit_cost for v in problem.fleet) * merged(problem, between)
+    cost[0] = first_move(problem, lambda v: per_cost * (v.fixed_cost + v.unit_cost * between[v.start, customers]) + per_vehicle)
     cost[1:, 0] = per_cost * np.min([v.unit_cost * between[customers, v.end] for v in problem.fleet], axis=0)
 
-    resources = _resources(problem)
-    allowed = ~np.eye(nodes, dtype=bool)
-    if problem.forbidden is not None:
-        allowed[1:, 1:] &= ~problem.forbidden[np.ix_(customers, customers)]
-        allowed[0, 1:] &= ~np.all([problem.forbidden[v.start, customers] for v in problem.fleet], axis=0)
-        allowed[1:, 0] &= ~np.all([problem.forbidden[customers, v.end] for v in problem.fleet], axis=0)
-    resources = _narrowed(resources, allowed)
+    resources = limited_resources(problem)
+    allowed = moves_left(problem)
+    resources = narrowed(resources, allowed)
     cost[~allowed] = math.inf
     grains = [per_cost * v.unit_cost * between for v in problem.fleet]
     fixed = [per_cost * v.fixed_cost + per_vehicle for v in problem.fleet]
@@ -128,6 +125,17 @@ def relax(problem: RoutingProblem) -> Relaxation | None:
     first, last = (np.logical_not(np.asarray(inner.any(axis=axis))) for axis in (0, 1))
     fewest = max(fewest, int(first.sum()), int(last.sum()))
     return Relaxation(customers, cost, fewest, most, resources, size, first, last)
+
+
+def moves_left(problem: RoutingProblem) -> Flags:
+    """Moves between the merged nodes that no statement forbids, shape (nodes, nodes)."""
+    customers = problem.sites.customers
+    allowed = ~np.eye(len(customers) + 1, dtype=bool)
+    if problem.forbidden is not None:
+        allowed[1:, 1:] &= ~problem.forbidden[np.ix_(customers, customers)]
+        allowed[0, 1:] &= ~np.all([problem.forbidden[v.start, customers] for v in problem.fleet], axis=0)
+        allowed[1:, 0] &= ~np.all([problem.forbidden[customers, v.end] for v in problem.fleet], axis=0)
+    return allowed
 
 
 def _term_weights(problem: RoutingProblem) -> tuple[float, float] | None:
@@ -155,7 +163,7 @@ def _fleet(problem: RoutingProblem) -> tuple[int, int]:
     return max(fewest, problem.min_vehicles), most
 
 
-def _merged(problem: RoutingProblem, matrix: Floats) -> Floats:
+def merged(problem: RoutingProblem, matrix: Floats) -> Floats:
     """``matrix`` over the merged nodes: customers among themselves, row and column 0 left for the caller."""
     customers = problem.sites.customers
     made = np.zeros((len(customers) + 1, len(customers) + 1))
@@ -163,19 +171,20 @@ def _merged(problem: RoutingProblem, matrix: Floats) -> Floats:
     return made
 
 
-def _first_move(problem: RoutingProblem, of: Callable[[VehicleType], Floats]) -> Floats:
+def first_move(problem: RoutingProblem, of: Callable[[VehicleType], Floats]) -> Floats:
     """Row 0 of a merged matrix: the smallest entry over all vehicle types; the depot itself gets 0."""
     return np.concatenate([[0.0], np.min([of(v) for v in problem.fleet], axis=0)])
 
 
-def _resources(problem: RoutingProblem) -> dict[str, Resource]:
+def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
+    """What grows along a route and is limited: ``time`` always, the others where every vehicle has a limit on them."""
     sites, fleet = problem.sites, problem.fleet
     at = sites.customers
     zeros, free = np.zeros(len(at) + 1), np.full(len(at) + 1, math.inf)
     distances, durations = least_moves(problem)
-    moving, driven = _with_depot(problem, durations, zeros), _with_depot(problem, distances, zeros)
+    moving, driven = with_depot(problem, durations, zeros), with_depot(problem, distances, zeros)
     service = np.concatenate([[0.0], sites.service[at]])
-    busy = _with_depot(problem, durations, service)
+    busy = with_depot(problem, durations, service)
 
     start = min(departure(problem, v) for v in fleet)
     ready, due = np.concatenate([[start], sites.ready[at]]), np.concatenate([[0.0], sites.due[at]])
@@ -219,11 +228,19 @@ def _resources(problem: RoutingProblem) -> dict[str, Resource]:
     return found
 
 
-def _with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floats:
+def order_resource(customers: int) -> Resource:
+    """Moves so far: a route that visits each of its customers once makes one more at most."""
+    n = customers + 1
+    lower, upper = np.ones(n), np.full(n, float(customers))
+    lower[0], upper[0] = 0.0, float(n)
+    return Resource(np.ones((n, n)), 0.0, lower, upper, 0.0, 4.0 * n)
+
+
+def with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floats:
     """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry a node."""
     at = problem.sites.customers
-    made = _merged(problem, matrix)
-    made[0] = _first_move(problem, lambda v: matrix[v.start, at])
+    made = merged(problem, matrix)
+    made[0] = first_move(problem, lambda v: matrix[v.start, at])
     made[1:, 0] = np.min([matrix[at, v.end] for v in problem.fleet], axis=0)
     made += before[:, None]
     made[0, 0] = 0.0
@@ -252,7 +269,7 @@ def _widened_resource(
     return Resource(weight, start, lower, upper, 16 * len(lower) * _EPS * size, 4.0 * size)
 
 
-def _narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
+def narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
     """Reachable levels of every resource; clears from ``allowed`` what no route can use, until nothing changes."""
     for _ in range(_ROUNDS):
         before = int(allowed.sum())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,17 +13,12 @@ from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .arcs import Arcs, arc_costs, lacks_arc_costs
+from .level_ascent import ascend
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 Floats = NDArray[np.float64]
-
-_MEMORY = 0.7
-"""Share of the last direction in the next one (Volgenant and Jonker 1982 use 0.6 to 0.7 over two steps)."""
-_PATIENCE = 30
-_SMALLEST_AIM = 1e-11
-"""Relative rise at which the ascent gives up aiming higher."""
 
 
 def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
@@ -41,11 +35,6 @@ def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Lin
     Returns
     -------
     Evidence of kind ``spanning-tree``, or None where the budget does not suffice for the arcs and the first tree
-
-    Notes
-    -----
-    Every step aims at a rise above the best bound so far; the aim is halved when it is out of reach and widened when it is met
-    (level control after Brännlund 1993, Goffin and Kiwiel 1999), so no value of an answer is needed.
     """
     arcs = arc_costs(problem, stop)
     found = None if arcs is None else _ascend(arcs, stop)
@@ -55,14 +44,6 @@ def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Lin
     listed = np.zeros(len(problem.sites))
     listed[arcs.customers] = prices
     return Evidence("spanning-tree", "spanning tree with node prices", value, {"multipliers": listed.tolist(), "depot": float(theta)})
-
-
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """Value and subgradient at some prices; entry 0 belongs to the depot."""
-
-    value: float
-    slope: Floats
 
 
 def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
@@ -75,7 +56,7 @@ def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
     closing = arcs.cost[1:, 0]
     routes = np.arange(arcs.fewest, arcs.most + 1)
 
-    def look(price: Floats) -> _Point:
+    def look(price: Floats) -> tuple[float, Floats]:
         tree, degree = spanning_tree_degrees(stop.flag, edges, price)
         last = closing + price[1:]
         order = np.argsort(last, kind="stable")
@@ -85,36 +66,15 @@ def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
         slope[1:] -= 2.0
         slope[1 + order[: routes[k]]] += 1.0
         slope[0] -= routes[k]
-        return _Point(tree + float(sums[k]) - 2.0 * float(price[1:].sum()), slope)
+        return tree + float(sums[k]) - 2.0 * float(price[1:].sum()), slope
 
     price = np.zeros(len(edges))
-    if len(routes) == 0 or math.isinf((here := look(price)).value):
+    if len(routes) == 0:
         return price[1:], 0.0, math.inf
-    if math.isnan(point := here.value):
-        return None
-    best, best_price = point, price
-    usable = arcs.cost[np.isfinite(arcs.cost)]
-    dearest = float(usable.max(initial=0.0))
-    least, most = 1e-3 * dearest, 2.0 * len(edges) * dearest  # no answer costs more: what rises beyond it rises for ever
-    aim, direction, waited = 0.05 * max(abs(best), least), np.zeros(len(price)), 0
-    while not stop.reached() and aim > _SMALLEST_AIM * max(abs(best), least) and best <= most:
-        direction = here.slope + _MEMORY * direction
-        length = float(direction @ direction)
-        if length == 0.0:
-            break
-        price = price + (best + aim - here.value) / length * direction
-        here = look(price)
-        if here.value > best:
-            waited = 0 if here.value > best + 0.1 * aim else waited + 1
-            if here.value > best + 0.5 * aim:
-                aim *= 1.5
-            best, best_price = here.value, price
-        else:
-            waited += 1
-        if waited >= _PATIENCE:
-            aim, waited, price, direction = aim / 2.0, 0, best_price, np.zeros(len(price))
-            here = look(price)
-    return best_price[1:], float(best_price[0]), best
+    dearest = float(arcs.cost[np.isfinite(arcs.cost)].max(initial=0.0))
+    # No answer costs more than all moves at the dearest: what rises beyond it rises for ever.
+    best_price, best = ascend(look, price, 1e-3 * dearest, 2.0 * len(edges) * dearest, stop)
+    return None if math.isnan(best) else (best_price[1:], float(best_price[0]), best)
 
 
 def _prepare() -> None:

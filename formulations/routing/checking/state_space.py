@@ -1,0 +1,189 @@
+"""Evidence ``state-space``: a Lagrangian bound from one price a site, over the best walk of each type of vehicle at these prices.
+
+An answer is a set of routes; with prices u of visits, u_i <= 0 counted for a site that may be left out, it costs at least::
+
+    sum of u_i (required)  +  sum of min(0, u_i) (optional)  +  min over numbers k_v of routes of   sum_v k_v z_v
+
+with z_v at most the cost of any route of a vehicle of type v less the prices of its visits. Routes are relaxed to walks from the start to
+the end of the vehicle that never return straight to where they came from (no i-j-i), and on which one resource, such as time, load or
+distance, is counted in whole steps and within its limits. z_v is found by dynamic programming over steps and sites. The limits of
+other resources may be priced as well (``shares``): each route keeps them, so that a multiple of what it leaves over is no cost.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import Grain, grain, lift
+from ...evidence import CHECKERS
+from ...stop import current_stop
+from .known_features import unknown_features
+from .multipliers import number, numbers
+from .round_trips import least_peak
+from .stops_on_the_way import without_stops
+from .vehicle_moves import Terms, VehicleMoves, alike, terms_of
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
+
+STEPS = 20_000
+"""Of the resource on the way of one vehicle, at most."""
+
+WORK = 2_000_000_000
+"""Moves times steps in one proof at most, some 5 s; a tenth of them in memory."""
+
+_NEAR = 1e-9
+"""Of a step: a weight that lacks no more than this counts as whole, and limits concede as much for each move."""
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@CHECKERS.register("state-space")
+def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Bound on the first level of the objective that any prices of visits prove (weak duality).
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        With any features and any terms; maxima (makespan, ...) count by the farthest round trip.
+    data : dict
+        ``prices``: one number a site (entries of depots are ignored); ``resource``: what is counted (``time, load, distance, duration,
+        energy``, or ``order``, the number of moves); ``step``: a positive number of its units; ``shares``, optional: non-negative prices
+        by the name of another resource.
+
+    Returns
+    -------
+    float
+        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) where nothing is proved,
+        because there are too many steps, or no walk at all.
+
+    Raises
+    ------
+    InputError
+        If numbers are missing or not finite, or a resource is unknown.
+
+    Notes
+    -----
+    Source: Christofides, Mingozzi, Toth (1981), "State-space relaxation procedures"; Houck, Picard, Queyranne, Vemuganti (1980) for walks
+    without i-j-i; docs/formulations/routing.md#state-space.
+    """
+    if problem.family != "routing":
+        raise InputError("state-space is evidence for routing problems", found=problem.family)
+    prices, step, name = numbers(data, "prices", len(problem.sites)), number(data, "step"), data.get("resource")
+    given = data.get("shares", {})
+    if name not in RESOURCES or not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
+        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=f"{name} {given}"[:80])
+    if not step > 0:
+        raise InputError("evidence 'step' must be positive", found=str(step))
+    shares = {str(r): max(0.0, number(given, r)) for r in given if r != name}
+    sign = 1.0 if problem.sense == "min" else -1.0
+    relaxed, terms = without_stops(problem), terms_of(problem)
+    customers = problem.sites.customers
+    if terms is None or unknown_features(relaxed) or not len(customers):
+        return -sign * math.inf
+    with np.errstate(over="ignore", invalid="ignore"):
+        bound = _bound(relaxed, terms, prices[customers], str(name), step, shares)
+    return sign * lift(bound, "min", _grain(problem, terms)) if bound > -math.inf else -sign * math.inf
+
+
+def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, step: float, shares: dict[str, float]) -> float:
+    sites, customers = problem.sites, problem.sites.customers
+    required = sites.required[customers]
+    parts = [*_visits(problem, prices).tolist(), *(w * least_peak(problem, peak) for peak, w in terms.peaks.items())]
+    parts += (terms.penalties * sites.penalty[customers[~required]]).tolist()
+    parts += (terms.reward * sites.reward[sites.depots]).tolist()
+    n, size, left = len(customers), 0.0, WORK
+    slots: list[tuple[float, int]] = []
+    for vehicle, count in alike(problem).items():
+        moves = VehicleMoves.of(problem, vehicle, terms, prices, shares)
+        if name not in moves.resources:
+            return -math.inf
+        walk = _least_walk(moves, name, step, left)
+        if walk is None:
+            return -math.inf
+        least, work = walk
+        left -= work
+        size = max(size, moves.size)
+        slots.append((least, min(n, count)))
+    fewest = max(problem.min_vehicles, int(required.any()))
+    most = n
+    worth, free = 0.0, most
+    for least, count in sorted(slots):
+        used = min(count, free) if least < 0 else min(count, max(0, fewest - (most - free)))
+        if used and not math.isfinite(least):
+            return -math.inf
+        worth += used * least if used else 0.0
+        free -= used
+    if most - free < fewest:
+        return -math.inf
+    size += float(np.abs(prices).max()) + max((abs(x) for x in parts), default=0.0)
+    # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
+    error = 16.0 * _EPS * (n + 2) ** 2 * size
+    return math.fsum([*parts, worth, -error]) if math.isfinite(64.0 * (n + 2) ** 2 * size) else -math.inf
+
+
+def _visits(problem: RoutingProblem, prices: Floats) -> Floats:
+    """What the prices of an answer's visits add up to at least, site by site; of a group with one visit the least price, at its first."""
+    sites = problem.sites
+    made = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
+    node = {site: k for k, site in enumerate(sites.customers.tolist())}
+    for group in sites.groups:
+        members = [node[site] for site in group.sites]
+        least = float(prices[members].min())
+        made[members] = 0.0
+        made[members[0]] = least if group.required else min(0.0, least)
+    return made
+
+
+def _least_walk(moves: VehicleMoves, name: str, step: float, work: int) -> tuple[float, int] | None:
+    """Least cost of a walk, infinite if there is none, and the work it took; None where that would be too much."""
+    from .state_space_kernels import least_walk
+
+    r, nodes = moves.resources[name], len(moves.cost)
+    reached = np.isfinite(r.lower) & np.isfinite(r.upper)
+    usable = np.isfinite(moves.cost) & reached[:, None] & reached
+    heads, tails = np.nonzero(usable.T)
+    inner = (heads > 0) & (tails > 0)
+    conceded = (nodes + 2) * _NEAR + r.slack / step
+    top = (float(r.upper[reached].max(initial=r.start)) - r.start) / step + conceded
+    if not top <= STEPS:
+        return None
+    weight = np.floor(np.where(usable, r.weight, 0.0) / step + _NEAR).astype(np.int64)
+    idle = np.bincount(heads[inner & (weight[tails, heads] == 0)], minlength=nodes) > 0
+    late = int(idle.sum())  # a customer is entered once, so that taking one step for none delays a route by so many at most
+    weight = np.where((weight == 0) & usable, 1, weight)
+    weight[:, 0] = np.floor(np.where(usable[:, 0], r.weight[:, 0], 0.0) / step + _NEAR)
+    lower = np.floor(np.where(reached, (r.lower - r.start) / step, 0.0) + _NEAR).astype(np.int64)
+    upper = np.floor(np.where(reached, (r.upper - r.start) / step, -2.0 - late) + conceded).astype(np.int64) + late
+    steps = int(upper.max()) + 1
+    if int(inner.sum()) * steps > work or nodes * steps * 20 > WORK // 4:
+        return None
+    starts = np.searchsorted(heads[inner], np.arange(nodes + 1))
+    t, h = tails[inner], heads[inner]
+    least = least_walk(
+        current_stop().flag, starts, t, np.ascontiguousarray(moves.cost[t, h]), np.ascontiguousarray(weight[t, h]),
+        np.where(usable[0], moves.cost[0], math.inf), weight[0], np.where(usable[:, 0], moves.cost[:, 0], math.inf),
+        np.ascontiguousarray(weight[:, 0]), lower, upper,
+    )  # fmt: skip
+    return None if math.isnan(least) else (float(least), int(inner.sum()) * steps)
+
+
+def _grain(problem: RoutingProblem, terms: Terms) -> Grain | None:
+    """Of what every value of the objective is a multiple."""
+    timed = {"duration-cost", "overtime", "vehicle-travel", "vehicle-speeds", "committed-vehicles"}
+    if terms.peaks or terms.duration or (terms.cost and problem.features() & timed):
+        return None
+    sites = problem.sites
+    parts = [terms.cost * v.unit_cost * problem.travel.distances.ravel() for v in problem.fleet] if terms.cost else []
+    parts += [terms.cost * np.array([v.fixed_cost for v in problem.fleet]), np.array([terms.vehicles])]
+    return grain(np.concatenate([*parts, terms.reward * sites.reward, terms.penalties * sites.penalty]))

@@ -1,0 +1,63 @@
+"""A problem whose vehicles make stops at depots on the way, as one without such stops that has every answer of it, at no more cost.
+
+A move between two sites becomes the shortest way between them over any of the depots where the vehicle reloads or recharges, and what
+starts anew there is no longer limited. Distances and durations are shortened each by itself.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.routing.travel import EXPLICIT, Travel
+from .known_features import own_moves
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ....instances.routing.instance import VehicleType
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+
+def with_fleet(problem: RoutingProblem, fleet: Sequence[VehicleType], travel: Travel | None = None) -> RoutingProblem:
+    """The same problem with other vehicles."""
+    made = copy.copy(problem)
+    made.__dict__.pop("_travels", None)  # which is cached
+    made.__dict__.update(fleet=tuple(fleet), travel=travel or problem.travel)
+    return made
+
+
+def explicit(distances: Floats, durations: Floats) -> Travel:
+    """Travel along matrices as they are, whatever the convention of the problem."""
+    return Travel(EXPLICIT, matrix=distances, duration_matrix=durations, convention="exact")
+
+
+def without_stops(problem: RoutingProblem) -> RoutingProblem:
+    """``problem`` itself where no vehicle stops on the way."""
+    if not any(v.reloads or v.stations for v in problem.fleet):
+        return problem
+    fleet = []
+    for v in problem.fleet:
+        stops = np.array(sorted({*v.reloads, *v.stations}), dtype=np.int64)
+        distances, durations = (_over(matrix, stops) if len(stops) else matrix for matrix in own_moves(problem, v))
+        loads = {"capacity": math.inf, "further_capacity": (), "reloads": (), "max_reloads": None} if v.reloads else {}
+        store = {"energy": None} if v.stations else {}
+        fleet.append(replace(v, travel=explicit(distances, durations), speed=1.0, **loads, **store))  # type: ignore[arg-type]
+    made = with_fleet(problem, fleet, explicit(problem.travel.distances, problem.travel.durations))
+    made.__dict__.update(forbidden=None)  # what is forbidden is a move without a stop between
+    return made
+
+
+def _over(matrix: Floats, stops: NDArray[np.int64]) -> Floats:
+    """Shortest ways over any of the stops (Floyd 1962)."""
+    length = matrix.copy()
+    for k in stops.tolist():
+        np.minimum(length, length[:, k, None] + length[None, k], out=length)
+    return length

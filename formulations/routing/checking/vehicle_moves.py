@@ -1,0 +1,105 @@
+"""What each type of vehicle can do on one route, and what it costs: for checkers that keep types apart and let sites be left out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .known_features import own_moves
+from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
+from .round_trips import PEAKS
+from .stops_on_the_way import with_fleet
+
+if TYPE_CHECKING:
+    from ....instances.routing.instance import VehicleType
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Terms:
+    """Weights of the first level of the objective, of a minimisation."""
+
+    cost: float
+    duration: float
+    vehicles: float
+    reward: float
+    penalties: float
+    peaks: dict[str, float]
+
+
+def terms_of(problem: RoutingProblem) -> Terms | None:
+    """None where less cost, duration or a smaller maximum would be worse: no bound of these is known."""
+    sign = 1.0 if problem.sense == "min" else -1.0
+    found: dict[str, float] = {}
+    for weight, term in problem.objective.levels()[0].terms:
+        found[term.name] = found.get(term.name, 0.0) + sign * weight
+    peaks = {name: found[name] for name in PEAKS if found.get(name)}
+    cost, duration, vehicles, reward, penalties = (
+        found.get(name, 0.0) for name in ("total-cost", "total-duration", "vehicles", "reward", "penalties")
+    )
+    made = Terms(cost, duration, vehicles, reward, penalties, peaks)
+    known = {"total-cost", "total-duration", "vehicles", "reward", "penalties", *PEAKS}
+    return made if set(found) <= known and min(made.cost, made.duration, *peaks.values(), 0.0) >= 0 else None
+
+
+def alike(problem: RoutingProblem) -> dict[VehicleType, int]:
+    """Types of vehicle, and how many of each can be on a route at once."""
+    n = len(problem.sites.customers)
+    found: dict[VehicleType, int] = {}
+    for v in problem.fleet:
+        kind = replace(v, count=1, name="")
+        found[kind] = found.get(kind, 0) + (n if v.count is None else v.count)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class VehicleMoves:
+    """What a type of vehicle can do, over its depot (0: start and end) and the customers.
+
+    Parameters
+    ----------
+    cost : array of shape (nodes, nodes)
+        Of moves less the prices of the sites they enter; infinite where there is no move.
+    resources : dict of Resource
+    size : float
+        Sum of the sizes of what the costs were added up from.
+    """
+
+    cost: Floats
+    resources: dict[str, Resource]
+    size: float
+
+    @classmethod
+    def of(cls, problem: RoutingProblem, vehicle: VehicleType, terms: Terms, prices: Floats, shares: dict[str, float]) -> VehicleMoves:
+        sites, at = problem.sites, problem.sites.customers
+        alone = with_fleet(problem, (vehicle,))
+        resources = limited_resources(alone) | {"order": order_resource(len(at))}
+        allowed = moves_left(alone)
+        able = np.array([not sites.skills or sites.skills[k] <= vehicle.skills for k in at.tolist()])
+        allowed[1:] &= able[:, None]
+        allowed[:, 1:] &= able
+        resources = narrowed(resources, allowed)
+        far, move = own_moves(problem, vehicle)
+        zeros, service = np.zeros(len(at) + 1), np.concatenate([[0.0], sites.service[at]])
+        of_time = terms.cost * vehicle.unit_duration_cost + terms.duration
+        first = terms.cost * vehicle.fixed_cost + terms.vehicles
+        worth = terms.reward * sites.reward[at] - terms.penalties * sites.penalty[at] - prices
+        cost = terms.cost * vehicle.unit_cost * with_depot(alone, far, zeros)
+        if of_time:
+            cost += of_time * with_depot(alone, move, service)
+        for name, share in shares.items():
+            if name in resources and share:
+                r = resources[name]
+                room = float(r.upper[0]) - r.start + r.slack
+                cost += share * np.where(allowed, r.weight, 0.0)
+                first -= share * room
+        size = float(np.abs(cost[allowed]).max(initial=0.0)) + abs(first) + float(np.abs(worth).max())
+        cost[:, 1:] += worth
+        cost[0] += first
+        return cls(np.where(allowed, cost, math.inf), resources, size)

@@ -1,0 +1,68 @@
+"""Subgradient ascent towards levels that are raised as they are met, so that no value of an answer is needed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.stop import Stop
+
+Floats = NDArray[np.float64]
+
+_MEMORY = 0.7
+"""Share of the last direction in the next one (Volgenant and Jonker 1982 use 0.6 to 0.7 over two steps)."""
+
+_SMALLEST_AIM = 1e-11
+"""Relative rise at which the ascent gives up aiming higher."""
+
+
+def ascend(
+    look: Callable[[Floats], tuple[float, Floats]], price: Floats, scale: float, most: float, stop: Stop, patience: int = 30
+) -> tuple[Floats, float]:
+    """The best prices found, and their value; infinite where the first one is, NaN where ``stop`` came before it.
+
+    Parameters
+    ----------
+    look : callable
+        Value and subgradient of a concave function at prices.
+    price : array
+        To begin with.
+    scale : float
+        A small share of what values are made of, such as 1e-3 of the dearest move.
+    most : float
+        What rises beyond it rises for ever.
+    stop : Stop
+    patience : int
+        Steps without a rise after which the aim is halved.
+
+    Notes
+    -----
+    Every step aims at a rise above the best value so far; the aim is halved when it is out of reach and widened when it is met. Source:
+    level control after Brännlund (1993), Goffin and Kiwiel (1999).
+    """
+    value, slope = look(price)
+    if not math.isfinite(value):
+        return price, value
+    best, best_price = value, price
+    aim, direction, waited = 0.05 * max(abs(best), scale), np.zeros(len(price)), 0
+    while not stop.reached() and aim > _SMALLEST_AIM * max(abs(best), scale) and best <= most:
+        direction = slope + _MEMORY * direction
+        length = float(direction @ direction)
+        if length == 0.0:
+            break
+        price = price + (best + aim - value) / length * direction
+        value, slope = look(price)
+        if value > best:
+            waited = 0 if value > best + 0.1 * aim else waited + 1
+            if value > best + 0.5 * aim:
+                aim *= 1.5
+            best, best_price = value, price
+        else:
+            waited += 1
+        if waited >= patience:
+            aim, waited, price, direction = aim / 2.0, 0, best_price, np.zeros(len(price))
+            value, slope = look(price)
+    return best_price, best

@@ -1,0 +1,433 @@
+"""Bound ``state-space``: prices of visits for the evidence of the same name, by ascent.
+
+Where few vehicles drive, or several types, or sites may be left out, prices follow the visits of each type's best walk (a subgradient).
+Where many vehicles of one type serve all, the best walk through each customer tells what the price of its visit lacks: prices rise, or
+fall, by each customer's share of that, and follow the visits of all these walks at once.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.checking.granularity import grain
+from ....formulations.evidence import Evidence
+from ....formulations.routing.checking.known_features import unknown_features
+from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, terms_of
+from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod
+from .arcs import too_many_arcs
+from .level_ascent import ascend
+
+if TYPE_CHECKING:
+    from ....formulations.problem import Problem
+    from ....formulations.routing.checking.relaxation import Resource
+    from ....formulations.routing.problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+Longs = NDArray[np.int64]
+
+STEPS = 2_000
+"""Of the counted resource, at most."""
+
+WORK_PER_SECOND = 1.5e8
+"""Moves times steps that are looked at in a second."""
+
+ROUNDS = 40
+"""For which there should be time; steps are coarser, and moves fewer, where there is not."""
+
+CHECKED = 3e8
+"""Moves times steps that the check may take."""
+
+NEIGHBOURS = 20
+"""Moves into a customer, the cheapest ones, that are always looked at."""
+
+MANY_ROUTES = 4
+"""From so many on prices are shared out among all walks."""
+
+SHARE = 0.05
+"""Of the bound: the length of the first steps."""
+
+TOPS = 8
+"""Limits of the resource at which the best walks through a customer are looked for."""
+
+PATIENCE = 4
+"""Steps without a rise after which they are halved."""
+
+BUDGET = 0.7
+"""Part of the time that is left; other methods come later."""
+
+LEAST_STEPS = 400
+"""Where prices follow single walks, of which each has many visits."""
+
+
+@dataclass(eq=False)
+class _Walks:
+    """The walks of one type of vehicle on a grid of levels; node 0 is the depot.
+
+    Parameters
+    ----------
+    cost : array of shape (nodes, nodes)
+    resource : Resource
+    step : float
+    kept : bool array of shape (nodes, nodes)
+        Moves between customers that are looked at.
+    """
+
+    cost: Floats
+    resource: Resource
+    step: float
+    kept: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        r, nodes = self.resource, len(self.cost)
+        reached = np.isfinite(r.lower) & np.isfinite(r.upper)
+        usable = np.isfinite(self.cost) & reached[:, None] & reached
+        self.usable = usable
+        inner = usable & self.kept
+        inner[0] = inner[:, 0] = False
+        weight = np.rint(np.where(usable, r.weight, 0.0) / self.step).astype(np.int64)  # floors, as the checker's, would add up
+        weight[1:, 1:] = np.maximum(weight[1:, 1:], 1)
+        self.lower = np.floor(np.where(reached, r.lower - r.start, 0.0) / self.step + 1e-9).astype(np.int64)
+        upper = np.floor(np.where(reached, r.upper - r.start, -2.0 * self.step) / self.step + 1e-6).astype(np.int64)
+        self.upper = np.where(reached, np.minimum(upper, upper[0]), -2)
+        self.top = int(self.upper[0])
+        self.first, self.last = weight[0].copy(), weight[:, 0].copy()
+        self.heads, self.tails = map(np.ascontiguousarray, np.nonzero(inner.T))
+        self.back_tails, self.back_heads = map(np.ascontiguousarray, np.nonzero(inner))
+        self.starts = np.searchsorted(self.heads, np.arange(nodes + 1))
+        self.back_starts = np.searchsorted(self.back_tails, np.arange(nodes + 1))
+        self.weight, self.back_weight = weight[self.tails, self.heads], weight[self.back_tails, self.back_heads]
+        self.ahead_cost, self.back_cost = self.cost[self.tails, self.heads], self.cost[self.back_tails, self.back_heads]
+        self.first_cost, self.last_cost = (np.where(usable[0], self.cost[0], math.inf), np.where(usable[:, 0], self.cost[:, 0], math.inf))
+        self.back_lower, self.back_upper = self.top - self.upper, self.top - self.lower
+        self.back_lower[0], self.back_upper[0] = 0, self.top
+        gone = ~reached
+        self.back_lower[gone], self.back_upper[gone] = 0, -2
+        self.ends = np.minimum(self.upper, self.top - self.last)
+
+    def work(self) -> int:
+        return len(self.tails) * (self.top + 1)
+
+    def ahead(self, stop: Stop, price: Floats, heavy: Floats) -> tuple[Floats, NDArray[np.int32], Floats]:
+        from .state_space_kernels import walk_costs
+
+        return walk_costs(  # type: ignore[no-any-return]
+            stop.flag, self.starts, self.tails, self.ahead_cost - price[self.heads], self.weight, self.first_cost - price, self.first,
+            self.lower, self.upper, heavy, self.top + 1,
+        )  # fmt: skip
+
+    def back(self, stop: Stop, price: Floats, heavy: Floats) -> tuple[Floats, NDArray[np.int32], Floats]:
+        from .state_space_kernels import walk_costs
+
+        return walk_costs(  # type: ignore[no-any-return]
+            stop.flag, self.back_starts, self.back_heads, self.back_cost - price[self.back_heads], self.back_weight, self.last_cost,
+            self.last, self.back_lower, self.back_upper, heavy, self.top + 1,
+        )  # fmt: skip
+
+    def best(self, values: NDArray[np.float64]) -> tuple[float, int]:
+        """Least cost of a walk, and the last node of it."""
+        at = np.maximum(self.ends, 0)
+        ends = np.where(self.ends >= self.lower, values[np.arange(len(at)), at, 0], math.inf) + self.last_cost
+        ends[0] = math.inf
+        node = int(np.argmin(ends))
+        return float(ends[node]), node
+
+    def visits(self, before: NDArray[np.int32], node: int, level: int, other: int, times: float, made: Floats) -> int:
+        from .state_space_kernels import add_visits
+
+        return int(add_visits(before, self.starts, self.tails, self.weight, self.upper, node, level, other, times, made))
+
+    def visits_back(self, after: NDArray[np.int32], node: int, level: int, other: int, times: float, made: Floats) -> int:
+        from .state_space_kernels import add_visits
+
+        return int(add_visits(after, self.back_starts, self.back_heads, self.back_weight, self.back_upper, node, level, other, times, made))
+
+
+@dataclass(eq=False)
+class _Rows:
+    """What prices of visits are worth, and how many routes there are."""
+
+    required: NDArray[np.bool_]
+    groups: list[tuple[NDArray[np.int64], bool]]
+    counts: list[int]
+    fewest: int
+
+    def worth(self, prices: Floats) -> tuple[float, Floats]:
+        """Value and slope."""
+        slope = (self.required | (prices < 0)).astype(np.float64)
+        for members, must in self.groups:
+            least = members[int(np.argmin(prices[members]))]
+            slope[members] = 0.0
+            slope[least] = float(must or prices[least] < 0)
+        return float(slope @ prices), slope
+
+    def routes(self, least: list[float]) -> list[int]:
+        """How many routes of each type are the cheapest."""
+        made, left = [0] * len(least), len(self.required)
+        for k in sorted(range(len(least)), key=least.__getitem__):
+            used = sum(made)
+            made[k] = min(self.counts[k], left - used if least[k] < 0 else max(0, self.fewest - used))
+        return made
+
+
+def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Evidence from the best prices that an ascent finds.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    stop : Stop
+        Seven tenths of what it leaves are used, less where the ascent stalls.
+    linear : unused
+        No program is solved.
+
+    Notes
+    -----
+    Source: Christofides, Mingozzi, Toth (1981); sharing by walks through each customer: Baldacci, Christofides, Mingozzi (2008).
+    """
+    if too_many_arcs(problem, stop.seconds_left):
+        return None
+    stop = stop.within(BUDGET * stop.seconds_left)
+    sites, customers, relaxed = problem.sites, problem.sites.customers, without_stops(problem)
+    terms = terms_of(problem)
+    assert terms is not None
+    sign = 1.0 if problem.sense == "min" else -1.0
+    types = alike(relaxed)
+    moves = [VehicleMoves.of(relaxed, v, terms, np.zeros(len(customers)), {}) for v in types]
+    name = _resource(problem, moves)
+    work = WORK_PER_SECOND * min(stop.seconds_left, 10.0) / ROUNDS / len(moves)
+    kept = [_kept(m, name, work) for m in moves]
+    node = {site: k for k, site in enumerate(customers.tolist())}
+    required = sites.required[customers]
+    rows = _Rows(
+        required,
+        [(np.array([node[s] for s in g.sites]), g.required) for g in sites.groups],
+        [min(len(customers), count) for count in types.values()],
+        max(problem.min_vehicles, int(required.any()), _loads(relaxed)),
+    )
+    many = len(moves) == 1 and bool(required.all()) and rows.counts[0] >= MANY_ROUTES
+    least = 20 if many else LEAST_STEPS
+    step = max(_step(m.resources[name], int(k.sum()), work, least) for m, k in zip(moves, kept, strict=True))
+    fine = max(_step(m.resources[name], m.cost.size, CHECKED / len(moves), least) for m in moves)
+    walks = [_Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
+    if many:
+        prices, value = _shared_out(moves[0], walks[0], rows, _weights(relaxed), stop)
+    else:
+        prices, value = _followed(walks, rows, stop)
+    listed = np.zeros(len(sites))
+    listed[customers] = prices
+    return Evidence(
+        "state-space", f"state-space relaxation over {name}", sign * value, {"prices": listed.tolist(), "resource": name, "step": fine}
+    )
+
+
+def _loads(problem: RoutingProblem) -> int:
+    largest = max(v.capacity for v in problem.fleet)
+    need = math.fsum(problem.sites.demand[problem.sites.required])
+    return math.ceil(need / largest * (1 - 1e-9)) if 0 < largest < math.inf else 0
+
+
+def _weights(problem: RoutingProblem) -> Floats:
+    demand = problem.sites.demand[problem.customers]
+    mean = float(demand.mean())
+    return demand + 0.2 * mean if mean > 0 else np.ones(len(demand))
+
+
+def _resource(problem: RoutingProblem, moves: list[VehicleMoves]) -> str:
+    """The resource of which an answer needs the largest part of what all routes have."""
+    found: dict[str, float] = {}
+    for name in moves[0].resources:
+        need = math.inf
+        for m in moves:
+            if name not in m.resources:
+                need = -1.0
+                break
+            r = m.resources[name]
+            weight = np.where(np.isfinite(m.cost), r.weight, math.inf)[:, 1:]
+            least = weight.min(axis=0)
+            least = least[np.isfinite(least)]
+            room = float(r.upper[0]) - r.start
+            need = min(need, float(least.sum()) / room if room > 0 else 0.0)
+        if name == "time" and np.isfinite(problem.sites.due[problem.customers]).any():
+            need *= 2.0
+        found[name] = need
+    return max(found, key=found.__getitem__)
+
+
+def _step(resource: Resource, arcs: int, work: float, least: int) -> float:
+    """A step of which weights and limits are multiples, if the work that it takes allows; a coarser one if not."""
+    room = float(resource.upper[0]) - resource.start
+    if not room > 0:
+        return 1.0
+    most = float(np.clip(work / max(1, arcs), least, STEPS))
+    finite = resource.weight[np.isfinite(resource.weight)]
+    unit = grain(finite[:4000])
+    size = 0.0 if unit is None else unit.size
+    return size if size and room / size <= most else room / most
+
+
+def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
+    """The cheapest and shortest moves into and out of each customer, as many as there is time for."""
+    usable = np.isfinite(moves.cost)
+    n = len(usable)
+    near = int(np.clip(work / (300.0 * n), NEIGHBOURS, n))
+    if near >= n - 2:
+        return usable
+    finite = np.where(usable, moves.cost, 0.0)
+    dear = np.where(usable, moves.cost - np.where(usable, moves.cost, math.inf).min(axis=0, initial=np.abs(finite).max()), math.inf)
+    weight = np.where(usable, moves.resources[name].weight, math.inf)
+    far = sum(part / max(float(part[usable].max(initial=0.0)), 1e-300) for part in (dear, weight))
+    kept = np.zeros_like(usable)
+    np.put_along_axis(kept, np.argpartition(far, near, axis=1)[:, :near], True, axis=1)
+    np.put_along_axis(kept, np.argpartition(far, near, axis=0)[:near], True, axis=0)
+    return kept & usable
+
+
+def _followed(walks: list[_Walks], rows: _Rows, stop: Stop) -> tuple[Floats, float]:
+    """Prices that follow the best walk of each type."""
+    n = len(rows.required)
+    heavy = np.ones(n + 1)
+
+    def look(prices: Floats) -> tuple[float, Floats]:
+        value, slope = rows.worth(prices)
+        price = np.append(0.0, prices)
+        found = []
+        for w in walks:
+            values, before, _ = w.ahead(stop, price, heavy)
+            found.append((*w.best(values), before))
+        if stop.reached():
+            return -math.inf, slope
+        for k, w, (least, node, before) in zip(rows.routes([f[0] for f in found]), walks, found, strict=True):
+            if k and math.isfinite(least):
+                visits = np.zeros(n + 1)
+                w.visits(before, node, int(w.ends[node]), 0, float(k), visits)
+                value, slope = value + k * least, slope - visits[1:]
+            elif k:
+                return -math.inf, slope
+        return value, slope
+
+    usable = np.concatenate([w.cost[w.usable] for w in walks])
+    dearest = float(np.abs(usable).max(initial=0.0))
+    starts = _starts(walks, rows, dearest)
+    begun = [(look(prices)[0], k) for k, prices in enumerate(starts)]
+    value, k = max(begun)
+    if not math.isfinite(value):
+        return starts[0], value
+    return ascend(look, starts[k], 1e-3 * dearest or 1.0, 1e3 * (len(usable) + 1) * (dearest + 1.0), stop, patience=10)
+
+
+def _starts(walks: list[_Walks], rows: _Rows, dearest: float) -> list[Floats]:
+    """Prices to begin with: shares of the cheapest moves for required customers; for the others what a visit gains less the worth of the
+    resource that it takes at least, as in a knapsack."""
+    cost = np.min([np.where(w.usable, w.cost, dearest) for w in walks], axis=0)
+    closest = np.maximum(cost[:, 1:].min(axis=0), 0.0)
+    gain = np.maximum(0.0, -np.min([np.where(w.usable, w.cost, 0.0)[:, 1:].min(axis=0) for w in walks], axis=0))
+    need = np.min([_needs(w) for w in walks], axis=0)
+    room = float(sum(c * float(w.top) for c, w in zip(rows.counts, walks, strict=True)))
+    order = np.argsort(-gain / np.maximum(need, 1e-9), kind="stable")
+    last = order[min(int(np.searchsorted(np.cumsum(need[order]), room)), len(order) - 1)]
+    rate = float(gain[last] / max(need[last], 1e-9))
+    made = [np.where(rows.required, share * closest, -np.maximum(0.0, gain - share * rate * need)) for share in (0.0, 0.6, 1.0, 1.4, 2.0)]
+    return [np.where(rows.required, closest, -gain), *made]
+
+
+def _needs(walks: _Walks) -> Floats:
+    """Half of the two least weights of moves at each customer, in steps."""
+    weight = np.where(walks.usable, walks.resource.weight, math.inf)
+    ends = np.concatenate([weight[:, 1:], weight[1:].T])
+    two = np.partition(np.minimum(ends[: len(weight)], ends[len(weight) :]), 1, axis=0)[:2]
+    made: Floats = np.where(np.isfinite(two).all(axis=0), two.sum(axis=0), 0.0) / (2.0 * walks.step)
+    return made
+
+
+def _shared_out(moves: VehicleMoves, walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> tuple[Floats, float]:
+    """Prices on the moves that are looked at, then, where these are not all, lowered until they hold for all."""
+    heavy = np.append(0.0, weights)
+    if len(walks.tails) >= (np.isfinite(moves.cost[1:, 1:])).sum():
+        return _shared(walks, rows, heavy, stop, _begun(walks, heavy, stop), SHARE)
+    prices, _ = _shared(walks, rows, heavy, stop.within(0.6 * stop.seconds_left), _begun(walks, heavy, stop), SHARE)
+    every = np.isfinite(moves.cost)
+    step = _step(walks.resource, int(every.sum()), WORK_PER_SECOND * min(stop.seconds_left, 10.0) / 6.0, 20)
+    return _shared(_Walks(moves.cost, walks.resource, step, every), rows, heavy, stop, np.append(0.0, prices), 0.0)
+
+
+def _shared(walks: _Walks, rows: _Rows, heavy: Floats, stop: Stop, price: Floats, share: float) -> tuple[Floats, float]:
+    """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with."""
+    from .state_space_kernels import best_through
+
+    n = len(rows.required)
+    best, best_price = -math.inf, price
+    rate, how = np.full(n + 1, math.inf), np.zeros((n + 1, 4), np.int64)
+    waited, steady = 0, share == 0.0
+    average = np.zeros(n + 1)
+    tops = np.unique(np.linspace(0, walks.top, TOPS + 1)[1:].astype(np.int64))
+    while not stop.reached():
+        ahead, before, load = walks.ahead(stop, price, heavy)
+        back, after, rest = walks.back(stop, price, heavy)
+        if stop.reached():
+            break
+        least, _ = walks.best(ahead)
+        value = float(price.sum()) + (rows.fewest if least > 0 else rows.counts[0]) * least
+        if value > best:
+            waited = 0 if value > best + 1e-4 * abs(best) else waited + 1
+            best, best_price = value, price
+        else:
+            waited += 1
+        best_through(ahead, before, load, back, after, rest, walks.lower, walks.upper, heavy, tops, rate, how)
+        visits, lift = np.zeros(n + 1), np.zeros(n + 1)
+        for i in np.nonzero(np.isfinite(rate))[0].tolist():
+            level, left, x, y = how[i].tolist()
+            mine = np.zeros(n + 1)
+            walks.visits(before, i, level, x, 1.0, mine)
+            walks.visits_back(after, i, left, y, 1.0, mine)
+            mine[i] -= 1.0
+            lift[i] = heavy[i] * rate[i]
+            visits += heavy[i] / float(mine @ heavy) * mine
+        slope = 1.0 - visits
+        slope[0] = 0.0
+        average = 0.5 * average + slope
+        length = float(average @ average)
+        if waited > PATIENCE:
+            share, waited = share / 2.0, 0
+            if share < 1e-4 or steady:
+                break
+        price = price + lift
+        if length > 0:
+            price = price + share * abs(float(price.sum())) / length * average
+    return best_price[1:], best
+
+
+def _begun(walks: _Walks, heavy: Floats, stop: Stop) -> Floats:
+    """To each customer his share of a walk through him that is as full as can be: prices that no walk beats."""
+    free = np.zeros(len(heavy))
+    ahead, _, _ = walks.ahead(stop, free, heavy)
+    back, _, _ = walks.back(stop, free, heavy)
+    at, rest = np.maximum(walks.upper, 0), np.maximum(walks.back_upper, 0)
+    nodes = np.arange(len(heavy))
+    least = ahead[nodes, at, 0] + back[nodes, rest, 0]
+    full = max(float(heavy.max()), walks.top * float(heavy[1:].sum()) / max(1.0, float(np.minimum(walks.first[1:], walks.top).sum())))
+    return np.where(np.isfinite(least), least, 0.0) * heavy / full
+
+
+def _lacks(problem: Problem) -> frozenset[str]:
+    """Other families, objectives in which more of a cost is better, and features that nothing is known of."""
+    if problem.family != "routing":
+        return frozenset({f"{problem.family} problems"})
+    unknown = unknown_features(without_stops(problem))  # type: ignore[arg-type]
+    if not len(problem.customers):  # type: ignore[attr-defined]
+        unknown = unknown | {"no customers"}
+    return unknown if terms_of(problem) is not None else unknown | {"objective:weights"}  # type: ignore[arg-type]
+
+
+def _prepare() -> None:
+    from . import state_space_kernels as state_space_kernels  # compiles, or loads what was compiled before
+
+
+BOUNDS.add("state-space", BoundMethod("state-space", _lacks, state_space_bound, order=1, prepare=_prepare))

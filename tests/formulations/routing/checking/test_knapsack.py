@@ -1,0 +1,57 @@
+"""The knapsack bound of rewards never excludes the optimum, and is the fractional knapsack at the critical ratio."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from exact_routing import best_values
+from small_routing import WHOLE_FAMILY, small, varied
+
+from waybound.formulations.routing.checking.knapsack import RESOURCES, check_knapsack
+from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.errors import InputError
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+
+GOALS = (Reward(), TotalCost() - Reward(), TotalCost() + Penalties(), Reward() - 0.25 * Makespan())
+
+
+@pytest.mark.parametrize("feature", [*WHOLE_FAMILY, "reward", "prizes"])
+def test_no_price_excludes_the_optimum(feature):
+    for seed in range(2):
+        problem = varied(feature, seed, 3) if feature in WHOLE_FAMILY else small(feature, seed, "round")
+        asked = replace(problem, objective=Objective.of(GOALS[seed % len(GOALS)]))
+        best = best_values(asked)
+        for resource in RESOURCES if best is not None else ():
+            for rate in (-1.0, 0.0, 0.3, 1.0, 7.0):
+                bound = check_knapsack(asked, {"resource": resource, "rate": rate})
+                assert bound <= float(best[0]) + 1e-9 if asked.sense == "min" else bound >= float(best[0]) - 1e-9
+
+
+def star(rewards, limit, term=None):
+    """Each site is 1 from the depot and 2 from the others."""
+    n = len(rewards) + 1
+    matrix = np.full((n, n), 2.0)
+    matrix[0] = matrix[:, 0] = 1.0
+    np.fill_diagonal(matrix, 0.0)
+    sites = Sites.of(range(n), reward=[7.0, *rewards], required=[False] * n)
+    return RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix), (VehicleType(count=1, max_distance=limit),), term or Reward())
+
+
+def test_each_visit_takes_half_of_its_cheapest_moves():
+    # Each takes 1, and of a limit of 4 half of the first and of the last move are gone: the best three. A price of 0 lets all pass.
+    problem = star([9.0, 8.0, 5.0, 1.0], 4.0)
+    assert check_knapsack(problem, {"resource": "distance", "rate": 5.0}) == 29.0
+    assert check_knapsack(problem, {"resource": "distance", "rate": 0.0}) == 30.0
+    assert check_knapsack(problem, {"resource": "load", "rate": 5.0}) == math.inf
+
+
+def test_other_objectives_and_malformed_evidence():
+    assert check_knapsack(star([1.0], 4.0, Reward() + TotalCost()), {"resource": "distance", "rate": 1.0}) == math.inf
+    for wrong in ({"rate": math.nan}, {"resource": "order"}):
+        with pytest.raises(InputError):
+            check_knapsack(star([1.0], 4.0), {"resource": "distance", "rate": 1.0} | wrong)
