@@ -14,7 +14,7 @@ from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.ortools import STATUS_MAP, ORTools
-from waybound.solvers.engines.ortools_model import Model, short_ways
+from waybound.solvers.engines.ortools_model import short_ways
 from waybound.solvers.engines.routing_integers import integer_routing
 
 
@@ -23,35 +23,6 @@ def test_every_status_of_the_library_has_one_of_ours() -> None:
 
     assert set(STATUS_MAP) == set(routing_enums_pb2.RoutingSearchStatus.Value.keys())
     assert all(status in STATUSES and limit in LIMITS for status, limit in STATUS_MAP.values())
-
-
-def test_it_asks_for_a_process_because_it_holds_the_global_lock() -> None:
-    # The lock is held during the whole search: a thread that should tick every 10 ms hears nothing.
-    import threading
-    import time
-
-    assert ORTools.needs_process
-    problem = small("time-windows", 0, "exact")
-    model = Model(problem, integer_routing(problem), 5)
-    ticks: list[float] = []
-    done = threading.Event()
-
-    def tick() -> None:
-        while not done.wait(0.01):
-            ticks.append(time.perf_counter())
-
-    from waybound.solvers.engines.ortools import _parameters
-
-    parameters = _parameters(Options(), 1.0)
-    thread = threading.Thread(target=tick)
-    thread.start()
-    began = time.perf_counter()
-    model.routing.SolveWithParameters(parameters)
-    ended = time.perf_counter()
-    done.set()
-    thread.join()
-    inside = [t for t in ticks if began + 0.1 < t < ended - 0.1]
-    assert len(inside) <= 1, "the library now releases the lock: needs_process can go"
 
 
 @pytest.mark.parametrize(
@@ -75,17 +46,6 @@ def test_options_of_the_library_are_taken_by_name(extra) -> None:
 def test_wrong_options_are_refused(extra, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         ORTools().run(small("capacity", 0, "round"), Options(extra=extra), Control())
-
-
-def test_answers_that_leave_customers_out_are_not_published() -> None:
-    problem = small("capacity", 0, "round")
-    model = Model(problem, integer_routing(problem), 5, droppable=True)
-    assert model.routing.GetNumberOfDisjunctions() == len(problem.customers)
-    seen = []
-    control = Control(seen.append)
-    result = ORTools().run(problem, Options(time_limit=1, iterations=50), control)
-    assert problem.evaluate(control.answer).feasible
-    assert problem.evaluate(result.answer).feasible
 
 
 def collecting(seed: int) -> RoutingProblem:
