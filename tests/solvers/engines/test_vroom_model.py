@@ -8,6 +8,7 @@ from small_routing import small
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.instance import VehicleType
 from waybound.solvers.backend import BACKENDS
 from waybound.solvers.engines.routing_integers import integer_routing
 from waybound.solvers.engines.vroom_model import LARGEST, Model
@@ -20,10 +21,10 @@ def model(problem: RoutingProblem, most: int = 5) -> Model:
 
 
 def test_types_that_no_route_can_use_are_left_out() -> None:
-    problem = small("capacity", 0, "round")
-    late = replace(problem.fleet[0], count=2, shift=(50.0, 60.0), name="late")
-    closed = replace(problem.sites, due=np.array([40.0, *problem.sites.due[1:]]))
-    assert model(replace(problem, sites=closed, fleet=(late, replace(problem.fleet[0], count=3)))).types == [1, 1, 1]
+    problem = small("multiple-depots", 0, "round")
+    n = len(problem.sites)
+    sites = replace(problem.sites, ready=np.array([50.0] + [0.0] * (n - 1)), due=np.array([np.inf, 20.0] + [np.inf] * (n - 2)))
+    assert model(replace(problem, sites=sites, fleet=(VehicleType(2, start=0, end=1), VehicleType(3)))).types == [1, 1, 1]
 
 
 def test_it_costs_what_the_problem_says() -> None:
