@@ -22,7 +22,7 @@ from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike,
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
-from .arcs import too_many_arcs
+from .arcs import lacks_arc_costs, too_many_arcs
 from .level_ascent import ascend
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ ROUNDS = 40
 CHECKED = 3e8
 """Moves times steps that the check may take."""
 
-NEIGHBOURS = 20
+NEIGHBOURS = 12
 """Moves into a customer, the cheapest ones, that are always looked at."""
 
 MANY_ROUTES = 4
@@ -61,7 +61,7 @@ PATIENCE = 4
 """Steps without a rise after which they are halved."""
 
 BUDGET = 0.7
-"""Part of the time that is left; other methods come later."""
+"""Part of the time that is left, where other methods come later."""
 
 LEAST_STEPS = 400
 """Where prices follow single walks, of which each has many visits."""
@@ -184,7 +184,7 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     ----------
     problem : RoutingProblem
     stop : Stop
-        Seven tenths of what it leaves are used, less where the ascent stalls.
+        Less is used where the ascent stalls, or other methods come later.
     linear : unused
         No program is solved.
 
@@ -194,7 +194,8 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     """
     if too_many_arcs(problem, stop.seconds_left):
         return None
-    stop = stop.within(BUDGET * stop.seconds_left)
+    if not lacks_arc_costs(problem):
+        stop = stop.within(BUDGET * stop.seconds_left)
     sites, customers, relaxed = problem.sites, problem.sites.customers, without_stops(problem)
     terms = terms_of(problem)
     assert terms is not None
@@ -257,7 +258,7 @@ def _resource(problem: RoutingProblem, moves: list[VehicleMoves]) -> str:
             need = min(need, float(least.sum()) / room if room > 0 else 0.0)
         if name == "time" and np.isfinite(problem.sites.due[problem.customers]).any():
             need *= 2.0
-        found[name] = need
+        found[name] = need * (1e-6 if name == "order" else 1.0)  # where nothing else is limited
     return max(found, key=found.__getitem__)
 
 

@@ -27,7 +27,11 @@ def excluded(problem, bound, best):
 def test_no_prices_however_wrong_exclude_the_optimum(feature):
     judged = 0
     for seed in range(3):
-        problem = varied(feature, seed, 3) if feature in WHOLE_FAMILY else small(feature, seed, "round")
+        problem = (
+            varied(feature, seed, 2 if feature in ("recharging", "initial-energy") else 3)
+            if feature in WHOLE_FAMILY
+            else small(feature, seed, "round")
+        )
         optimum, rng = best_values(problem), np.random.default_rng(seed)
         if optimum is None:
             continue

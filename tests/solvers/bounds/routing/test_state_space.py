@@ -11,7 +11,6 @@ from small_routing import FEATURES, WHOLE_FAMILY, plane, small, varied
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
 from waybound.solvers.bounds import BOUNDS
-from waybound.solvers.bounds.routing import state_space
 from waybound.solvers.bounds.routing.state_space import state_space_bound
 from waybound.solvers.linear_programs import LinearPrograms
 
@@ -26,7 +25,7 @@ def gap(problem, seconds=5.0):
 
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, *FEATURES])
 def test_every_problem_of_the_family_has_a_verified_bound(feature):
-    for seed in range(2):
+    for seed in range(1, 3):
         problem = varied(feature, seed, 3) if feature in WHOLE_FAMILY else small(feature, seed, "round")
         best = best_values(problem)
         if best is None:
@@ -35,7 +34,7 @@ def test_every_problem_of_the_family_has_a_verified_bound(feature):
         for name in CHEAP:
             method = BOUNDS[name]
             if not method.missing(problem):
-                evidence = method.evidence(problem, Stop(0.3), LinearPrograms())
+                evidence = method.evidence(problem, Stop(0.1), LinearPrograms())
                 found += [] if evidence is None else [verified_bound(problem, evidence)]
         sign = 1.0 if problem.sense == "min" else -1.0
         assert any(math.isfinite(bound) for bound in found)
@@ -62,11 +61,3 @@ def test_it_stops_and_leaves_time_to_others():
     assert state_space_bound(problem, Stop(0.0)) is None
     evidence = state_space_bound(problem, NEVER.within(0.05))
     assert evidence is None or verified_bound(problem, evidence) > -math.inf
-
-
-def test_fewer_moves_are_looked_at_where_there_is_no_time_for_all(monkeypatch):
-    problem = plane(2, 60, 40.0)
-    all_moves = gap(problem, 3.0)
-    monkeypatch.setattr(state_space, "WORK_PER_SECOND", 1.0)
-    monkeypatch.setattr(state_space, "NEIGHBOURS", 8)
-    assert 0.8 * all_moves <= gap(problem, 3.0) <= 1.05 * all_moves
