@@ -1,10 +1,10 @@
 from __future__ import annotations
 
 import pytest
-from exact_routing import best_values
 from small_routing import small
 
 from waybound.instances.errors import UsageError
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.ortools import STATUS_MAP, ORTools
 from waybound.solvers.engines.ortools_model import Model

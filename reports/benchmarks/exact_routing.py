@@ -15,11 +15,11 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from exact_base import PARTS, Truth, Values
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.routing.instance import VehicleType
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.routing.routes import Route, Routes
+from ...instances.routing.instance import VehicleType
+from .exact_base import PARTS, Truth, Values
 
 
 def scale_of(*arrays: Any) -> int:
@@ -278,6 +278,11 @@ class RoutingTruth(Truth):
                 if not vehicle.stations or (kind, served, found) not in same:
                     same.add((kind, served, found))
                     self.driven[kind, visits] = found
+        self.by_first: dict[int, list[tuple[tuple[int, tuple[int, ...]], frozenset[int]]]] = {}
+        for route in self.driven:
+            served = frozenset(k for k in route[1] if not s.depot[k])
+            if served:
+                self.by_first.setdefault(min(served), []).append((route, served))
         if timed:  # a duration is the difference of two clocks
             self.size = Fraction(roads.clock, self.unit)
         self._extend(frozenset(roads.customers), {c for c in roads.customers if s.required[c]}, [], [0] * len(fleet))
@@ -293,10 +298,9 @@ class RoutingTruth(Truth):
         first = min(rest)
         if first not in must:
             self._extend(rest - {first}, must, routes, used)
-        for kind, visits in self.driven:
+        for (kind, visits), served in self.by_first.get(first, ()):
             limit = self.problem.fleet[kind].count
-            served = {k for k in visits if not self.problem.sites.depot[k]}
-            if first in served and rest.issuperset(served) and (limit is None or used[kind] < limit):
+            if rest.issuperset(served) and (limit is None or used[kind] < limit):
                 used[kind] += 1
                 self._extend(rest.difference(served), must, [*routes, (kind, visits)], used)
                 used[kind] -= 1
