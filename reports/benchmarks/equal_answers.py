@@ -134,7 +134,10 @@ class _Examined:
         """All evidence that is found in a moment, beside an optimum."""
         began = time.perf_counter()
         best = self.problem.evaluate(self.truth.samples[0]) if self.truth.samples else None
-        fault = self.certified(certify(self.problem, best, find_bounds(self.problem, BOUND_TIME)), best)
+        try:
+            fault = self.certified(certify(self.problem, best, find_bounds(self.problem, BOUND_TIME)), best)
+        except CheckFailedError as contradiction:
+            fault = str(contradiction)
         self.note("bounds", "", FALSE if fault else AGREES, began, fault)
 
     def exact(self, solver: str, made: Compiled) -> None:

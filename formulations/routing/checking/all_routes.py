@@ -15,6 +15,7 @@ import numpy as np
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
 from .infeasible_site import verdict
+from .known_features import own_moves
 from .route_limits import Limits, allowed, limits_of, summable
 
 if TYPE_CHECKING:
@@ -25,7 +26,10 @@ MOST_ORDERS = 20_000
 """Orders of some of the customers, times types of vehicle: 7 customers of one type, 6 of 10, 5 of 61."""
 
 PEAKS = frozenset({"longest-route", "makespan"})
-"""Terms that are the largest of all routes; the others are sums."""
+"""Terms that are the largest of all routes."""
+
+SUMS = frozenset({"total-cost", "reward", "vehicles"})
+"""Terms that are sums over routes."""
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -40,13 +44,16 @@ def orders(problem: RoutingProblem) -> float:
 def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """The optimum of the first level, as far as rounding lets it be told, or that there is no answer; nothing of ``data`` is read.
 
-    Nothing is proved where there are too many routes (``MOST_ORDERS``), or the objective mixes the largest of all routes with other terms.
+    Nothing is proved where there are too many routes (``MOST_ORDERS``), or the objective mixes the largest of all routes with other terms,
+    or has terms that are neither.
     """
     if problem.family != "routing":
         raise InputError("all routes are evidence for routing problems", found=problem.family)
     level = problem.objective.levels()[0].terms
     peak = any(term.name in PEAKS for _, term in level)
     if orders(problem) > MOST_ORDERS or not summable(problem) or (peak and (len(level) > 1 or level[0][0] < 0)):
+        return verdict(problem, proved=False)
+    if not {term.name for _, term in level} <= PEAKS | SUMS:
         return verdict(problem, proved=False)
     least = problem.sense == "min"
     doubt, n = 0.0, len(problem.sites.customers)
@@ -87,7 +94,7 @@ def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tu
     """By set of customers, a mask, what the best route through it adds to the objective, and by how much that may be off."""
     sites, terms = problem.sites, {term.name: weight for weight, term in problem.objective.levels()[0].terms}
     at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
-    far, busy = problem.travel.distances[np.ix_(at, at)].tolist(), limits.busy.tolist()
+    far, busy = own_moves(problem, vehicle)[0][np.ix_(at, at)].tolist(), limits.busy.tolist()
     ready, demand, reward = limits.ready.tolist(), limits.demand.tolist(), sites.reward[at].tolist()
     due, budgets = [limits.latest(d) for d in limits.due.tolist()], [(way.tolist(), limit) for way, limit in limits.budgets]
     opening, capacity, end, least = ready[0], allowed(limits.capacity), len(at) - 1, problem.sense == "min"
