@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -181,7 +181,10 @@ def _several_windows(d: _Draft) -> None:
 def _skills(d: _Draft) -> None:
     first, *others = d.pick(2)
     d.sites["skills"] = {first: ["cold"], **{k: ["cold", "tall"] for k in others if d.chance(0.4)}}
-    _second(d, skills=frozenset({"cold", "tall"}), count=int(d.rng.integers(1, 3)))
+    if d.chance(0.3):
+        d.vehicle["skills"] = frozenset({"cold", "tall"})
+    else:
+        _second(d, skills=frozenset({"cold", "tall"}), count=int(d.rng.integers(1, 3)))
 
 
 def _energy(d: _Draft, charge: str, **more: Any) -> None:
@@ -243,7 +246,7 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
     "overtime": _set(regular_duration=lambda d: d.around_times(0.3, 0.9), unit_overtime_cost=lambda d: 3.0),
     "shifts": _set(shift=lambda d: (d.number(3, 12), d.number(14, 30) + d.around_times(0.5, 1.5))),
     "vehicle-speeds": lambda d: _second(d, speed=2.0) if d.chance(0.6) else d.vehicle.update(speed=0.5),
-    "vehicle-travel": lambda d: _second(d, travel=d.own_matrix()),
+    "vehicle-travel": lambda d: _second(d, travel=d.own_matrix()) if d.chance(0.7) else d.vehicle.update(travel=d.own_matrix()),
     "several-loads": _several_loads,
     "pickups": _pickups,
     "shipments": _shipments,
@@ -269,7 +272,7 @@ PAID = {"duration-cost", "overtime", "fixed-cost", "unit-cost"}
 """Features that total cost alone knows."""
 
 NEEDED = {"rewards": "objective:reward", "penalties": "objective:penalties", **dict.fromkeys(PAID, "objective:total-cost")}
-"""What an objective must hold for a feature to matter."""
+"""What an objective must hold for a feature to matter, unless another one is asked for."""
 
 
 def _most(wanted: tuple[str, ...]) -> int:
@@ -279,8 +282,7 @@ def _most(wanted: tuple[str, ...]) -> int:
 
 
 def _goal(d: _Draft) -> Objective:
-    needs = {NEEDED.get(name, name) for name in d.wanted}
-    needs = {name for name in needs if name.startswith("objective:")}
+    needs = {name for name in d.wanted if name.startswith("objective:")} or {NEEDED[name] for name in d.wanted if name in NEEDED}
     able = [goal for goal in map(Objective.of, GOALS) if needs <= goal.features()]
     if not able:
         raise InputError("no objective has all of these")
@@ -321,15 +323,12 @@ def _made(rng: np.random.Generator, wanted: tuple[str, ...], name: str) -> Routi
     if "count" not in d.vehicle and d.chance(0.4):
         d.vehicle["count"] = int(rng.integers(1, 4))
     travel = replace(d.travel, duration_matrix=d.durations, closing=d.closing)
-    first = VehicleType(**d.vehicle, name="first")
-    fleet = [first]
-    for k, other in enumerate(d.others):
-        own = other.get("travel")
-        changes = {
-            **other,
-            "travel": own if own is None else Travel(EXPLICIT, matrix=own, closing=d.closing, convention=d.travel.convention),
-        }
-        fleet.append(replace(first, name=f"type-{k + 2}", **changes))
+    fleet: list[VehicleType] = []
+    for k, changes in enumerate(({}, *d.others)):
+        given = {"name": f"type-{k + 1}", **d.vehicle, **changes}
+        if "travel" in given:
+            given["travel"] = Travel(EXPLICIT, matrix=given["travel"], closing=d.closing, convention=d.travel.convention)
+        fleet.append(VehicleType(**given))
     total = fleet_size(fleet)
     least = d.min_vehicles if total is None else min(d.min_vehicles, total)
     sites = Sites.of(range(d.size), depot=d.depot, coordinates=d.xy, **d.sites)
@@ -339,6 +338,16 @@ def _made(rng: np.random.Generator, wanted: tuple[str, ...], name: str) -> Routi
 def features_of(problem: RoutingProblem) -> frozenset[str]:
     """All that a problem asks and its data hold; an asymmetric matrix has no name of its own."""
     return problem.features() | features(problem)
+
+
+def with_features(wanted: Sequence[str], seed: int) -> RoutingProblem | None:
+    """A problem drawn for these features; None where they do not go together, or came to nothing in this one."""
+    rng = np.random.default_rng([seed, *"".join(wanted).encode()])
+    try:
+        made = _made(rng, tuple(wanted), f"{'-'.join(wanted)}-{seed}")
+    except InputError:
+        return None
+    return made if features_of(made) >= set(wanted) else None
 
 
 def drawn(seed: int, number: int) -> RoutingProblem:
