@@ -28,6 +28,7 @@ from ...formulations.tolerance import EQUAL
 from ...heuristics.heuristic import HEURISTICS
 from ...instances.errors import CheckFailedError, UnsupportedError
 from ...solvers.backend import BACKENDS, Control, Engine, Options, solver_named
+from ...solvers.program_backend import ProgramBackend
 from ...solving.bounding import find_bounds
 from ...solving.listing import missing_features
 from ...solving.solve import solve
@@ -118,8 +119,8 @@ class _Examined:
         """What is false about a certificate, read back as from a file."""
         try:
             made = check_certificate(self.problem, json.loads(json.dumps(certificate.to_json(with_evidence=True))), evaluation)
-        except CheckFailedError as fault:
-            return f"its certificate does not hold: {fault}"
+        except CheckFailedError as error:
+            return f"its certificate does not hold: {error}"
         best, bound = self.truth.lenient, made.bound
         if made.infeasible and best is not None:
             return f"there is no answer, says {made.bound_source}"
@@ -143,15 +144,17 @@ class _Examined:
     def exact(self, solver: str, made: Compiled) -> None:
         """A program as its solver is given it, and what it answers before anybody else has a word."""
         began, backend = time.perf_counter(), solver_named(solver)
+        assert isinstance(backend, ProgramBackend)
         try:
-            result = backend.run(made.program, Options(time_limit=TIME_LIMIT), Control())  # type: ignore[attr-defined]
+            result = backend.run(made.program, Options(time_limit=TIME_LIMIT), Control())
         except UnsupportedError:
             self.note(solver, made.form, REFUSED, began)
             return
-        except Exception as fault:
-            self.note(solver, made.form, DIFFERS, began, f"{type(fault).__name__}: {fault}")
+        except Exception as error:
+            self.note(solver, made.form, DIFFERS, began, f"{type(error).__name__}: {error}")
             return
-        values, fault = (), ""
+        values: tuple[float, ...] = ()
+        fault = ""
         if result.answer is not None:
             answer = made.decode(result.answer)
             evaluation = self.problem.evaluate(answer)
@@ -172,8 +175,8 @@ class _Examined:
             solution = solve(self.problem, solver, form=form, time_limit=TIME_LIMIT, bound_time=BOUND_TIME)
         except UnsupportedError:
             return
-        except Exception as fault:
-            self.note("solve", "", FALSE, began, f"{type(fault).__name__} by {solver} through {form}: {fault}")
+        except Exception as error:
+            self.note("solve", "", FALSE, began, f"{type(error).__name__} by {solver} through {form}: {error}")
             return
         fault = self.certified(solution.certificate, solution.evaluation) or "; ".join(solution.faults)
         values = solution.objective if isinstance(solution.objective, list) else [solution.objective]
@@ -185,13 +188,14 @@ class _Examined:
 
     def engine(self, solver: str) -> None:
         """Its search ends where it has published an optimum, or when its work is done."""
-        began, engine, control = time.perf_counter(), BACKENDS[solver](), Control()
+        began, engine, control = time.perf_counter(), solver_named(solver), Control()
+        assert isinstance(engine, Engine)
         control.goal = lambda answer, objective: self.equal(self.problem.evaluate(answer).values)
-        work = {"iterations": WORK.get(solver, 200)} if "iterations" in engine.honours else {}
+        work: dict[str, Any] = {"iterations": WORK.get(solver, 200)} if "iterations" in engine.honours else {}
         try:
-            result = engine.run(self.problem, Options(time_limit=ENGINE_TIME, **work), control)  # type: ignore[arg-type]
-        except Exception as fault:
-            self.note(solver, "", FALSE, began, f"{type(fault).__name__}: {fault}")
+            result = engine.run(self.problem, Options(time_limit=ENGINE_TIME, **work), control)
+        except Exception as error:
+            self.note(solver, "", FALSE, began, f"{type(error).__name__}: {error}")
             return
         if result.answer is None:
             fault = f"says infeasible, optimum {self.record.optimum}" if result.status == "infeasible" and self.record.optimum else ""
@@ -203,8 +207,8 @@ class _Examined:
         began = time.perf_counter()
         try:
             solution = solve(self.problem, heuristic=name, time_limit=TIME_LIMIT, bound_time=0.0)
-        except Exception as fault:
-            self.note(name, "", FALSE, began, f"{type(fault).__name__}: {fault}")
+        except Exception as error:
+            self.note(name, "", FALSE, began, f"{type(error).__name__}: {error}")
             return
         if solution.answer is None or solution.evaluation is None:
             self.note(name, "", NOTHING if self.record.optimum else OPTIMUM, began)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -84,7 +84,7 @@ class Roads:
         )  # fmt: skip
         u = self.unit
         self.d, self.t = [ints(w.distances, u) for w in ways], [ints(t, u) for t in speeds]
-        self.closes = [None if w.closing is None else ints(w.closing, u) for w in ways]
+        self.closes: list[Any] = [None if w.closing is None else ints(w.closing, u) for w in ways]
         self.demand = [ints(a, u) for a in (s.demand, *s.further_demand.T)]
         self.pickup = [ints(a, u) for a in (s.pickup, *s.further_pickup.T)]
         self.reward, self.service, self.penalty = (ints(a, u) for a in (s.reward, s.service, s.penalty))
@@ -92,7 +92,7 @@ class Roads:
         self.windows = [[(ints(a, u), ints(b, u)) for a, b in w] for w in s.windows] or [[] for _ in s.ids]
         self.windows = [w or [(a, b)] for w, a, b in zip(self.windows, self.ready, self.due, strict=True)]
         self.shipments = [(x.pickup, x.delivery, [ints(v, u) for v in x.load]) for x in s.shipments]
-        self.skills = s.skills or [frozenset()] * len(s)
+        self.skills: Sequence[frozenset[str]] = s.skills or [frozenset()] * len(s)
         self.fleet, self.depot = fleet, s.depot
         self.customers = [k for k in range(len(s)) if not s.depot[k]]
         self.clock = 0
@@ -143,8 +143,8 @@ class Roads:
         return all(nearly(test) for test in [*tests, *self._run(kind, stops, self._opening(vehicle))[1]])
 
     def _opening(self, vehicle: VehicleType) -> int:
-        shift = ints(vehicle.shift[0], self.unit)
-        return self.ready[vehicle.start] if shift is None else max(self.ready[vehicle.start], shift)
+        shift, ready = ints(vehicle.shift[0], self.unit), int(self.ready[vehicle.start])
+        return ready if shift is None else max(ready, shift)
 
     def _run(self, kind: int, stops: tuple[int, ...], departure: int, home: bool = False) -> tuple[int, list[Any]]:
         """Clock at the last stop, service not begun if it is the return, and what the times are compared with."""
@@ -331,7 +331,7 @@ class RoutingTruth(Truth):
         }  # fmt: skip
         levels = self.problem.objective.levels()
         if self.mixed:  # what is added up may be far larger than what is left of it
-            self.size = max(self.size, sum(abs(Fraction(w) * Fraction(terms[t.name], u * u)) for w, t in levels[0].terms))
+            self.size = max(self.size, sum((abs(Fraction(w) * Fraction(terms[t.name], u * u)) for w, t in levels[0].terms), Fraction(0)))
         return tuple(sum((Fraction(w) * Fraction(terms[t.name], u * u) for w, t in level.terms), Fraction(0)) for level in levels)
 
     def value(self, answer: Any) -> Values | None:

@@ -91,7 +91,7 @@ class _Draft:
 
     def pick(self, count: int) -> list[int]:
         """Different customers."""
-        return (self.depots + self.rng.permutation(self.customers)[:count]).tolist()
+        return [int(k) for k in self.depots + self.rng.permutation(self.customers)[:count]]
 
     def _travel(self) -> Travel:
         sort = self.rng.random()
