@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import math
+import os
 import threading
 import time
 import weakref
@@ -83,11 +86,43 @@ class Stop:
             if left <= 0.0:
                 self._flag[0] = 1
             elif left < threading.TIMEOUT_MAX:
-                clock = threading.Timer(left, _set, (weakref.ref(self._flag),))
-                clock.daemon = True
-                clock.start()
-                weakref.finalize(self._flag, clock.cancel).atexit = False
+                _CLOCK.set_at(self._end, self._flag)
         return self._flag
+
+
+class _Clock:
+    """Sets flags at their instants: one thread for all of them, for a thread each would take longer than many a kernel."""
+
+    def __init__(self) -> None:
+        self._earlier = threading.Condition()
+        self._due: list[tuple[float, int, weakref.ref[Flag]]] = []
+        self._numbers = itertools.count()
+        self._thread: threading.Thread | None = None
+        self._room = 1000
+
+    def set_at(self, end: float, flag: Flag) -> None:
+        """Set the flag at ``end``, on the clock of ``time.perf_counter``, if somebody holds it then."""
+        with self._earlier:
+            if len(self._due) >= self._room:
+                self._due = [entry for entry in self._due if entry[2]() is not None]
+                heapq.heapify(self._due)
+                self._room = max(1000, 2 * len(self._due))
+            entry = (end, next(self._numbers), weakref.ref(flag))
+            heapq.heappush(self._due, entry)
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name="deadlines", daemon=True)
+                self._thread.start()
+            elif self._due[0] is entry:
+                self._earlier.notify()
+
+    def _run(self) -> None:
+        with self._earlier:
+            while True:
+                left = self._due[0][0] - time.perf_counter() if self._due else threading.TIMEOUT_MAX
+                if left > 0.0:
+                    self._earlier.wait(left)
+                else:
+                    _set(heapq.heappop(self._due)[2])
 
 
 class _Wish:
@@ -132,6 +167,17 @@ def _set(flag: weakref.ref[Flag]) -> None:
     if held is not None:
         held[0] = 1
 
+
+_CLOCK = _Clock()
+
+
+def _wind_up() -> None:
+    global _CLOCK
+    _CLOCK = _Clock()
+
+
+if hasattr(os, "register_at_fork"):  # a forked process has no thread but the one that forked
+    os.register_at_fork(after_in_child=_wind_up)
 
 NEVER = Stop()
 """For whoever has nobody to ask; nobody asks it."""

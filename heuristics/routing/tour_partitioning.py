@@ -123,7 +123,9 @@ def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = 
     most = len(order) if limit is None else max(0, limit - len(routes))
     if math.isinf(pieces.segment):
         routes = [Route(tuple(costs.nodes[order].tolist()))]
-    elif len(small):
+    elif not pieces.demand[small - 1].any():
+        routes += [Route(tuple(costs.nodes[small].tolist()))] if len(small) else []
+    else:
         last = cheapest_cut(stop.flag, pieces.demand[small - 1], pieces.segment, pieces.capacity, most, in_rows(costs.moves, small))
         routes += routes_of(costs.nodes[small], last)
     answer = Routes(tuple(routes)).canonical()

@@ -271,6 +271,7 @@ class RoutingTruth(Truth):
         roads, s, fleet = Roads(problem), problem.sites, problem.fleet
         self.roads, self.unit = roads, roads.unit
         self.driven: dict[tuple[int, tuple[int, ...]], Driven] = {}
+        self._first: dict[int, list[tuple[int, tuple[int, ...], frozenset[int]]]] = {k: [] for k in roads.customers}
         same: set[Any] = set()  # of routes that serve the same sites and add up to the same, one will do
         for kind, vehicle in enumerate(fleet):
             for visits, found in roads.routes(kind):
@@ -278,11 +279,8 @@ class RoutingTruth(Truth):
                 if not vehicle.stations or (kind, served, found) not in same:
                     same.add((kind, served, found))
                     self.driven[kind, visits] = found
-        self.by_first: dict[int, list[tuple[tuple[int, tuple[int, ...]], frozenset[int]]]] = {}
-        for route in self.driven:
-            served = frozenset(k for k in route[1] if not s.depot[k])
-            if served:
-                self.by_first.setdefault(min(served), []).append((route, served))
+                    if served:
+                        self._first[min(served)].append((kind, visits, served))
         if timed:  # a duration is the difference of two clocks
             self.size = Fraction(roads.clock, self.unit)
         self._extend(frozenset(roads.customers), {c for c in roads.customers if s.required[c]}, [], [0] * len(fleet))
@@ -298,9 +296,9 @@ class RoutingTruth(Truth):
         first = min(rest)
         if first not in must:
             self._extend(rest - {first}, must, routes, used)
-        for (kind, visits), served in self.by_first.get(first, ()):
+        for kind, visits, served in self._first[first]:  # as all that serve it and a lower one are taken or left out
             limit = self.problem.fleet[kind].count
-            if rest.issuperset(served) and (limit is None or used[kind] < limit):
+            if served <= rest and (limit is None or used[kind] < limit):
                 used[kind] += 1
                 self._extend(rest.difference(served), must, [*routes, (kind, visits)], used)
                 used[kind] -= 1

@@ -49,10 +49,11 @@ class Scale:
         return np.where(whole(scaled), np.rint(scaled), scaled) if self.exact else scaled
 
 
-def scale_of(*values: ArrayLike, fine: int = FINE) -> Scale:
-    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats; else ``fine``.
+def scale_of(*values: ArrayLike, fine: int = FINE, room: float = math.inf) -> Scale:
+    """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats.
 
-    Each times a power of two, where the largest value is very small or very large.
+    ``fine`` where none does, or where only that leaves them within ``room``. Each times a power of two, where the largest value is very
+    small or very large.
     """
     parts = [np.asarray(v, dtype=np.float64).ravel() for v in values]
     every = np.concatenate(parts) if parts else np.zeros(0)
@@ -62,11 +63,12 @@ def scale_of(*values: ArrayLike, fine: int = FINE) -> Scale:
         return Scale(1, True)
     exponent = math.frexp(largest)[1]
     other = math.ldexp(1.0, min(1000, _BASE - exponent))
+    rounded = Scale(plain((1.0 if _SMALL <= exponent <= _BASE else other) * fine), False)
     for unit in (1.0, other) if _SMALL <= exponent <= _WIDE else (other,):
         for factor in (1, 10, 100, 1000):
             if whole(every * unit * factor).all():
-                return Scale(plain(unit * factor), True)
-    return Scale(plain((1.0 if _SMALL <= exponent <= _BASE else other) * fine), False)
+                return rounded if rounded.factor * largest <= room < unit * factor * largest else Scale(plain(unit * factor), True)
+    return rounded
 
 
 def plain(factor: float) -> float:

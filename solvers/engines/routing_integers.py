@@ -8,7 +8,9 @@ feasible for the data.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -161,6 +163,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         If a value or a sum of them is beyond ``largest`` or ``total``; names the largest value.
     """
     sites, fleet = problem.sites, problem.fleet
+    scaled = partial(scale_of, fine=fine, room=_room(largest, total, len(sites)))
     goal = scalarised(problem)
     travels, profile = _profiles(problem)
 
@@ -173,11 +176,11 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
     times = [t for w in sites.windows for pair in w for t in pair]
     closings = [t.closing for t, _ in travels if t.closing is not None]
-    clock = scale_of(*(t.durations for t, _ in travels), *closings, served, sites.ready, sites.due, opening, regular, times, fine=fine)
+    clock = scaled(*(t.durations for t, _ in travels), *closings, served, sites.ready, sites.due, opening, regular, times)
     rates = np.concatenate([goal.unit, goal.maxima[1:2]])
-    per_unit = scale_of(rates, fine=fine)
+    per_unit = scaled(rates)
     others = (goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
-    length = scale_of(*(t.distances for t, _ in travels), *others, fine=fine)
+    length = scaled(*(t.distances for t, _ in travels), *others)
     priced = np.concatenate([goal.time, goal.overtime, goal.maxima[[0, 2]]])
     finer = _finer(priced * (per_unit.factor * length.factor / clock.factor))
     per_unit = Scale(plain(per_unit.factor * finer), per_unit.exact)
@@ -200,7 +203,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     opens = clock.up(opening - origin)
     latest_return = clock.down(opening - origin + budgets["elapsed-fixed-start"])
     closes = np.minimum(clock.down(closing - origin), latest_return)
-    loads, capacity, load = _loads(problem, fine)
+    loads, capacity, load = _loads(problem, scaled)
     made = IntegerRouting(
         moves=tuple(_moves(problem, t, at, length, clock, served, origin) for t, at in travels),
         profile=np.array(profile, dtype=np.int64),
@@ -265,7 +268,7 @@ def _moves(
     return Moves(distance, distance if length.exact else length.up(travel.distances), clock.up(travel.durations), charge, closing)
 
 
-def _loads(problem: RoutingProblem, fine: int) -> tuple[list[Integers], Integers, Scale]:
+def _loads(problem: RoutingProblem, scaled: Callable[..., Scale]) -> tuple[list[Integers], Integers, Scale]:
     """Demands, pickups and shipments, capacities, and the scale of them all."""
     sites, dimensions = problem.sites, problem.sites.dimensions
     carried = [np.column_stack([sites.demand, sites.further_demand]), np.column_stack([sites.pickup, sites.further_pickup])]
@@ -278,7 +281,7 @@ def _loads(problem: RoutingProblem, fine: int) -> tuple[list[Integers], Integers
     for k, vehicle in enumerate(problem.fleet):
         held = vehicle.capacities[:dimensions]
         room[k, : len(held)] = held
-    load = scale_of(*carried, shipped, fine=fine)
+    load = scaled(*carried, shipped)
     whole, capacity = [load.up(values) for values in (*carried, shipped)], load.down(room)
     common = max(1, int(np.gcd.reduce(np.concatenate([values.ravel() for values in whole]))))
     capacity = np.where(capacity == UNLIMITED, UNLIMITED, capacity // common)
@@ -293,8 +296,13 @@ def _finer(prices: Floats) -> int:
     return int(10 ** max(0, math.ceil(math.log10(_PRECISE / float(prices[prices > 0].min())))))
 
 
+def _room(largest: int, total: int, sites: int) -> int:
+    """What a single value may be, so that a sum along an answer, of two moves a site at most, fits too."""
+    return min(largest, total // max(1, 2 * sites))
+
+
 def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) -> None:
-    """Refuse data whose sums could overflow. Sums along an answer have at most two moves a site."""
+    """Refuse data whose sums could overflow."""
     singles = {
         "distance": (np.array([m.distance_up.max(initial=0) for m in made.moves]), made.scales["distance"]),
         "duration": (np.array([m.duration.max(initial=0) for m in made.moves]), made.scales["time"]),
@@ -312,7 +320,7 @@ def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) 
     }
     for what, (values, factor) in singles.items():
         top = int(values.max(initial=0))
-        limit = min(largest, total // max(1, 2 * sites)) // max(1, priced.get(what, 1))
+        limit = _room(largest, total, sites) // max(1, priced.get(what, 1))
         if top > limit:
             raise InputError(
                 f"the largest {what} is too large for an engine that counts in integers (scaled by {factor})",

@@ -57,7 +57,7 @@ def test_isolation_changes_nothing_but_the_process(solver: str) -> None:
 def test_demand_beyond_the_fleet_has_no_answer(solver: str) -> None:
     problem = small("capacity", 1, "round")
     problem = RoutingProblem(problem.sites, problem.travel, (VehicleType(1, 10.0),))
-    solution = wb.solve(problem, solver, time_limit=3, bound_time=0)
+    solution = wb.solve(problem, solver, time_limit=0.5, bound_time=0)
     assert solution.answer is None
     assert solution.status in ("infeasible", "unknown")
 
@@ -70,7 +70,7 @@ def test_an_interrupt_of_the_user_returns_a_verified_answer(solver: str) -> None
     xy = rng.uniform(0, 100, (61, 2))
     sites = Sites.of(range(61), demand=np.append(0.0, rng.uniform(1, 20, 60)), coordinates=xy)
     problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(capacity=100.0),))
-    threading.Timer(2.5, _thread.interrupt_main).start()
+    threading.Timer(1.0, _thread.interrupt_main).start()
     began = time.perf_counter()
     solution = wb.solve(problem, solver, time_limit=120, bound_time=0)
     assert time.perf_counter() - began < 15.0

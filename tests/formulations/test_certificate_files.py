@@ -113,6 +113,7 @@ def named(path: Path, beside: Path, packed: bytes) -> None:
         (gzip.compress(b""), "is empty"),
         (gzip.compress(b"[" * 200_000), "nested too deeply"),
     ],
+    ids=lambda given: given if isinstance(given, str) else "",  # packed bytes hold the instant: no name that two workers share
 )
 def test_what_is_no_packed_evidence_is_refused(written: Any, packed: bytes, says: str) -> None:
     _, path, beside = written

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import gc
+import os
 import threading
 import time
+from collections.abc import Callable
 
 import pytest
 
+import waybound.formulations.stop as stopping
 from waybound.formulations.kernels import kernel
 from waybound.formulations.stop import NEVER, Stop, Stopped, current_stop, until
 from waybound.formulations.stop_kernel import asked
@@ -75,15 +77,42 @@ def test_limits_beyond_all_clocks_are_no_limits(seconds: float) -> None:
     assert Stop(seconds).flag[0] == 0
 
 
-def test_no_clock_outlives_its_flag() -> None:
-    before = threading.active_count()
-    for _ in range(20):
-        assert Stop(60.0).flag[0] == 0
-    gc.collect()
-    deadline = time.perf_counter() + 2.0
-    while threading.active_count() > before and time.perf_counter() < deadline:
+def within(seconds: float, condition: Callable[[], bool]) -> bool:
+    end = time.perf_counter() + seconds
+    while not condition() and time.perf_counter() < end:
         time.sleep(0.01)
-    assert threading.active_count() <= before
+    return condition()
+
+
+def test_deadlines_are_kept_in_any_order() -> None:
+    flags = [Stop(seconds).flag for seconds in (60.0, 0.3, 0.1, 0.2, 30.0, 0.1)]
+    assert within(5.0, lambda: sum(int(flag[0]) for flag in flags) == 4)
+    assert [int(flag[0]) for flag in flags] == [0, 1, 1, 1, 0, 1]
+
+
+def test_deadlines_that_nobody_waits_for_are_forgotten() -> None:
+    kept = Stop(0.3).flag
+    for _ in range(5000):
+        assert Stop(1000.0).flag[0] == 0
+    assert len(stopping._CLOCK._due) <= 2000
+    assert within(5.0, lambda: kept[0] == 1)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+def test_a_forked_process_has_a_clock_of_its_own() -> None:
+    Stop(60.0).flag  # noqa: B018
+    child = os.fork()
+    if not child:  # pragma: no cover - in the child
+        flag = Stop(0.05).flag
+        time.sleep(1.0)
+        os._exit(int(flag[0]))
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 1
+
+
+def test_all_deadlines_share_a_thread() -> None:
+    before, held = threading.active_count(), [Stop(60.0).flag for _ in range(20)]
+    assert threading.active_count() <= before + 1
+    assert not any(flag[0] for flag in held)
 
 
 def test_the_innermost_block_says_when_to_give_up() -> None:

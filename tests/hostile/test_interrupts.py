@@ -230,7 +230,7 @@ def running_at(instant: float, case: Case, path: Path, folder: Path, rng: np.ran
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_answer(part, share, tally, instances, tmp_path) -> None:
     rng = np.random.default_rng(part)
-    few, many = 12 // PARTS, 200 // PARTS
+    few, many = 8 // PARTS, 200 // PARTS
     runs = share(few, many)
     order = np.concatenate([np.random.default_rng(7).permutation(len(CASES)) for _ in range(1 + 200 // len(CASES))])[part::PARTS]
     latest, faults, slowest = (0.8 if runs == few else 4.0), [], (0.0, "")

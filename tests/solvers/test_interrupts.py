@@ -94,7 +94,7 @@ a = sp.csr_matrix(rng.integers(0, 100, (m, n)).astype(float))
 half = np.floor(np.asarray(a.sum(axis=1)).ravel() / 2)
 x = Variables("x", keys=(np.arange(n),), lower=np.zeros(n), upper=np.ones(n), cost=np.zeros(n), integer=True)
 rows = Rows("r", keys=(np.arange(m),), indptr=a.indptr, indices=a.indices, data=a.data, lower=half, upper=half)
-threading.Timer(2.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+threading.Timer(0.8, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 solution = solve(Program("split", "min", (x,), (rows,)), sys.argv[1], time_limit=60, bound_time=0)
 print(solution.status, solution.limit)
 """

@@ -96,8 +96,8 @@ def test_those_who_tell_no_duals_solve_and_prove_nothing(name: str) -> None:
 
 @by_name([name for name in ("highs", "scip", "pulp", "mathopt:glop", "mathopt:highs", "cvxpy:CLARABEL") if name in SOLVERS])
 def test_a_wish_to_stop_from_another_thread_ends_the_program_that_runs(name: str) -> None:
-    hard, stop = cover(1600), Stop(120.0)
-    threading.Timer(0.3, stop.ask).start()
+    hard, stop = cover(1000), Stop(120.0)
+    threading.Timer(0.2, stop.ask).start()
     began = time.perf_counter()
     result = LinearPrograms(name).solve(hard, stop)
     assert (result.status, result.limit, result.answer) == ("unknown", "interrupt", None)

@@ -72,6 +72,12 @@ def test_one_way_distances_have_no_guarantee() -> None:
     assert found.guarantee is None and "not symmetric" in found.message
 
 
+def test_customers_without_demand_are_on_one_route_where_a_vehicle_carries_nothing() -> None:
+    problem = loaded([0, 1, 0, 2], 0.5)
+    found = run_heuristic(problem, "tour-partitioning", {}, 1)
+    assert sorted(sorted(route.visits) for route in found.answer) == [[1, 3], [2], [4]] and found.guarantee is None
+
+
 def test_a_fleet_too_small_is_said_and_has_no_guarantee() -> None:
     found = run_heuristic(loaded([4, 4, 4, 4], 10, count=1), "tour-partitioning", {}, 1)
     assert found.guarantee is None and "fleet of 1" in found.message

@@ -85,13 +85,13 @@ def test_a_crash_is_a_fault_with_its_instance_and_not_the_end_of_the_study(measu
 
 
 def test_a_guarantee_in_expectation_is_tested_on_the_mean(measured):
-    low = measured("bad-unlucky", repeats=60)
+    low = measured("bad-unlucky", repeats=60, instances=10)
     assert kinds(low) >= {"ratio"}
     assert "mean" in next(fault.message for fault in low.faults if fault.kind == "ratio")
 
 
 def test_single_runs_below_a_guarantee_in_expectation_are_no_fault(measured):
-    report = measured("lucky", repeats=60)
+    report = measured("lucky", repeats=60, instances=10)
     assert report.num_faults == 0
     assert any(math.isclose(row["mean_ratio"], 4 / 3, rel_tol=0.1) for row in report.rows)
     assert "Hoeffding" in " ".join(report.notes)

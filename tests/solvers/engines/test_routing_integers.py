@@ -194,3 +194,11 @@ def test_all_loads_are_counted_in_one_unit() -> None:
     assert (data.pickup[:, 0].tolist(), data.shipped.tolist()) == ([0, 4, 1], [[3, 0]])
     assert data.capacity.tolist() == [[4, 2], [UNLIMITED, UNLIMITED]]
     assert data.limited == [0, 1]
+
+
+def test_one_decimal_that_an_engine_has_no_room_for_is_rounded() -> None:
+    """14.9 in another unit still has one decimal; ten times as much is more than 32 bits hold."""
+    xy = np.array([[0.0, 0.0], [14.9, 0.0], [0.0, 14.9]]) * 2.0**30
+    problem = RoutingProblem(Sites.of(range(3)), Travel("euclidean", xy), (VehicleType(),))
+    made = integer_routing(problem, largest=2**32 - 1, total=2**32 - 1, fine=10)
+    assert made.moves[0].distance_up.max() < 2**30

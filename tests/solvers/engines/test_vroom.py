@@ -8,7 +8,7 @@ from small_routing import small
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Options
@@ -61,11 +61,12 @@ def test_a_feasible_start_is_used_and_another_is_not() -> None:
     assert run(problem, start=Routes.of([problem.customers.tolist()] * 2)).statistics["start"] == "refused"
 
 
-def test_numbers_that_32_bits_cannot_hold_are_refused() -> None:
+def test_numbers_that_32_bits_cannot_hold_are_rounded() -> None:
     xy = np.array([[0.0, 0.0], [1.0, 1.0], [2.0**31, 0.0]])
     problem = RoutingProblem(Sites.of(range(3), coordinates=xy), Travel("EUC_2D", xy), (VehicleType(),))
-    with pytest.raises(InputError, match="the largest distance is too large"):
-        run(problem)
+    found = run(problem)
+    assert found.statistics["scale"]["exact"] is False
+    assert problem.evaluate(found.answer).values == pytest.approx([2.0**32])
 
 
 def test_what_fractions_cost_is_told_by_the_problem_itself() -> None:
