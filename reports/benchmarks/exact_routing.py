@@ -58,8 +58,8 @@ class Driven:
 class Roads:
     """The data of a problem in whole numbers, and the routes that its vehicles can drive.
 
-    Between two customers a route is tried with no stop at the same depot twice, and, where vehicles reload but do not recharge, with one
-    stop at most: more are of no use. ``drive`` knows them all.
+    Between two customers, and at its ends, a route is tried with no stop at the same depot twice: a way through depots may be shorter than
+    the move, where the triangle inequality fails. ``drive`` knows more stops.
     """
 
     def __init__(self, problem: RoutingProblem) -> None:
@@ -112,8 +112,7 @@ class Roads:
         while begun:
             visits = begun.pop()
             since = list(itertools.takewhile(lambda k: self.depot[k], reversed(visits)))
-            depots = pauses if vehicle.stations else pauses if visits and not since else []
-            for site in [*self.customers, *(k for k in depots if k not in since)]:
+            for site in [*self.customers, *(k for k in pauses if k not in since)]:
                 if self.depot[site] or (site not in visits and self.skills[site] <= vehicle.skills):
                     longer = (*visits, site)
                     if self._on_the_way(kind, longer):
