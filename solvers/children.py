@@ -26,6 +26,9 @@ PREFIX = "waybound-"
 LOCK = "in-use"
 """File in each of them, locked while its maker lives."""
 
+UNLOCKED = "in-use.new"
+"""The same file until it is locked: a sweep could lock it first, and remove the folder of a living maker."""
+
 YOUNG = 60.0
 """Seconds within which a folder without a locked file may be one that is being made."""
 
@@ -100,8 +103,9 @@ def scratch() -> Iterator[Path]:
     with _lock:
         _folders.add(folder)
     try:
-        with (folder / LOCK).open("wb") as file:
+        with (folder / UNLOCKED).open("wb") as file:
             _locked(file)
+            (folder / UNLOCKED).rename(folder / LOCK)
             yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
@@ -124,8 +128,8 @@ def _sweep() -> None:
             if not folder.is_dir() or folder.is_symlink() or folder.stat().st_uid != os.getuid():
                 continue
             if not (folder / LOCK).exists():
-                if time.time() - folder.stat().st_mtime > YOUNG and not any(folder.iterdir()):
-                    folder.rmdir()
+                if time.time() - folder.stat().st_mtime > YOUNG and {path.name for path in folder.iterdir()} <= {UNLOCKED}:
+                    shutil.rmtree(folder, ignore_errors=True)
                 continue
             with (folder / LOCK).open("rb") as file:
                 if _locked(file):

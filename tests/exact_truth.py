@@ -14,8 +14,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from exact_base import PARTS, Truth, Values
-from exact_routing import RoutingTruth
 from exact_simplex import Tableau, bounded
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
@@ -26,6 +24,8 @@ from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
+from waybound.reports.benchmarks.exact_base import PARTS, Truth, Values
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 
 def truth(problem: Problem) -> Truth:

@@ -1,4 +1,4 @@
-"""The small routing instances that tests share, and what every form has to fulfil; the truth is that of ``exact_routing``."""
+"""The small routing instances that tests share, and what every form has to fulfil."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth, best_values
 from hypothesis import strategies as st
 
 from waybound.formulations.programs.program import Program
@@ -15,6 +14,7 @@ from waybound.formulations.routing.objective import Objective, Reward, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 
 
 def optimum(problem: RoutingProblem) -> float | None:

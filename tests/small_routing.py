@@ -130,6 +130,10 @@ def varied(feature: str, seed: int, customers: int = 4) -> RoutingProblem:
         load = (float(rng.integers(1, 7)), 2.0) if np.ndim(held["demand"]) > 1 else (float(rng.integers(1, 7)),)
         held["shipments"] = [Shipment(where[0], where[1], load), *([Shipment(where[0], where[2], load)] if rng.random() < 0.3 else [])]
         required[list(where)] = bool(rng.random() < 0.5)
+        served = np.asarray(held["ready"]) + np.asarray(held["service"])
+        if timed and required[where[0]]:  # nothing is to be delivered before it can be picked up
+            ends = [x.delivery for x in held["shipments"]]
+            held["due"][ends] = np.maximum(held["due"][ends], served[where[0]])
     if feature == "groups":
         held["groups"] = [Group((where[0], where[1]), bool(rng.random() < 0.5))]
         required[[where[0], where[1]]] = False

@@ -87,7 +87,9 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         "latest-return": returns, "penalties": math.fsum(sites.penalty[left]),
     }  # fmt: skip
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
-    sizes = tuple(math.fsum(abs(w * terms[t.name]) for w, t in level.terms) for level in problem.objective.levels())
+    # Programs add up all penalties, and take away those of the sites that are visited.
+    added = {**terms, "penalties": math.fsum(sites.penalty)}
+    sizes = tuple(math.fsum(abs(w * added[t.name]) for w, t in level.terms) for level in problem.objective.levels())
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
     if held & {"duration-cost", "overtime", "objective:total-duration"}:
         quantities |= {"duration": terms["total-duration"], "overtime": math.fsum(overtime)}

@@ -207,6 +207,15 @@ class Objective(Composable):
         """Whether the levels are exactly these terms with weight 1."""
         return [level.terms for level in self._levels] == [((1.0, t()),) for t in terms]
 
+    def features(self) -> frozenset[str]:
+        """``objective:<term>`` for each term, ``objective:priorities`` and ``objective:weights``."""
+        found = {f"objective:{term.name}" for level in self._levels for _, term in level.terms}
+        if len(self._levels) > 1:
+            found.add("objective:priorities")
+        if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in self._levels):
+            found.add("objective:weights")
+        return frozenset(found)
+
     @property
     def senses(self) -> tuple[str, ...]:
         return tuple(level.sense for level in self._levels)

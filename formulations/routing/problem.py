@@ -243,18 +243,9 @@ class RoutingProblem(Problem):
         return digested(self)
 
     def features(self) -> frozenset[str]:
-        """Features a solver must support: those of ``instances.routing.features`` that restrict routes, ``objective:<term>`` for each term,
-        ``objective:priorities`` and ``objective:weights``.
-        """
-        levels = self.objective.levels()
-        found = {f"objective:{term.name}" for level in levels for _, term in level.terms}
-        if len(levels) > 1:
-            found.add("objective:priorities")
-        if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in levels):
-            found.add("objective:weights")
-        if self.forbidden is not None:
-            found.add("forbidden-moves")
-        return restrictions(self) | found
+        """Features a solver must support: those of ``instances.routing.features`` that restrict routes, and those of the objective."""
+        moves = frozenset() if self.forbidden is None else frozenset({"forbidden-moves"})
+        return restrictions(self) | self.objective.features() | moves
 
     @property
     def size(self) -> int:

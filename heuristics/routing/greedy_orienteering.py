@@ -13,7 +13,7 @@ from .insertion_steps.site_data import site_data
 
 FEATURES = frozenset(
     {
-        "objective:reward", "objective:priorities", "optional-sites", "capacity", "time-windows", "depot-windows", "service-times",
+        "objective:reward", "optional-sites", "capacity", "time-windows", "depot-windows", "service-times",
         "max-duration", "max-distance", "limited-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
     }
 )  # fmt: skip

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from hypothesis import HealthCheck, given, settings
 from oracles import optimum as first_level_optimum
 from oracles import small_problems
@@ -20,6 +19,7 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated
 

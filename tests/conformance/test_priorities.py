@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import small, varied
 
 import waybound as wb
@@ -31,6 +30,7 @@ from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, LevelClaim, Options, RawResult
 from waybound.solvers.backends.highs import Highs
 

@@ -1,16 +1,23 @@
-"""Nobody ignores a feature of a routing problem: what does not declare it refuses the problem by its name."""
+"""Nobody ignores a feature of a routing problem: what declares it solves small problems that have it, what does not refuses by its name."""
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections.abc import Callable
+from functools import cache
+
 import pytest
-from exact_routing import RoutingTruth
 from small_routing import WHOLE_FAMILY, simplified, varied
 
 from waybound.formulations.forms import FORMS
 from waybound.formulations.routing.checking.known_features import KNOWN
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UnsupportedError
-from waybound.solvers.backend import BACKENDS, Control, Engine, Options
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
+from waybound.reports.benchmarks.routing_variants import drawn, with_features
+from waybound.reports.tables.routing_features import ROWS, declared_by_engines, declared_by_forms, declared_by_heuristics, solvers_of_forms
+from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 from waybound.solvers.bounds import BOUNDS
 from waybound.solving.listing import missing_features
 from waybound.solving.solve import solve
@@ -21,18 +28,6 @@ FEATURES = [NAMES.get(name, name) for name in WHOLE_FAMILY]
 
 def problem(feature: str, seed: int = 1, customers: int = 3):
     return varied(next(k for k in WHOLE_FAMILY if NAMES.get(k, k) == feature), seed, customers)
-
-
-@pytest.mark.parametrize("feature", FEATURES)
-def test_forms_engines_and_heuristics_name_what_they_do_not_declare(feature):
-    asked = problem(feature)
-    assert feature in asked.features()
-    declaring = [*FORMS.values(), *(b for b in BACKENDS.values() if issubclass(b, Engine)), *HEURISTICS.values()]
-    for method in declaring:
-        family = getattr(method, "family", "routing") == "routing" and "routing" in getattr(method, "families", ("routing",))
-        if family and feature not in method.features:
-            made = method() if isinstance(method, type) else method
-            assert feature in made.missing(asked), method
 
 
 @pytest.mark.parametrize("feature", FEATURES)
@@ -114,3 +109,124 @@ def test_bounds_that_prove_nothing_say_why(feature):
     assert feature not in KNOWN
     for name in ("spanning-tree", "sifted-relaxation"):
         assert feature in BOUNDS[name].missing(asked)
+
+
+# -- every cell of the page on who takes what --------------------------------------------------------------------------
+
+
+@cache
+def pool():
+    """Problems of two or three sites, by their names."""
+    return {p.name: p for p in (drawn(7, number) for number in range(432)) if len(p.customers) in (2, 3)}
+
+
+@cache
+def truth(problem) -> RoutingTruth:
+    return RoutingTruth(problem)
+
+
+def is_optimal(problem, answer) -> bool:
+    """Whether an answer, which has to be feasible, has the values of the optimum."""
+    verdict = problem.evaluate(answer)
+    assert verdict.feasible, (problem.name, verdict.violations)
+    return verdict.values == pytest.approx([float(v) for v in truth(problem).lenient], rel=1e-6, abs=1e-9)
+
+
+def narrow(feature: str, features):
+    """Problems with a feature and little else, for what takes few."""
+    goals = sorted(name for name in features if name.startswith("objective:"))
+    drawn_for = (with_features(dict.fromkeys((feature, goal)), seed) for seed in range(40) for goal in goals)
+    return (problem for problem in drawn_for if problem is not None and len(problem.customers) in (2, 3))
+
+
+def cover(features, missing: Callable[..., frozenset[str]], solved: Callable[..., bool | None]) -> None:
+    """Have a few problems ``solved`` that together hold all of ``features``; None is a refusal for what the numbers are."""
+
+    def done(problem) -> bool:
+        said = None if missing(problem) or truth(problem).lenient is None else solved(problem)
+        assert said is not False, problem.name
+        return bool(said)
+
+    able = [problem for problem in pool().values() if not missing(problem)]
+    left = set(features) & set(ROWS)
+    while able and left:
+        problem = max(able, key=lambda p: len(p.features() & left))
+        able.remove(problem)
+        if not problem.features() & left:
+            break
+        left -= problem.features() if done(problem) else set()
+    for feature in sorted(left):
+        assert any(done(problem) for problem in narrow(feature, features)), feature
+
+
+FEW = {"two-index-load-flow", "three-index", "set-partitioning"}
+"""Forms that every solver is tried on in the fast suite: what it makes of one two-index program it makes of the others."""
+
+
+def pairs():
+    for forms, names in solvers_of_forms().items():
+        for form, name in itertools.product(forms, names):
+            yield pytest.param(form, name, marks=() if name == "highs" or form in FEW else pytest.mark.long, id=f"{name}-{form}")
+
+
+@pytest.mark.parametrize(("form", "solver"), [*pairs()])
+def test_exact_solvers_find_the_optimum_with_each_feature_of_a_form(form, solver):
+    if not BACKENDS[solver].installed():
+        pytest.skip(f"{solver} is not installed")
+
+    def solved(problem) -> bool | None:
+        made = problem.compile(form)
+        try:
+            result = solver_named(solver).run(made.program, Options(time_limit=60.0), Control())
+        except UnsupportedError:
+            return None
+        assert result.status == "optimal", (problem.name, result)
+        return is_optimal(problem, made.decode(result.answer))
+
+    cover(FORMS[form].features, FORMS[form].missing, solved)
+
+
+def test_engines_find_the_optimum_with_each_feature(engine_name):
+    engine, missed = BACKENDS[engine_name](), []
+
+    def solved(problem) -> bool | None:
+        control = Control()
+        control.goal = lambda answer, objective: is_optimal(problem, answer)
+        work = {"iterations": 300} if "iterations" in engine.honours else {}
+        result = engine.run(problem, Options(time_limit=10.0, **work), control)
+        if result.answer is not None and is_optimal(problem, result.answer):
+            return True
+        missed.append(problem.name)
+        return None
+
+    cover(engine.features, engine.missing, solved)
+    assert len(missed) <= 1, missed  # they promise nothing
+
+
+@pytest.mark.parametrize("name", declared_by_heuristics())
+def test_heuristics_find_answers_that_pass_every_check_with_each_feature(name):
+    def solved(problem) -> bool | None:
+        solution = solve(problem, heuristic=name, bound_time=0.0)
+        return None if solution.answer is None else problem.evaluate(solution.answer).feasible
+
+    cover(HEURISTICS[name].features, HEURISTICS[name].missing, solved)
+
+
+@pytest.mark.parametrize("feature", ROWS)
+def test_what_does_not_declare_a_feature_refuses_by_its_name(feature):
+    asked = next(problem for problem in pool().values() if feature in problem.features())
+    for form, features in declared_by_forms().items():
+        if feature not in features:
+            assert feature in FORMS[form].missing(asked)
+            with pytest.raises(UnsupportedError, match=re.escape(feature)):
+                asked.compile(form)
+    for name, features in declared_by_engines().items():
+        if feature not in features:
+            assert feature in BACKENDS[name]().missing(asked)
+            with pytest.raises(UnsupportedError, match=re.escape(feature)):
+                BACKENDS[name]().run(asked, Options(), Control())
+    for name, features in declared_by_heuristics().items():
+        if feature not in features:
+            assert feature in HEURISTICS[name].missing(asked)
+            with pytest.raises(UnsupportedError, match=re.escape(feature)):
+                solve(asked, heuristic=name)

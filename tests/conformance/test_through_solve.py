@@ -7,13 +7,13 @@ import time
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import small
 
 import waybound as wb
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS
 
 ROUTING = ("ortools", "pyvrp")

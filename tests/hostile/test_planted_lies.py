@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 import selection_problems
 from branching_programs import random_program, without_answer
-from exact_routing import best_values
 from exact_truth import truth
 from random_sensing import random_graph
 from sata_cases import selections
@@ -28,6 +27,7 @@ from waybound.formulations.stop import Stop
 from waybound.instances.errors import WayboundError
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import program_truth
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.routing.column_generation import column_generation_bound
 

@@ -32,10 +32,10 @@ from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
 from .. import random_sensing, sata_cases, selection_problems
-from ..exact_routing import best_values
 from ..programs import program
 from ..small_routing import small
 

@@ -8,6 +8,7 @@ import tempfile
 import textwrap
 import time
 from pathlib import Path
+from typing import IO
 
 import psutil
 import pytest
@@ -100,6 +101,21 @@ def test_however_the_parent_ends_its_children_and_their_files_end_with_it(number
     parent.communicate(timeout=20)
     assert within(5, lambda: not alive(int(pid)))
     assert within(5, lambda: not any(private.iterdir()))
+
+
+def test_a_sweep_while_a_folder_is_being_made_leaves_it(private: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    locked = children._locked
+
+    def swept_first(file: IO[bytes]) -> bool:
+        monkeypatch.setattr(children, "_locked", locked)
+        children._sweep()
+        return locked(file)
+
+    monkeypatch.setattr(children, "_locked", swept_first)
+    with scratch() as folder:
+        assert folder.is_dir()
+        children._sweep()
+        assert folder.is_dir()
 
 
 def test_folders_of_dead_processes_are_swept_and_those_of_living_ones_are_not(private: Path, monkeypatch: pytest.MonkeyPatch) -> None:

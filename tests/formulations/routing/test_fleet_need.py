@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,6 +15,7 @@ from waybound.formulations.routing.fleet_need import bin_packing_bound, fleet_co
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 
 
 def problem(demand, *, count, capacity=10.0, ready=0.0, due=np.inf, service=0.0, xy=None, min_vehicles=0):

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth
 from small_routing import varied
 
 from waybound.formulations.routing import members
@@ -16,6 +15,7 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Energy, Group, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 LINE = np.abs(np.arange(6.0)[:, None] - np.arange(6.0)[None, :])
 

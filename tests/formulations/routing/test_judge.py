@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from waybound.formulations.routing.judge import CHECKS, schedule
-from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective, Penalties, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.formulations.tolerance import same
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
@@ -288,3 +289,10 @@ def test_a_vehicle_type_or_an_optional_site_that_nobody_uses_changes_nothing(see
 def test_the_order_of_routes_does_not_matter(seed):
     problem, answer = random_case(seed)
     assert shape(problem.evaluate(Routes(answer.routes[::-1]))) == shape(problem.evaluate(answer))
+
+
+def test_no_penalty_is_known_as_closely_as_all_penalties_of_which_programs_take_away_those_avoided():
+    problem = square(objective=Objective.of(Penalties()), penalty=[0, 3, 4, 0.6, 0.4], required=[False] * 5)
+    verdict = problem.evaluate(Routes.of([[1, 2, 3, 4]]))
+    assert (verdict.values, verdict.sizes) == ((0.0,), (8.0,))
+    assert same(7e-15, verdict.values[0], verdict.size) and not same(1e-4, verdict.values[0], verdict.size)

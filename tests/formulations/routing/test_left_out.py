@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth
 from small_routing import WHOLE_FAMILY, varied
 
 import waybound as wb
@@ -18,6 +17,7 @@ from waybound.formulations.routing.left_out import UNEXPLAINED, left_out
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 ONE = (VehicleType(1, 10, max_distance=12),)
 LINE = np.array([[0.0, 0], [3, 0], [4, 0], [9, 0], [5, 0]])

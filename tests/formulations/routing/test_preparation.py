@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from exact_routing import routes
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TW_4, routing, small_problems
 
@@ -15,6 +14,7 @@ from waybound.formulations.routing.objective import Reward, TotalCost, Vehicles
 from waybound.formulations.routing.preparation import leaves_cycles, prepare, waiting_is_possible
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Energy
+from waybound.reports.benchmarks.exact_routing import routes
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import routes
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TWO_INDEX, optimum, routing, small_problems, solved
 from small_routing import varied
@@ -20,6 +19,7 @@ from waybound.formulations.routing.reachability import minimum_vehicles, servabl
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import routes
 
 DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth
 from small_routing import WHOLE_FAMILY, varied
 
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 SEEDS = range(6)
 

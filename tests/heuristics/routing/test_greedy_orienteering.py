@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -16,6 +15,7 @@ from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 

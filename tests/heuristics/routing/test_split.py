@@ -7,7 +7,6 @@ from dataclasses import replace
 import hostile_instances
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,6 +16,7 @@ from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 

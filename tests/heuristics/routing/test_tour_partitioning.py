@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,6 +13,7 @@ from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.heuristics.routing.tour_partitioning import pieces_of
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios import routing_families as families
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.reports.ratios.optimum import optimum

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import small, varied
 
 from waybound.formulations.programs.exactness import Exactness
@@ -27,6 +26,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.engines.bisection import Bisecting, Bisection
 

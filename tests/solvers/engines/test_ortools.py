@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import small
 
 from waybound.formulations.routing.objective import Reward, TotalCost
@@ -12,6 +11,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.ortools import STATUS_MAP, ORTools
 from waybound.solvers.engines.ortools_model import short_ways

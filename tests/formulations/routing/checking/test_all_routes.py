@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import small, varied
 
 from waybound.formulations.evidence import CHECKERS
@@ -17,6 +16,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 
 FEATURES = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "travel", "elapsed",

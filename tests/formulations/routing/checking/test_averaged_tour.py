@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import WHOLE_FAMILY, varied
 
 from waybound.formulations.routing.checking.averaged_tour import check_averaged_tour, totals
@@ -16,6 +15,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth
 from small_routing import WHOLE_FAMILY, varied
 
 from waybound.formulations.certificate import verified_bound
@@ -18,6 +17,7 @@ from waybound.formulations.routing.fleet_need import none
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.features import FEATURES
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.solvers.bounds import BOUNDS
 
 INFEASIBLE = (

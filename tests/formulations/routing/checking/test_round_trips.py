@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import WHOLE_FAMILY, varied
 
 from waybound.formulations.routing.checking.round_trips import check_farthest_round_trip
@@ -15,6 +14,7 @@ from waybound.formulations.routing.objective import LatestReturn, LongestRoute, 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 
 TERMS = {"makespan": Makespan(), "longest-route": LongestRoute(), "latest-return": LatestReturn()}
 

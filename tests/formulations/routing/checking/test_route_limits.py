@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from exact_routing import routes
 from hypothesis import given, settings
 from oracles import routing, small_problems
 
@@ -23,6 +22,7 @@ from waybound.formulations.routing.checking.route_limits import (
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy
+from waybound.reports.benchmarks.exact_routing import routes
 
 LINE = np.array([(0, 0), (1, 0), (2, 0), (5, 0)], dtype=float)
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_routing import best_values, routes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import small
@@ -25,6 +24,7 @@ from waybound.formulations.stop import Stop, until
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values, routes
 
 SEEDS = st.integers(0, 10**6)
 ALL = 99

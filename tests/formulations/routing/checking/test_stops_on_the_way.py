@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from small_routing import plane, varied
 
 from waybound.formulations.routing.checking.stops_on_the_way import without_stops
 from waybound.instances.routing.instance import Energy, VehicleType
+from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.parametrize("feature", ["reloads", "recharging"])

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from exact_routing import Roads
 from small_routing import WHOLE_FAMILY, varied
 
 from waybound.formulations.routing.forms._all_routes import MOST_ROUTES, Walk, orders_of_stops, way_home
+from waybound.reports.benchmarks.exact_routing import Roads
 
 
 @pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "initial-energy", "reloads")])

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth
 from small_routing import varied
 
 from waybound.formulations.routing.objective import (
@@ -21,6 +20,7 @@ from waybound.formulations.routing.objective import (
     TotalDuration,
     Vehicles,
 )
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 LEVELS: tuple[Composable, ...] = (
     TotalCost() - Reward(),

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,6 +13,7 @@ from waybound.formulations.routing.routes import Routes
 from waybound.heuristics.routing.tour_steps.splitting_kernels import best_split, cheapest_cut, even_split, linear_split
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 
 GO, HALT = np.zeros(1, np.int64), np.ones(1, np.int64)
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from exact_routing import best_values
 from programs import program
 from small_routing import small
 
@@ -17,6 +16,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.all_routes import all_routes_bound
 

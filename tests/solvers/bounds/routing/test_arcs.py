@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_routing import routes
 from hypothesis import assume, given, settings
 from oracles import SQUARE_4, TW_4, optimum, routing, small_problems
 
@@ -16,6 +15,7 @@ from waybound.formulations.routing.objective import LongestRoute, Reward, TotalC
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import VehicleType
+from waybound.reports.benchmarks.exact_routing import routes
 from waybound.solvers.bounds.routing.arcs import Arcs, arc_costs, lacks_arc_costs, too_many_arcs
 
 

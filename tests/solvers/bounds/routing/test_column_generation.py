@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_routing import best_values, routes
 from hypothesis import given, settings
 from oracles import set_partitioning_bound, small_problems
 from small_routing import plane, small
@@ -23,6 +22,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import best_values, routes
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing import column_generation
 from waybound.solvers.bounds.routing.column_generation import column_generation_bound

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from exact_routing import best_values
 from small_routing import FEATURES, WHOLE_FAMILY, plane, small, varied
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
+from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.state_space import state_space_bound
 from waybound.solvers.linear_programs import LinearPrograms

@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from exact_base import PARTS, Truth, Values
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.routing.instance import VehicleType
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.routing.routes import Route, Routes
+from ...instances.routing.instance import VehicleType
+from .exact_base import PARTS, Truth, Values
 
 
 def scale_of(*arrays: Any) -> int:
@@ -58,8 +58,8 @@ class Driven:
 class Roads:
     """The data of a problem in whole numbers, and the routes that its vehicles can drive.
 
-    Between two customers a route is tried with no stop at the same depot twice, and, where vehicles reload but do not recharge, with one
-    stop at most: more are of no use. ``drive`` knows them all.
+    Between two customers, and at its ends, a route is tried with no stop at the same depot twice: a way through depots may be shorter than
+    the move, where the triangle inequality fails. ``drive`` knows more stops.
     """
 
     def __init__(self, problem: RoutingProblem) -> None:
@@ -84,7 +84,7 @@ class Roads:
         )  # fmt: skip
         u = self.unit
         self.d, self.t = [ints(w.distances, u) for w in ways], [ints(t, u) for t in speeds]
-        self.closes = [None if w.closing is None else ints(w.closing, u) for w in ways]
+        self.closes: list[Any] = [None if w.closing is None else ints(w.closing, u) for w in ways]
         self.demand = [ints(a, u) for a in (s.demand, *s.further_demand.T)]
         self.pickup = [ints(a, u) for a in (s.pickup, *s.further_pickup.T)]
         self.reward, self.service, self.penalty = (ints(a, u) for a in (s.reward, s.service, s.penalty))
@@ -92,7 +92,7 @@ class Roads:
         self.windows = [[(ints(a, u), ints(b, u)) for a, b in w] for w in s.windows] or [[] for _ in s.ids]
         self.windows = [w or [(a, b)] for w, a, b in zip(self.windows, self.ready, self.due, strict=True)]
         self.shipments = [(x.pickup, x.delivery, [ints(v, u) for v in x.load]) for x in s.shipments]
-        self.skills = s.skills or [frozenset()] * len(s)
+        self.skills: Sequence[frozenset[str]] = s.skills or [frozenset()] * len(s)
         self.fleet, self.depot = fleet, s.depot
         self.customers = [k for k in range(len(s)) if not s.depot[k]]
         self.clock = 0
@@ -112,8 +112,7 @@ class Roads:
         while begun:
             visits = begun.pop()
             since = list(itertools.takewhile(lambda k: self.depot[k], reversed(visits)))
-            depots = pauses if vehicle.stations else pauses if visits and not since else []
-            for site in [*self.customers, *(k for k in depots if k not in since)]:
+            for site in [*self.customers, *(k for k in pauses if k not in since)]:
                 if self.depot[site] or (site not in visits and self.skills[site] <= vehicle.skills):
                     longer = (*visits, site)
                     if self._on_the_way(kind, longer):
@@ -143,8 +142,8 @@ class Roads:
         return all(nearly(test) for test in [*tests, *self._run(kind, stops, self._opening(vehicle))[1]])
 
     def _opening(self, vehicle: VehicleType) -> int:
-        shift = ints(vehicle.shift[0], self.unit)
-        return self.ready[vehicle.start] if shift is None else max(self.ready[vehicle.start], shift)
+        shift, ready = ints(vehicle.shift[0], self.unit), int(self.ready[vehicle.start])
+        return ready if shift is None else max(ready, shift)
 
     def _run(self, kind: int, stops: tuple[int, ...], departure: int, home: bool = False) -> tuple[int, list[Any]]:
         """Clock at the last stop, service not begun if it is the return, and what the times are compared with."""
@@ -329,7 +328,7 @@ class RoutingTruth(Truth):
         }  # fmt: skip
         levels = self.problem.objective.levels()
         if self.mixed:  # what is added up may be far larger than what is left of it
-            self.size = max(self.size, sum(abs(Fraction(w) * Fraction(terms[t.name], u * u)) for w, t in levels[0].terms))
+            self.size = max(self.size, sum((abs(Fraction(w) * Fraction(terms[t.name], u * u)) for w, t in levels[0].terms), Fraction(0)))
         return tuple(sum((Fraction(w) * Fraction(terms[t.name], u * u) for w, t in level.terms), Fraction(0)) for level in levels)
 
     def value(self, answer: Any) -> Values | None:

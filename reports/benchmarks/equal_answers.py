@@ -1,0 +1,317 @@
+"""Every solver and form against enumeration on random problems of the whole routing family.
+
+Run as ``python -m waybound.reports.benchmarks.equal_answers [--instances 3000] [--first 0] [--seed 1] [--out FILE]``. With ``--out`` each
+problem is a line of JSON there as soon as it is done, those that are there already are not done again, and the tables are of all of them.
+Exits with 1 where an exact solver disagrees beyond 1e-6 of the optimum, a certificate does not hold, or the judge refuses an answer.
+
+Problems of up to seven customers are drawn by ``routing_variants``; which solvers and forms take one, their declarations say. Engines and
+heuristics are run once, for few iterations: they may miss the optimum, but never beat it nor break a limit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ...formulations.certificate import Certificate, certify, check_certificate
+from ...formulations.evaluation import Evaluation
+from ...formulations.programs.compiled import Compiled
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.tolerance import EQUAL
+from ...heuristics.heuristic import HEURISTICS
+from ...instances.errors import CheckFailedError, UnsupportedError
+from ...solvers.backend import BACKENDS, Control, Engine, Options, solver_named
+from ...solvers.program_backend import ProgramBackend
+from ...solving.bounding import find_bounds
+from ...solving.listing import missing_features
+from ...solving.solve import solve
+from .exact_routing import RoutingTruth
+from .routing_variants import drawn, features_of
+
+AGREE = 1e-6
+"""Share of the optimum by which an exact solver's value may differ."""
+
+TIME_LIMIT = 60.0
+"""Seconds for one program, which mostly takes hundredths of one."""
+
+WORK = {"pyvrp": 100, "ortools": 30}
+"""Iterations of engines."""
+
+WHOLE = 5
+"""Of so many problems one goes all the way through ``solve``, with its solvers and forms in turn."""
+
+ENGINE_TIME = 4.0
+"""Seconds for an engine, should its iterations take longer."""
+
+OURS = ("bounds", "solve")
+"""What is looked at beside solvers: evidence for bounds, and all of ``solve`` with one solver."""
+
+BOUND_TIME = 0.25
+"""Seconds to look for evidence."""
+
+AGREES, DIFFERS, UNFINISHED, REFUSED = "agrees", "differs", "unfinished", "refused"
+OPTIMUM, WORSE, NOTHING, FALSE = "optimum", "worse", "no answer", "false"
+EXACT, FREE = (AGREES, DIFFERS, UNFINISHED, REFUSED), (OPTIMUM, WORSE, NOTHING, FALSE)
+"""Verdicts on exact solvers, and on engines and heuristics. ``refused``: the program has what the solver does not take, and it says so."""
+
+
+@dataclass
+class Record:
+    """What came of one problem: ``outcomes`` are solver, form (or none), verdict and seconds; ``faults`` what is false, in words."""
+
+    number: int
+    name: str
+    customers: int
+    features: list[str]
+    optimum: list[float] | None
+    outcomes: list[tuple[str, str, str, float]] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+
+
+class _Examined:
+    """One problem, its truth, and the record of what is said of it."""
+
+    def __init__(self, number: int, problem: RoutingProblem) -> None:
+        self.problem, self.truth = problem, RoutingTruth(problem)
+        best = self.truth.lenient
+        values = None if best is None else [float(v) for v in best]
+        self.record = Record(number, problem.name, len(problem.customers), sorted(features_of(problem)), values)
+
+    def note(self, who: str, form: str, verdict: str, began: float, fault: str = "") -> None:
+        self.record.outcomes.append((who, form, verdict, round(time.perf_counter() - began, 4)))
+        if fault:
+            self.record.faults.append(f"{who} {form}: {fault}".replace(" : ", ": "))
+
+    def equal(self, values: Sequence[float]) -> bool:
+        """Whether these are the values of the optimum, all levels."""
+        found = [b for b in (self.truth.best, self.truth.lenient) if b is not None]
+        sizes = [float(self.truth.size) if self.truth.mixed else 0.0, *[0.0] * (len(values) - 1)]
+        return any(
+            all(abs(v - float(t)) <= AGREE * max(abs(float(t)), s) for v, t, s in zip(values, best, sizes, strict=True)) for best in found
+        )
+
+    def beats(self, values: Sequence[float]) -> bool:
+        best = self.record.optimum
+        if best is None or self.equal(values):
+            return best is None
+        signs = [1.0 if s == "min" else -1.0 for s in self.problem.senses]
+        return [s * v for s, v in zip(signs, values, strict=True)] < [s * v for s, v in zip(signs, best, strict=True)]
+
+    def judged(self, answer: Any, evaluation: Evaluation) -> str:
+        """What is false about the judge's word on an answer."""
+        exact = self.truth.value(answer)
+        if evaluation.feasible != (exact is not None):
+            return f"the judge and enumeration differ on {answer}"
+        if exact is not None and any(
+            abs(a - float(b)) > EQUAL * max(abs(float(b)), float(self.truth.size)) for a, b in zip(evaluation.values, exact, strict=True)
+        ):
+            return f"the judge says {evaluation.values}, it is {[float(v) for v in exact]}"
+        return "" if evaluation.feasible else f"refused by the judge: {evaluation.violations[0].message}"
+
+    def certified(self, certificate: Certificate, evaluation: Evaluation | None) -> str:
+        """What is false about a certificate, read back as from a file."""
+        try:
+            made = check_certificate(self.problem, json.loads(json.dumps(certificate.to_json(with_evidence=True))), evaluation)
+        except CheckFailedError as error:
+            return f"its certificate does not hold: {error}"
+        best, bound = self.truth.lenient, made.bound
+        if made.infeasible and best is not None:
+            return f"there is no answer, says {made.bound_source}"
+        if bound is None or best is None:
+            return ""
+        over = bound - float(best[0]) if self.problem.sense == "min" else float(best[0]) - bound
+        return f"false bound {bound!r} by {made.bound_source}" if over > EQUAL * max(abs(float(best[0])), float(self.truth.size)) else ""
+
+    # -- methods -----------------------------------------------------------------------------------------------------
+
+    def bounds(self) -> None:
+        """All evidence that is found in a moment, beside an optimum."""
+        began = time.perf_counter()
+        best = self.problem.evaluate(self.truth.samples[0]) if self.truth.samples else None
+        try:
+            fault = self.certified(certify(self.problem, best, find_bounds(self.problem, BOUND_TIME)), best)
+        except CheckFailedError as contradiction:
+            fault = str(contradiction)
+        self.note("bounds", "", FALSE if fault else AGREES, began, fault)
+
+    def exact(self, solver: str, made: Compiled) -> None:
+        """A program as its solver is given it, and what it answers before anybody else has a word."""
+        began, backend = time.perf_counter(), solver_named(solver)
+        assert isinstance(backend, ProgramBackend)
+        try:
+            result = backend.run(made.program, Options(time_limit=TIME_LIMIT), Control())
+        except UnsupportedError:
+            self.note(solver, made.form, REFUSED, began)
+            return
+        except Exception as error:
+            self.note(solver, made.form, DIFFERS, began, f"{type(error).__name__}: {error}")
+            return
+        values: tuple[float, ...] = ()
+        fault = ""
+        if result.answer is not None:
+            answer = made.decode(result.answer)
+            evaluation = self.problem.evaluate(answer)
+            values, fault = evaluation.values, self.judged(answer, evaluation)
+        same = {"optimal": bool(values) and self.equal(values), "infeasible": self.record.optimum is None}.get(result.status)
+        if same is None and not fault:
+            self.note(solver, made.form, UNFINISHED, began)
+        elif fault or not same:
+            said = f"{result.status} {list(values)}, enumeration says {self.record.optimum}"
+            self.note(solver, made.form, DIFFERS, began, fault or said)
+        else:
+            self.note(solver, made.form, AGREES, began)
+
+    def whole(self, solver: str, form: str) -> None:
+        """All of ``solve``: the answer, what is claimed of it, and its certificate."""
+        began = time.perf_counter()
+        try:
+            solution = solve(self.problem, solver, form=form, time_limit=TIME_LIMIT, bound_time=BOUND_TIME)
+        except UnsupportedError:
+            return
+        except Exception as error:
+            self.note("solve", "", FALSE, began, f"{type(error).__name__} by {solver} through {form}: {error}")
+            return
+        fault = self.certified(solution.certificate, solution.evaluation) or "; ".join(solution.faults)
+        values = solution.objective if isinstance(solution.objective, list) else [solution.objective]
+        if solution.status == "infeasible" and self.record.optimum is not None:
+            fault = fault or f"infeasible by {solver} through {form}, optimum {self.record.optimum}"
+        if solution.status == "optimal" and (None in values or not self.equal(values)):  # type: ignore[arg-type]
+            fault = fault or f"optimal {values} by {solver} through {form}, enumeration says {self.record.optimum}"
+        self.note("solve", "", FALSE if fault else AGREES, began, fault)
+
+    def engine(self, solver: str) -> None:
+        """Its search ends where it has published an optimum, or when its work is done."""
+        began, engine, control = time.perf_counter(), solver_named(solver), Control()
+        assert isinstance(engine, Engine)
+        control.goal = lambda answer, objective: self.equal(self.problem.evaluate(answer).values)
+        work: dict[str, Any] = {"iterations": WORK.get(solver, 200)} if "iterations" in engine.honours else {}
+        try:
+            result = engine.run(self.problem, Options(time_limit=ENGINE_TIME, **work), control)
+        except Exception as error:
+            self.note(solver, "", FALSE, began, f"{type(error).__name__}: {error}")
+            return
+        if result.answer is None:
+            fault = f"says infeasible, optimum {self.record.optimum}" if result.status == "infeasible" and self.record.optimum else ""
+            self.note(solver, "", FALSE if fault else NOTHING if self.record.optimum else OPTIMUM, began, fault)
+        else:
+            self.free(solver, result.answer, self.problem.evaluate(result.answer), began)
+
+    def heuristic(self, name: str) -> None:
+        began = time.perf_counter()
+        try:
+            solution = solve(self.problem, heuristic=name, time_limit=TIME_LIMIT, bound_time=0.0)
+        except Exception as error:
+            self.note(name, "", FALSE, began, f"{type(error).__name__}: {error}")
+            return
+        if solution.answer is None or solution.evaluation is None:
+            self.note(name, "", NOTHING if self.record.optimum else OPTIMUM, began)
+            return
+        stated, best = solution.certificate.guarantee, self.record.optimum
+        fault = self.certified(solution.certificate, solution.evaluation)
+        if stated is not None and best is not None and solution.evaluation.values[0] > stated.ratio * best[0] * (1.0 + AGREE):
+            fault = fault or f"{solution.evaluation.values[0]} is not within {stated.ratio} of {best[0]}"
+        self.free(name, solution.answer, solution.evaluation, began, fault)
+
+    def free(self, who: str, answer: Any, evaluation: Evaluation, began: float, fault: str = "") -> None:
+        """An answer of a method that claims no optimum."""
+        fault = fault or self.judged(answer, evaluation)
+        if not fault and self.beats(evaluation.values):
+            fault = f"{evaluation.values} beats enumeration's {self.record.optimum}"
+        self.note(who, "", FALSE if fault else OPTIMUM if self.equal(evaluation.values) else WORSE, began, fault)
+
+
+def examined(number: int, problem: RoutingProblem, solvers: Sequence[str] = (), heuristics: bool = True) -> Record:
+    """One problem given to everything that takes it by its declarations, or to some of the solvers."""
+    this, pairs = _Examined(number, problem), []
+    this.bounds()
+    compiled = {form: problem.compile(form) for form in problem.forms()}
+    for name in solvers or [name for name in BACKENDS if BACKENDS[name].installed()]:
+        lacks, forms = missing_features(name, problem)
+        if lacks:
+            continue
+        if issubclass(BACKENDS[name], Engine):
+            this.engine(name)
+        for form in forms:
+            this.exact(name, compiled[form])
+            pairs.append((name, form))
+    if pairs and number % WHOLE == 0:
+        this.whole(*pairs[number // WHOLE % len(pairs)])
+    for name in HEURISTICS if heuristics else ():
+        if not HEURISTICS[name].missing(problem):
+            this.heuristic(name)
+    return this.record
+
+
+def records(seed: int, numbers: Sequence[int], file: Path | None = None) -> Iterator[Record]:
+    """One a problem; those that ``file`` has are not made again, and new ones are written there at once."""
+    known = {}
+    if file is not None and file.exists():
+        lines = file.read_text(encoding="utf-8").splitlines()
+        known = {record.number: record for record in (Record(**json.loads(line)) for line in lines)}
+    for number in numbers:
+        made = known.get(number)
+        if made is None:
+            made = examined(number, drawn(seed, number))
+            if file is not None:
+                with file.open("a", encoding="utf-8") as out:
+                    out.write(json.dumps(asdict(made)) + "\n")
+        yield made
+
+
+def _markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> list[str]:
+    return ["| " + " | ".join(map(str, row)) + " |" for row in (header, ["---"] * len(header), *rows)]
+
+
+def tables(found: Sequence[Record]) -> list[str]:
+    """Lines of Markdown: features, exact solvers through each form, engines and heuristics."""
+    none = sum(r.optimum is None for r in found)
+    sizes = [r.customers for r in found]
+    lines = [f"{len(found)} problems of {min(sizes)} to {max(sizes)} customers, {none} without an answer", ""]
+    counts = Counter(name for r in found for name in r.features)
+    lines += [*_markdown(("feature", "problems"), sorted(counts.items(), key=lambda item: (item[1], item[0]))), ""]
+    by: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
+    for record in found:
+        for who, form, verdict, seconds in record.outcomes:
+            by[who, form].append((verdict, seconds))
+
+    def rows(verdicts: Sequence[str], formed: bool) -> list[list[object]]:
+        made = []
+        for (who, form), outcomes in sorted(by.items()):
+            if bool(form) == formed and who not in OURS:
+                told = Counter(verdict for verdict, _ in outcomes)
+                spent = f"{sum(seconds for _, seconds in outcomes):.0f}"
+                made.append([who, *([form] if form else []), len(outcomes), *(told[v] for v in verdicts), spent])
+        return made
+
+    lines += [*_markdown(("solver", "form", "problems", *EXACT, "seconds"), rows(EXACT, True)), ""]
+    lines += [*_markdown(("engine or heuristic", "problems", *FREE, "seconds"), rows(FREE, False)), ""]
+    through = sum(any(form and verdict == AGREES for _, form, verdict, _ in r.outcomes) for r in found)
+    wrong = sum(bool(r.faults) for r in found)
+    return [*lines, f"{through} problems on which an exact solver agrees, {wrong} on which anything said was false"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--instances", type=int, default=3000)
+    parser.add_argument("--first", type=int, default=0, help="number of the first problem")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, help="a file of JSON lines, for runs in parts")
+    chosen = parser.parse_args(arguments)
+    found = []
+    for record in records(chosen.seed, range(chosen.first, chosen.first + chosen.instances), chosen.out):
+        found.append(record)
+        for fault in record.faults:
+            print(f"{record.number} {record.name}: {fault}", file=sys.stderr, flush=True)
+    print("\n".join(tables(found)))
+    return 1 if any(record.faults for record in found) else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
