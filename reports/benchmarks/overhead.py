@@ -95,6 +95,10 @@ routes = [list(r.visits) for r in solution.answer]
 )
 
 
+BISECTED = frozenset({"this objective by itself, and takes it by bisection over limits of routes"})
+"""What the bare library does not solve in one run has no bare run to be compared with."""
+
+
 def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
     """The arrays that ``_bare_routing`` describes: the data in the units in which waybound hands them to an engine."""
     from waybound.solvers.engines import ortools_model, vroom_model
@@ -194,7 +198,9 @@ def main(arguments: list[str] | None = None) -> int:
                 print(f"{name}: {engine} is not installed")
                 continue
             backend: Any = BACKENDS[engine]()
-            lacking = backend.missing(read(source, **settings))
+            problem = read(source, **settings)
+            assert isinstance(problem, RoutingProblem)
+            lacking = backend.missing(problem) or (BISECTED if getattr(backend, "bisects", lambda _: False)(problem) else frozenset())
             if lacking:
                 print(f"{name}: {engine} lacks {', '.join(sorted(lacking))}")
                 continue

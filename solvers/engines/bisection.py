@@ -66,6 +66,10 @@ class Bisecting(Engine):
         lacking = super().missing(problem)
         return lacking or self._lacking(problem, self._bisection(problem))  # type: ignore[arg-type]
 
+    def bisects(self, problem: RoutingProblem) -> bool:
+        """Whether a problem is taken by bisection, as a sequence of others: the library itself has not the objective."""
+        return isinstance(self._bisection(problem), Bisection)
+
     def _lacking(self, problem: RoutingProblem, found: Bisection | frozenset[str] | None) -> frozenset[str]:
         if isinstance(found, Bisection):
             return frozenset()

@@ -127,11 +127,16 @@ def test_a_site_beyond_one_route_and_the_capacity_of_the_other_says_both():
 
 def test_alternatives_and_shipments_are_told_of():
     problem = line(groups=[Group((1, 2), False)], shipments=[Shipment(3, 4, (11.0,))], reward=[0, 5, 5, 1, 1])
-    problem = replace(problem, fleet=(VehicleType(1, 10),))
-    why = reasons(problem, "a")
+    why = reasons(replace(problem, fleet=(VehicleType(1, 10),)), "a")
     assert why["b"] == "its alternative a is visited"
-    assert why["c"] == "with d: in this answer inserting it anywhere exceeds the capacity by at least 1, and no vehicle is left"
-    assert why["d"].startswith("with c: ")
+    assert why["c"] == "no vehicle can serve it: the shipment from c to d weighs 11, the capacity is 10"
+
+
+def test_a_shipment_that_has_no_place_is_told_of_with_its_other_end():
+    problem = line((VehicleType(1, 10, max_duration=15),), shipments=[Shipment(4, 2, (4.0,))], service=[0, 2, 2, 2, 2])
+    why = reasons(problem, "a")
+    assert why["d"] == "with b: in this answer inserting it anywhere exceeds the longest duration by at least 1, and no vehicle is left"
+    assert why["b"].startswith("with d: ")
 
 
 def test_where_too_many_routes_would_have_to_be_judged_nothing_more_is_said(monkeypatch):
