@@ -12,6 +12,7 @@ from programs import Counting
 from random_sensing import random_graph
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.routing.objective import Objective, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import CheckFailedError, UnsupportedError, UsageError
@@ -44,7 +45,7 @@ def engine_that(registered: Any) -> Callable[[Callable[..., RawResult]], str]:
             modules = ("numpy",)
             summary = "a fake"
             family = "routing"
-            features = frozenset({"capacity", "limited-fleet", "objective:total-cost"})
+            features = frozenset({"capacity", "limited-fleet", "objective:total-cost", "objective:priorities"})
 
             def run(self, problem: Any, options: Options, control: Control) -> RawResult:
                 return behaviour(problem, options, control)
@@ -231,3 +232,10 @@ def test_who_cannot_be_that_solver_is_refused_before_the_search(
     monkeypatch.setattr("waybound.solving.solve.search", lambda *_, **__: pytest.fail("searched"))
     with pytest.raises(error, match=words):
         solve(square, **(given or {"solver": engine_that(lambda *_: pytest.fail("searched"))}), lp_solver=name)
+
+
+def test_a_bound_has_all_levels_where_there_is_no_answer(square: RoutingProblem, engine_that: Callable[..., str]) -> None:
+    name = engine_that(lambda problem, options, control: RawResult("unknown"))
+    solution = solve(replace(square, objective=Objective.of(TotalCost().then(TotalCost()))), name, bound_time=2.0)
+    assert solution.answer is None
+    assert solution.bound == [pytest.approx(24.0), None]

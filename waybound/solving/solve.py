@@ -383,7 +383,7 @@ def _certified(
     precision = EQUAL if evaluation is None else evaluation.precision
     bound, kind, source = _best_bound(problem, run, result, certificate, size, precision)
     objective = None if evaluation is None else evaluation.objective
-    if isinstance(bound, float) and evaluation is not None and len(evaluation.values) > 1:
+    if isinstance(bound, float) and len(problem.senses) > 1:
         bound, kind, source = _bounds_of_levels(problem, run, result, evaluation, bound, kind, source)
     gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
     status = _status(problem, run, result, certificate, evaluation, bound)
@@ -489,12 +489,14 @@ def _claimant(run: _Run) -> str:
 
 
 def _bounds_of_levels(
-    problem: Problem, run: _Run, result: RawResult, evaluation: Evaluation, first: float, kind: str | None, source: str | None
+    problem: Problem, run: _Run, result: RawResult, evaluation: Evaluation | None, first: float, kind: str | None, source: str | None
 ) -> tuple[Value, str | None, str | None]:
     """The bound of each level up to the first open one, that of the first level given; a later level has claimed ones alone.
 
     What a solver calls closed, as closely as it sees, has the bound that is the answer's own value: a level that is closed is no gap.
     """
+    if evaluation is None:
+        return [first, *[None] * (len(problem.senses) - 1)], kind, source
     closed = evaluation.same_at(0, first, EQUAL_TOLERANCE)
     bounds: list[float | None] = [evaluation.values[0] if closed else first]
     for level, claim in claims.concerned(problem.senses, result, evaluation) if run.exactness(result).bound_is_valid else ():
