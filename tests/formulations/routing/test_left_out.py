@@ -126,11 +126,13 @@ def test_a_site_beyond_one_route_and_the_capacity_of_the_other_says_both():
 
 
 def test_alternatives_and_shipments_are_told_of():
-    problem = line(groups=[Group((1, 2), False)], shipments=[Shipment(3, 4, (11.0,))], reward=[0, 5, 5, 1, 1])
-    problem = replace(problem, fleet=(VehicleType(1, 10),))
+    problem = line(
+        (VehicleType(1, 10),), groups=[Group((1, 2), False)], shipments=[Shipment(3, 4, (9.0,))], demand=[0, 5, 0, 0, 0],
+        pickup=[0, 5, 0, 0, 0],
+    )  # fmt: skip
     why = reasons(problem, "a")
     assert why["b"] == "its alternative a is visited"
-    assert why["c"] == "with d: in this answer inserting it anywhere exceeds the capacity by at least 1, and no vehicle is left"
+    assert why["c"] == "with d: in this answer inserting them anywhere exceeds the capacity by at least 4, and no vehicle is left"
     assert why["d"].startswith("with c: ")
 
 
