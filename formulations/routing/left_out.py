@@ -183,9 +183,9 @@ class _Answer:
         return np.array(worse), np.array(prizes)
 
     def _told(self, tally: _Tally, k: int, sites: Sequence[int]) -> str:
-        if tally.best[0, k] == math.inf:
-            return self._no_room(tally, k)
         it, levels = "it" if len(sites) == 1 else "them", self.problem.objective.levels()
+        if tally.best[0, k] == math.inf:
+            return self._no_room(tally, k, it)
         for at, level in enumerate(levels):
             worse, prize = float(tally.best[at, k]), float(tally.prize[at, k])
             if abs(worse) <= EQUAL * max(self.scales[at], abs(prize)):
@@ -206,14 +206,14 @@ class _Answer:
             return "on a route of its own"
         return f"after {self.problem.sites.ids[visits[place - 1]]}" if place else f"before {self.problem.sites.ids[visits[0]]}"
 
-    def _no_room(self, tally: _Tally, k: int) -> str:
+    def _no_room(self, tally: _Tally, k: int, it: str) -> str:
         full = ", and no vehicle is left" if self.full else ""
         for name in LIMITS:
             if tally.least_everywhere[name][k] > 0.0:
-                return f"in this answer inserting it anywhere {WORDS[name]}{_by(name, tally.least_everywhere[name][k])}{full}"
+                return f"in this answer inserting {it} anywhere {WORDS[name]}{_by(name, tally.least_everywhere[name][k])}{full}"
         broken = [name for name in LIMITS if tally.count[name][k]]
         parts = [f"{int(tally.count[name][k])} times it {WORDS[name]}{_by(name, tally.least[name][k])}" for name in broken]
-        return f"in this answer there is no room for it in any of {int(tally.tried[k])} places{full}: {', '.join(parts)}"
+        return f"in this answer there is no room for {it} in any of {int(tally.tried[k])} places{full}: {', '.join(parts)}"
 
 
 def _by(name: str, amount: float) -> str:

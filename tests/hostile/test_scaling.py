@@ -239,18 +239,21 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
         leaves = [Evidence(node.get("kind", ""), "", 0.0, node.get("data", {})) for node in e.data["nodes"]]
         pairs = zip(e.data["nodes"], leaves, strict=True)
         return {"nodes": [{**node, "data": in_units(leaf, factor, unit)} if "data" in node else node for node, leaf in pairs]}
+    if e.kind == "averaged-tour":
+        return {**e.data, "data": in_units(Evidence(e.data["kind"], "", 0.0, e.data["data"]), factor, unit)}
+    own = {"time": "time", "duration": "time", "load": "load", "distance": "distance", "energy": "energy"}
+    counted = unit(own[e.data["resource"]]) if e.data.get("resource") in own else 1.0
     per = {
+        "state-space": {"prices": factor, "step": counted}, "knapsack": {"rate": factor / counted}, "vehicles-needed": {"threshold": unit("load")},
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
         "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
         "too-little-time": {"from": unit("time"), "until": unit("time")},
     }.get(e.kind, {})  # fmt: skip
-    made = {name: times(value, per.get(name, 1.0)) for name, value in e.data.items() if name != "resources"}
-    if "resources" in e.data:
-        own = {"time": "time", "duration": "time", "load": "load", "distance": "distance", "energy": "energy"}
-        made["resources"] = {
-            name: times(values, factor / (unit(own[name]) if name in own else 1.0)) for name, values in e.data["resources"].items()
-        }
+    priced = ("resources", "shares")
+    made = {name: times(value, per.get(name, 1.0)) for name, value in e.data.items() if name not in priced}
+    for part in (part for part in priced if part in e.data):
+        made[part] = {name: times(values, factor / (unit(own[name]) if name in own else 1.0)) for name, values in e.data[part].items()}
     return made
 
 

@@ -59,6 +59,8 @@ def _cases_of(problem: Problem, best: float | None, answers: list[Any], *further
     judged = [None, *(problem.evaluate(answer) for answer in answers)]
     made = []
     for k, piece in enumerate(evidence):
+        if best is None and not certify(problem, None, [piece]).infeasible:
+            continue  # a bound where there is no answer is true, whatever it is
         for evaluation in judged:
             guarantee = wb.Guarantee(2.0, "1/2", ("monotone",), "someone 1978") if k % 2 and evaluation is not None else None
             data = json.loads(json_text(certify(problem, evaluation, [piece], guarantee).to_json(with_evidence=True)))
