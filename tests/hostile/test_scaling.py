@@ -244,7 +244,8 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
     own = {"time": "time", "duration": "time", "load": "load", "distance": "distance", "energy": "energy"}
     counted = unit(own[e.data["resource"]]) if e.data.get("resource") in own else 1.0
     per = {
-        "state-space": {"prices": factor, "step": counted}, "knapsack": {"rate": factor / counted}, "vehicles-needed": {"threshold": unit("load")},
+        "state-space": {"prices": factor, "step": counted}, "knapsack": {"rate": factor / counted},
+        "vehicles-needed": {"threshold": unit("load")},
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
         "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},

@@ -7,7 +7,7 @@ import json
 import math
 import random
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -85,6 +85,8 @@ def _routing() -> list[Case]:
         Sites.of("oabc", demand=[0, 1, 1, 1]), Travel("euclidean", [(0, 0), (3, 0), (3, 4), (0, 4)]), (VehicleType(count=1),), problem="tsp"
     )
     cases += _cases_of(tour, 14.0, [wb.Routes.of([[1, 2, 3]]), wb.Routes.of([[2, 1, 3]])])
+    shared = replace(tour, fleet=(VehicleType(count=2),), objective=wb.Makespan())
+    cases += _cases_of(shared, 12.0, [wb.Routes.of([[1, 2], [3]]), wb.Routes.of([[1, 2, 3]])])
     line = Travel("euclidean", [(0, 0), (3, 0), (3, 4)])
     far = wb.RoutingProblem(Sites.of("oab"), line, (VehicleType(max_distance=9.0),))
     few = wb.RoutingProblem(Sites.of("oab", demand=[0, 5, 5]), line, (VehicleType(count=1, capacity=9.0),))

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_routing import RoutingTruth
 from small_routing import WHOLE_FAMILY, varied
 
 import waybound as wb
@@ -18,6 +17,7 @@ from waybound.formulations.routing.left_out import UNEXPLAINED, left_out
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 ONE = (VehicleType(1, 10, max_distance=12),)
 LINE = np.array([[0.0, 0], [3, 0], [4, 0], [9, 0], [5, 0]])
@@ -126,14 +126,17 @@ def test_a_site_beyond_one_route_and_the_capacity_of_the_other_says_both():
 
 
 def test_alternatives_and_shipments_are_told_of():
-    problem = line(
-        (VehicleType(1, 10),), groups=[Group((1, 2), False)], shipments=[Shipment(3, 4, (9.0,))], demand=[0, 5, 0, 0, 0],
-        pickup=[0, 5, 0, 0, 0],
-    )  # fmt: skip
-    why = reasons(problem, "a")
+    problem = line(groups=[Group((1, 2), False)], shipments=[Shipment(3, 4, (11.0,))], reward=[0, 5, 5, 1, 1])
+    why = reasons(replace(problem, fleet=(VehicleType(1, 10),)), "a")
     assert why["b"] == "its alternative a is visited"
-    assert why["c"] == "with d: in this answer inserting them anywhere exceeds the capacity by at least 4, and no vehicle is left"
-    assert why["d"].startswith("with c: ")
+    assert why["c"] == "no vehicle can serve it: the shipment from c to d weighs 11, the capacity is 10"
+
+
+def test_a_shipment_that_has_no_place_is_told_of_with_its_other_end():
+    problem = line((VehicleType(1, 10, max_duration=15),), shipments=[Shipment(4, 2, (4.0,))], service=[0, 2, 2, 2, 2])
+    why = reasons(problem, "a")
+    assert why["d"] == "with b: in this answer inserting them anywhere exceeds the longest duration by at least 1, and no vehicle is left"
+    assert why["b"].startswith("with d: ")
 
 
 def test_where_too_many_routes_would_have_to_be_judged_nothing_more_is_said(monkeypatch):
