@@ -20,6 +20,7 @@ from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.checking.stops_on_the_way import without_stops
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, terms_of
 from ....formulations.stop import NEVER, Stop
+from ....instances.routing.vehicle_type import ENERGY_CHARGES
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .arcs import lacks_arc_costs, too_many_arcs
@@ -62,6 +63,12 @@ PATIENCE = 4
 
 BUDGET = 0.7
 """Part of the time that is left, where other methods come later."""
+
+LIMITS = frozenset(
+    {"capacity", "pickups", "time-windows", "depot-windows", "shifts", "max-distance", "max-duration"}
+    | {f"energy:{charge}" for charge in ENERGY_CHARGES}
+)
+"""Features of which a resource is counted."""
 
 LEAST_STEPS = 400
 """Where prices follow single walks, of which each has many visits."""
@@ -195,6 +202,8 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     if too_many_arcs(problem, stop.seconds_left):
         return None
     if not lacks_arc_costs(problem):
+        if not problem.features() & LIMITS:  # trees and assignments see more
+            return None
         stop = stop.within(BUDGET * stop.seconds_left)
     sites, customers, relaxed = problem.sites, problem.sites.customers, without_stops(problem)
     terms = terms_of(problem)
@@ -218,10 +227,13 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     step = max(_step(m.resources[name], int(k.sum()), work, least) for m, k in zip(moves, kept, strict=True))
     fine = max(_step(m.resources[name], m.cost.size, CHECKED / len(moves), least) for m in moves)
     walks = [_Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
+    most = 2.0 * (len(customers) + 1) * max(float(np.abs(m.cost[np.isfinite(m.cost)]).max(initial=0.0)) for m in moves)
     if many:
-        prices, value = _shared_out(moves[0], walks[0], rows, _weights(relaxed), stop)
+        prices, value = _shared_out(moves[0], walks[0], rows, _weights(relaxed), most, stop)
     else:
-        prices, value = _followed(walks, rows, stop)
+        prices, value = _followed(walks, rows, most, stop)
+    if value > most:  # than any answer costs: there is none, which others prove
+        return None
     listed = np.zeros(len(sites))
     listed[customers] = prices
     return Evidence(
@@ -291,7 +303,7 @@ def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
     return kept & usable
 
 
-def _followed(walks: list[_Walks], rows: _Rows, stop: Stop) -> tuple[Floats, float]:
+def _followed(walks: list[_Walks], rows: _Rows, most: float, stop: Stop) -> tuple[Floats, float]:
     """Prices that follow the best walk of each type."""
     n = len(rows.required)
     heavy = np.ones(n + 1)
@@ -321,7 +333,7 @@ def _followed(walks: list[_Walks], rows: _Rows, stop: Stop) -> tuple[Floats, flo
     value, k = max(begun)
     if not math.isfinite(value):
         return starts[0], value
-    return ascend(look, starts[k], 1e-3 * dearest or 1.0, 1e3 * (len(usable) + 1) * (dearest + 1.0), stop, patience=10)
+    return ascend(look, starts[k], 1e-3 * dearest or 1.0, most, stop, patience=10)
 
 
 def _starts(walks: list[_Walks], rows: _Rows, dearest: float) -> list[Floats]:
@@ -348,18 +360,18 @@ def _needs(walks: _Walks) -> Floats:
     return made
 
 
-def _shared_out(moves: VehicleMoves, walks: _Walks, rows: _Rows, weights: Floats, stop: Stop) -> tuple[Floats, float]:
+def _shared_out(moves: VehicleMoves, walks: _Walks, rows: _Rows, weights: Floats, most: float, stop: Stop) -> tuple[Floats, float]:
     """Prices on the moves that are looked at, then, where these are not all, lowered until they hold for all."""
     heavy = np.append(0.0, weights)
     if len(walks.tails) >= (np.isfinite(moves.cost[1:, 1:])).sum():
-        return _shared(walks, rows, heavy, stop, _begun(walks, heavy, stop), SHARE)
-    prices, _ = _shared(walks, rows, heavy, stop.within(0.6 * stop.seconds_left), _begun(walks, heavy, stop), SHARE)
+        return _shared(walks, rows, heavy, most, stop, _begun(walks, heavy, stop), SHARE)
+    prices, _ = _shared(walks, rows, heavy, most, stop.within(0.6 * stop.seconds_left), _begun(walks, heavy, stop), SHARE)
     every = np.isfinite(moves.cost)
     step = _step(walks.resource, int(every.sum()), WORK_PER_SECOND * min(stop.seconds_left, 10.0) / 6.0, 20)
-    return _shared(_Walks(moves.cost, walks.resource, step, every), rows, heavy, stop, np.append(0.0, prices), 0.0)
+    return _shared(_Walks(moves.cost, walks.resource, step, every), rows, heavy, most, stop, np.append(0.0, prices), 0.0)
 
 
-def _shared(walks: _Walks, rows: _Rows, heavy: Floats, stop: Stop, price: Floats, share: float) -> tuple[Floats, float]:
+def _shared(walks: _Walks, rows: _Rows, heavy: Floats, most: float, stop: Stop, price: Floats, share: float) -> tuple[Floats, float]:
     """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with."""
     from .state_space_kernels import best_through
 
@@ -369,7 +381,7 @@ def _shared(walks: _Walks, rows: _Rows, heavy: Floats, stop: Stop, price: Floats
     waited, steady = 0, share == 0.0
     average = np.zeros(n + 1)
     tops = np.unique(np.linspace(0, walks.top, TOPS + 1)[1:].astype(np.int64))
-    while not stop.reached():
+    while not stop.reached() and best <= most:
         ahead, before, load = walks.ahead(stop, price, heavy)
         back, after, rest = walks.back(stop, price, heavy)
         if stop.reached():
