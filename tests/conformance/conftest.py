@@ -125,6 +125,14 @@ def knapsack() -> Program:
 
 
 @pytest.fixture(scope="session")
+def branching() -> Program:
+    """Takes a few nodes: eight rows, 60 binaries, maximised."""
+    rng = np.random.default_rng(0)
+    a = rng.integers(10, 1000, (8, 60)).astype(float)
+    return _program(rng.integers(10, 1000, 60).tolist(), a, -INF, np.floor(a.sum(axis=1) / 2), 0, 1, integer=range(60), sense="max")
+
+
+@pytest.fixture(scope="session")
 def market_split() -> Program:
     """Cornuejols and Dawande's market split problem: six equations over 50 binaries, no point found in seconds."""
     rng = np.random.default_rng(0)

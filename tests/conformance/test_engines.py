@@ -76,7 +76,7 @@ def test_each_declared_feature_gives_the_optimum_of_small_problems(engine_name, 
 def test_engines_agree_with_enumeration_on_any_mix_of_features(engine_name, hetero):
     engine = BACKENDS[engine_name]()
 
-    @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, database=None)
+    @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True, database=None)
     @given(small_problems(most=4, hetero=hetero))
     def agree(problem):
         if engine.missing(problem):

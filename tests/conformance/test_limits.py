@@ -93,12 +93,12 @@ def test_a_tiny_time_limit_of_an_lp_claims_nothing_false(program, solve_with):
         assert result.bound is None
 
 
-def test_a_node_limit_is_named_and_repeats_to_the_bit(knapsack, backend_name, solve_with):
+def test_a_node_limit_is_named_and_repeats_to_the_bit(branching, backend_name, solve_with):
     if "iterations" not in made(backend_name).honours:
         pytest.skip(f"{backend_name} has no work limit")
-    result, again = (solve_with(knapsack, iterations=1, time_limit=60, seed=7) for _ in range(2))
+    result, again = (solve_with(branching, iterations=1, time_limit=60, seed=7) for _ in range(2))
     assert (result.status, result.limit) == ("feasible", "nodes")
-    holds(knapsack, result)
+    holds(branching, result)
     assert result.objective == again.objective
     assert (result.answer == again.answer).all()
 

@@ -145,7 +145,7 @@ def test_an_interrupt_at_any_line_of_handing_over_costs_no_answer(
     waybound: Any, tmp_path: Path, tally: Any, share: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("os.fsync", lambda _: None)
-    out, line, met, step = tmp_path / "a.json", 0, True, share(7, 1)
+    out, line, met, step = tmp_path / "a.json", 0, True, share(15, 1)
     names = ("hand_over", "_write_outputs", "file", "show", "_attempt", "write_answer", "atomic_write", "to_json", "json_text")
     while met:
         line += step

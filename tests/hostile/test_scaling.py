@@ -202,7 +202,7 @@ def able(problem: Problem, solver: str) -> bool:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_heuristics_in_other_units(family: str, share: Callable[[int, int], int], tally: Any) -> None:
     found = []
-    for case in range(share(5, 600)):
+    for case in range(share(2, 600)):
         first = pair(family, case)[0]
         names = [name for name in HEURISTICS if not HEURISTICS[name].missing(first)]
         if share(1, 2) == 1 and names:
@@ -298,7 +298,7 @@ def checked(family: str, case: int) -> tuple[list[str], list[str]]:
 def test_checkers_in_other_units(share: Callable[[int, int], int], tally: Any) -> None:
     found, kinds = [], set()
     for family in FAMILIES:
-        for case in range(share(6, 1_000)):
+        for case in range(share(4, 1_000)):
             some, wrong = checked(family, case)
             kinds.update(some)
             found += wrong
