@@ -20,6 +20,8 @@ settings.load_profile("ci" if os.environ.get("CI") else "waybound")
 
 if hasattr(signal, "SIGHUP"):  # ignored under nohup, and by every process that tests start there
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of a script
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

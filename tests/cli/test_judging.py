@@ -170,7 +170,7 @@ def test_explain_names_the_fleet(run):
 
 
 def test_explain_of_an_instance_with_a_solution_is_exit_0(run):
-    result = run("explain", "demo-tiny", "--time-limit", "10")
+    result = run("explain", "demo-tiny", "--time-limit", "60")
     assert (result.exit_code, "there is a solution" in result.stdout) == (0, True)
 
 

@@ -170,14 +170,14 @@ def test_no_optimum_is_claimed(engine_name):
 
 def test_an_interrupt_in_mid_run_keeps_the_best_answer(engine_name):
     problem, control = middling(BUSY.get(engine_name, 60)), Control()
-    threading.Timer(2.5 if BACKENDS[engine_name].needs_process else 1.0, control.stop).start()
+    threading.Timer(4.0 if BACKENDS[engine_name].needs_process else 1.0, control.stop).start()
     began = time.perf_counter()
     kind = BACKENDS[engine_name]
     if kind.needs_process:
         result = run_isolated(engine_name, problem, Options(time_limit=120), control)
     else:
         result = run(engine_name, problem, control, time_limit=120)
-    assert time.perf_counter() - began < 8.0
+    assert time.perf_counter() - began < 10.0
     assert (result.status, result.limit) == ("feasible", "interrupt")
     assert problem.evaluate(result.answer).feasible
 

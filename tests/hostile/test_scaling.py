@@ -118,7 +118,7 @@ def listed(value: Any, factors: Iterable[float] = ()) -> list[float | None]:
 def told(problem: Problem, keywords: dict[str, Any], factors: list[float]) -> dict[str, Any]:
     """What ``solve`` says, in the units of factor 1; how it fails, where it does."""
     try:
-        s = wb.solve(problem, time_limit=20.0, bound_time=5.0, **keywords)
+        s = wb.solve(problem, time_limit=120.0, bound_time=5.0, **keywords)
     except CheckFailedError:
         return {"failed": "a claim does not hold up"}
     except WayboundError as fault:
