@@ -129,6 +129,46 @@ def test_two_index_time_flow_from_text_to_text(tmp_path: Path) -> None:
     )
 
 
+def test_two_index_unit_flow_from_text_to_text(tmp_path: Path) -> None:
+    """Times and loads as levels of nodes, and how many were visited as a flow beyond the least of its tail: 1 of 2 on the way between."""
+    assert written(TWO_SITES, "two-index-unit-flow", tmp_path) == expected(
+        """
+        two-index-unit-flow, exact
+        min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
+        visit-out[a]: x[a,b] + x[a,o] = 1
+        visit-out[b]: x[b,a] + x[b,o] = 1
+        visit-in[a]: x[o,a] + x[b,a] = 1
+        visit-in[b]: x[o,b] + x[a,b] = 1
+        fleet: 1 <= x[o,a] + x[o,b] <= 2
+        time[a,b]: 12 x[a,b] + time[a] - time[b] <= 7
+        time[b,a]: 12 x[b,a] - time[a] + time[b] <= 6
+        time-earliest[a]: - 8 x[b,a] + time[a] >= 3
+        time-earliest[b]: - 3 x[a,b] + time[b] >= 5
+        time-latest[a]: 8 x[a,b] + time[a] <= 12
+        time-latest[b]: 3 x[b,a] + time[b] <= 9
+        load[a,b]: 4 x[a,b] + x[b,a] + load[a] - load[b] <= 3
+        load[b,a]: x[a,b] + 4 x[b,a] - load[a] + load[b] <= 2
+        load-earliest[a]: - x[b,a] + load[a] >= 2
+        load-earliest[b]: - 2 x[a,b] + load[b] >= 1
+        load-latest[a]: x[a,b] + load[a] <= 4
+        load-latest[b]: 2 x[b,a] + load[b] <= 4
+        order-link[a,b]: order-flow[a,b] <= 0
+        order-link[a,o]: - x[a,o] + order-flow[a,o] <= 0
+        order-link[b,a]: order-flow[b,a] <= 0
+        order-link[b,o]: - x[b,o] + order-flow[b,o] <= 0
+        order-balance[a]: - x[o,a] + x[a,b] + x[a,o] - 2 x[b,a] + order-flow[a,b] + order-flow[a,o] - order-flow[b,a] >= 0
+        order-balance[b]: - x[o,b] - 2 x[a,b] + x[b,a] + x[b,o] - order-flow[a,b] + order-flow[b,a] + order-flow[b,o] >= 0
+        x[o,a], x[o,b], x[a,b], x[a,o], x[b,a], x[b,o] binary
+        3 <= time[a] <= 12
+        5 <= time[b] <= 9
+        2 <= load[a] <= 4
+        1 <= load[b] <= 4
+        order-flow[a,b], order-flow[b,a] = 0
+        0 <= order-flow[a,o], order-flow[b,o] <= 1
+        """
+    )
+
+
 def test_optional_sites_have_a_row_of_flow_in_place_of_a_visit(tmp_path: Path) -> None:
     text = """
         # vehicles: 1
