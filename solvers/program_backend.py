@@ -150,6 +150,8 @@ class ProgramBackend(Backend):
         if bound is not None and result.status == "optimal" and chain.exactness is Exactness.EXACT and not _meet(objective, bound):
             # What is near without a constant need not be near with one.
             result = replace(result, status="feasible", limit=said.limit if said.limit != "none" else "gap")
+        if result.status == "feasible" and not program.is_integer:
+            objective = None  # on no vertex, a point is as good as its residuals: what it is worth is for the judge to say
         return replace(
             result,
             answer=answer,

@@ -90,11 +90,12 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
         waiting += begin[k] - arrival[k]
         slack = min(slack, waiting + max(0.0, (last[k] if k < len(last) else due[k]) - begin[k]))
     finish = float(arrival[-1])
-    elapsed = finish - float(begin[0])
-    duration = elapsed - min(waiting, slack)
+    busy = math.fsum([*time, *service])  # no route takes less, whatever cancels where its clock is far from zero
+    elapsed = max(finish - float(begin[0]), busy)
+    duration = max(elapsed - min(waiting, slack), busy)
     if several and departure is None:
         shortest = _shortest(float(begin[0]), ready, due, last, service + np.append(time, 0.0), several)
-        duration = shortest if math.isfinite(shortest) else elapsed
+        duration = max(shortest, busy) if math.isfinite(shortest) else elapsed
     charge = np.maximum(service[:-1] + time, np.append(ready[1:-1], -math.inf) - ready[:-1])
     on_board = _on_board(problem, route)
     refills = [k for k, site in enumerate(route.visits, start=1) if site in vehicle.stations]

@@ -103,6 +103,11 @@ def test_the_optimum_of_a_continuous_program_is_its_bound() -> None:
     assert (result.status, result.objective, result.bound) == ("optimal", 6.5, 6.5)
 
 
+def test_a_point_at_which_a_limit_ended_a_continuous_program_claims_no_value() -> None:
+    result = Says(RawResult("feasible", "time", answer=np.array([1.0, 0.5]))).run(program(), Options(), Control())
+    assert result.status == "feasible" and result.answer is not None and result.objective is None
+
+
 def test_an_incumbent_stands_in_for_a_last_point_that_breaks_a_row() -> None:
     result = Says(RawResult("optimal", answer=BAD, bound=15.0), publishes=GOOD).run(knapsack(), Options(), Control())
     assert (result.status, result.objective) == ("optimal", 15.0)

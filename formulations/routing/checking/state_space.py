@@ -161,8 +161,7 @@ def _least_walk(moves: VehicleMoves, name: str, step: float, work: int) -> tuple
     weight = np.floor(np.where(usable, r.weight, 0.0) / step + _NEAR).astype(np.int64)
     idle = np.bincount(heads[inner & (weight[tails, heads] == 0)], minlength=nodes) > 0
     late = int(idle.sum())  # a customer is entered once, so that taking one step for none delays a route by so many at most
-    weight = np.where((weight == 0) & usable, 1, weight)
-    weight[:, 0] = np.floor(np.where(usable[:, 0], r.weight[:, 0], 0.0) / step + _NEAR)
+    weight[1:, 1:] = np.maximum(weight[1:, 1:], 1)
     lower = np.floor(np.where(reached, (r.lower - r.start) / step, 0.0) + _NEAR).astype(np.int64)
     upper = np.floor(np.where(reached, (r.upper - r.start) / step, -2.0 - late) + conceded).astype(np.int64) + late
     steps = int(upper.max()) + 1

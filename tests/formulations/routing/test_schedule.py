@@ -27,6 +27,12 @@ def test_what_is_delivered_leaves_and_what_is_collected_stays_on_board():
     assert plan.peak == (7,)
 
 
+def test_no_route_takes_less_than_its_moves_however_far_from_zero_its_clock_is():
+    matrix, far = np.array([[0.0, 6.8e-6], [6.8e-6, 0.0]]), 1e9  # where clocks are 1.2e-7 apart
+    problem = RoutingProblem(Sites.of("oa", ready=[far, 0.0]), Travel(EXPLICIT, matrix=matrix), [VehicleType()])
+    assert schedule(problem, Route((1,))).duration == 13.6e-6
+
+
 def test_a_reload_changes_what_is_collected_for_what_is_delivered_next():
     depots = {"depot": [True, False, False, False, True]}
     plan = schedule(line(VehicleType(reloads=(4,)), demand=[0, 3, 2, 4, 0], pickup=[0, 1, 1, 1, 0], **depots), Route((1, 2, 4, 3)))

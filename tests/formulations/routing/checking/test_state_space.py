@@ -53,6 +53,11 @@ def line(loads, capacity, objective=None, **fleet):
     return RoutingProblem(sites, travel, (VehicleType(capacity=capacity, **fleet),), objective)
 
 
+def test_a_first_site_that_takes_nothing_delays_no_route():
+    problem = line([0, 1], 1.0)  # one route serves both
+    assert check_state_space(problem, {"prices": [0, 2, 4], "resource": "load", "step": 1.0}) <= 4.0
+
+
 def test_prices_of_the_optimum_prove_it():
     problem = line([1, 1, 1, 1], 2.0)  # 4 and 3, 2 and 1: 8 + 4
     shares = {"prices": [0, 1, 3, 3, 5], "resource": "load", "step": 1.0}
