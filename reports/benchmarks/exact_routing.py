@@ -7,6 +7,7 @@ come out a rounding above.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -28,13 +29,17 @@ def scale_of(*arrays: Any) -> int:
     return max((v.as_integer_ratio()[1] for v in flat if math.isfinite(v)), default=1)
 
 
+@functools.lru_cache(maxsize=4096)  # the same few limits are asked for on every route
+def whole(value: float, scale: int) -> int | None:
+    """As a whole number; None for infinity."""
+    return None if math.isinf(value) else int(Fraction(value) * scale)
+
+
 def ints(values: Any, scale: int) -> Any:
     """As nested lists of whole numbers; None for infinity."""
     if isinstance(values, np.ndarray):
         values = values.tolist()
-    if isinstance(values, list):
-        return [ints(v, scale) for v in values]
-    return None if math.isinf(values) else int(Fraction(values) * scale)
+    return [ints(v, scale) for v in values] if isinstance(values, list) else whole(values, scale)
 
 
 def nearly(test: tuple[int, int | None, int]) -> bool:

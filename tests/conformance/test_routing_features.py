@@ -84,7 +84,7 @@ HASTY = ("vroom",)
 
 def run(engine, asked, start=None):
     options = {"iterations": 300} if "iterations" in engine.honours else {}
-    return engine.run(asked, Options(time_limit=1.0, start=start, **options), Control())
+    return engine.run(asked, Options(time_limit=0.4, start=start, **options), Control())
 
 
 def reached(asked, result, truth) -> bool:

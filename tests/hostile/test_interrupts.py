@@ -230,7 +230,7 @@ def running_at(instant: float, case: Case, path: Path, folder: Path, rng: np.ran
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_answer(part, share, tally, instances, tmp_path) -> None:
     rng = np.random.default_rng(part)
-    few, many = 8 // PARTS, 200 // PARTS
+    few, many = 4 // PARTS, 200 // PARTS
     runs = share(few, many)
     order = np.concatenate([np.random.default_rng(7).permutation(len(CASES)) for _ in range(1 + 200 // len(CASES))])[part::PARTS]
     latest, faults, slowest = (0.8 if runs == few else 4.0), [], (0.0, "")
@@ -255,7 +255,7 @@ def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_ans
 def test_a_parent_that_is_killed_or_hung_up_on_takes_its_children_along(part, share, tally, instances, tmp_path) -> None:
     rng, faults = np.random.default_rng(part), []
     wall, _ = start_up()
-    for k in range(share(1, 12)):
+    for k in range(share(part, 12)):
         solver = WITH_CHILDREN[(k * 2 + part) % len(WITH_CHILDREN)]
         number = (signal.SIGKILL, signal.SIGHUP, signal.SIGQUIT)[k % 3]
         case = Case(("solve", SOLVED[solver], "--solver", solver), SOLVED[solver], ("out", "certificate"))

@@ -33,7 +33,7 @@ from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import InputError, UnsupportedError
 from waybound.instances.routing.instance import Energy
 
-DRAWN = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+DRAWN = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 PLACES: dict[str, dict[str, Any]] = {
     "SQUARE-4": {"xy": SQUARE_4}, "GAP-5": {"xy": GAP_5, "metric": "manhattan"}, "ASYM-5": {"matrix": ASYM_5}, "OCTO-8": {"xy": OCTO_8},
 }  # fmt: skip
@@ -66,14 +66,14 @@ def one_level(feature: str, seed: int) -> RoutingProblem:
 @pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "initial-energy")])
 def test_forms_agree_with_enumeration_on_every_feature_of_the_family(feature: str) -> None:
     taken = 0
-    for seed in range(6):
+    for seed in range(4):
         problem = one_level(feature, seed)
         names, expected = problem.forms(), optimum(problem)
         assert "set-partitioning" in names
         for form in names:
             agrees(problem, form, expected)
         taken += "three-index" in names
-    assert taken >= 4  # where early returns and short durations both count, several windows are for set partitioning alone
+    assert taken >= 2  # where early returns and short durations both count, several windows are for set partitioning alone
 
 
 @pytest.mark.parametrize("seed", [0, 1])

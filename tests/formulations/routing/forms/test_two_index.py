@@ -194,7 +194,7 @@ def duals_of(program: Program) -> tuple[float, np.ndarray]:
     return float(model.getInfo().objective_function_value), np.array(model.getSolution().row_dual)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 @given(problem=small_problems(most=4))
 def test_duals_of_the_flow_relaxation_prove_its_value_and_no_more_than_the_optimum(problem: RoutingProblem) -> None:
     assume("two-index-time-flow" in problem.forms())
@@ -315,7 +315,7 @@ def test_unit_flow_connects_every_customer_to_the_depot() -> None:
 
 @pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "reloads", "initial-energy")])
 def test_two_index_forms_agree_with_enumeration_on_features_of_one_type(feature: str) -> None:
-    for seed in range(6):
+    for seed in range(4):
         problem = varied(feature, seed, 3)
         for aim in (TotalCost(), TotalDuration(), TotalCost() + Penalties()):
             alone = replace(problem, fleet=problem.fleet[-1:], objective=Objective.of(aim))
