@@ -53,9 +53,10 @@ def line(loads, capacity, objective=None, **fleet):
     return RoutingProblem(sites, travel, (VehicleType(capacity=capacity, **fleet),), objective)
 
 
-def test_a_first_site_that_takes_nothing_delays_no_route():
-    problem = line([0, 1], 1.0)  # one route serves both
-    assert check_state_space(problem, {"prices": [0, 2, 4], "resource": "load", "step": 1.0}) <= 4.0
+def test_a_first_site_at_the_place_of_the_depot_delays_no_route():
+    travel = Travel(EXPLICIT, matrix=np.abs(np.subtract.outer([0.0, 0, 1], [0.0, 0, 1])))
+    problem = RoutingProblem(Sites.of("oab", due=[2.0, 0.0, 2.0]), travel, (VehicleType(fixed_cost=10.0),))  # one route: o a b o
+    assert check_state_space(problem, {"prices": [0, 10, 12], "resource": "time", "step": 1.0}) <= 12.0
 
 
 def test_prices_of_the_optimum_prove_it():
