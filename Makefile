@@ -4,6 +4,8 @@ PYTEST_FLAGS ?=
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# Tests start hundreds of processes: bytecode is kept for them, whatever the environment says.
+CACHING := PYTHONDONTWRITEBYTECODE=
 
 .PHONY: demo test test-all test-hostile lint format benchmarks clean
 
@@ -23,13 +25,13 @@ demo: $(READY)
 	@echo "The map is in demo/demo-c25.png"
 
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(PYTEST_FLAGS)
+	$(CACHING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(PYTEST_FLAGS)
 
 test-all: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
+	$(CACHING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
 
 test-hostile: $(READY)
-	WAYBOUND_HOSTILE=1 $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
+	WAYBOUND_HOSTILE=1 $(CACHING) $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -39,16 +39,16 @@ Lie = Callable[[Data, random.Random], bool]
 def cases() -> list[tuple[Problem, float | None, str]]:
     """Problems, their optima (None: no answer), and a certificate file with a tree for each."""
     found: list[tuple[Problem, float | None]] = [(without_answer(), None)]
-    for seed in range(60):
+    for seed in range(40):
         program = random_program(seed)
         best = truth(program).best
         found.append((program, None if best is None else float(best[0])))
-    for seed in range(60):
+    for seed in range(40):
         product = KINDS["products"](np.random.default_rng([seed, 5]))
         value = program_truth(product.program).value  # type: ignore[attr-defined]
         found.append((product, None if value is None else float(value)))
     rng = np.random.default_rng(3)
-    for _ in range(25):
+    for _ in range(15):
         chosen = selection_problems.random_problem(rng, "dense", "knapsack", 8)
         found.append((chosen, selection_problems.optimum(chosen)))
     for seed in range(6):

@@ -9,7 +9,7 @@ from small_routing import WHOLE_FAMILY, varied
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
-SEEDS = range(4)
+SEEDS = range(5)
 
 
 def drawn(feature, seed):

@@ -77,9 +77,9 @@ def claims(problem, rng):
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_no_evidence_proves_more_than_is_true(feature):
     rng, judged = np.random.default_rng(9), 0
-    for seed in range(5):
+    for seed in range(8):
         problem = drawn(feature, seed)
-        best = RoutingTruth(problem).lenient
+        best = RoutingTruth(problem).lenient if judged < 4 else None
         if best is None:
             continue
         judged += 1
