@@ -38,8 +38,8 @@ from .routing_variants import drawn, features_of
 AGREE = 1e-6
 """Share of the optimum by which an exact solver's value may differ."""
 
-TIME_LIMIT = 60.0
-"""Seconds for one program, which mostly takes hundredths of one."""
+TIME_LIMIT = 10.0
+"""Seconds for one program, which mostly takes hundredths of one; what is unfinished then is counted as such."""
 
 WORK = {"pyvrp": 100, "ortools": 30}
 """Iterations of engines."""
