@@ -13,7 +13,7 @@ import numpy as np
 
 from ..formulations.evidence import Evidence
 from ..formulations.programs.exactness import Exactness
-from ..formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
+from ..formulations.programs.program import CIRCUITS, CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
 from ..formulations.programs.reductions.reduction import Chain, Irreducible, Reduction
 from ..formulations.programs.reductions.unique_entries import UNIQUE_ENTRIES
 from ..formulations.programs.reductions.units import UNITS
@@ -87,7 +87,10 @@ class ProgramBackend(Backend):
 
     def lacking(self, program: Program) -> frozenset[str]:
         """Features of ``program`` that the solver lacks, as far as features tell."""
-        return frozenset() if self.able(program.features()) else frozenset({f"{program.kind} programs"})
+        features = program.features()
+        if self.able(features):
+            return frozenset()
+        return CIRCUITS if features >= CIRCUITS and self.able(features - CIRCUITS) else frozenset({f"{program.kind} programs"})
 
     def missing(self, program: Program) -> frozenset[str]:
         """What ``program`` asks for and the solver lacks, its numbers considered; empty if it can take it."""
@@ -264,8 +267,8 @@ def settled(program: Program) -> RawResult | None:
 
 def kinds_of(backend: type[ProgramBackend]) -> list[str]:
     """What it takes, in the usual words: ``LP``, ``MILP``, ..."""
-    cones = [LINEAR, *(frozenset({cone}) for cone in CONES)]
-    asked = (f | cone for f in (LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC) for cone in cones)
+    further = [LINEAR, CIRCUITS, *(frozenset({cone}) for cone in CONES)]
+    asked = (f | more for f in (LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC) for more in further)
     return sorted({described(f) for f in asked if backend.takers(f)})
 
 

@@ -33,7 +33,7 @@ def expected(text: str) -> str:
 
 
 def program_text(program: Program) -> str:
-    """Objective, rows and domains of a program without cones, one a line; coefficients of 0 are not shown, nor are bounds that are none."""
+    """Objective, rows, circuits and domains of a program without cones, one a line, less coefficients of 0 and bounds that are none."""
     assert not program.cones
     names = [program.variable_name(k) for k in range(program.num_variables)]
     terms = [(v, n) for v, n in zip(program.cost.tolist(), names, strict=True) if v] + _products(program, names)
@@ -45,6 +45,11 @@ def program_text(program: Program) -> str:
         entries = slice(matrix.indptr[row], matrix.indptr[row + 1])
         pairs = zip(matrix.data[entries].tolist(), matrix.indices[entries].tolist(), strict=True)
         lines.append(f"{program.row_name(row)}: {_between(_sum([(v, names[j]) for v, j in pairs if v], 0.0), low, high)}")
+    for graph in program.circuits:
+        arcs = zip(graph.tail.tolist(), graph.head.tolist(), graph.column.tolist(), strict=True)
+        what = "circuits through node 0" if graph.several else "one circuit"
+        used = ", ".join(f"{i}>{j} {names[column]}" for i, j, column in arcs)
+        lines.append(f"{graph.name}: {what}, nodes 0 to {graph.nodes - 1}, {used}")
     domains: dict[str, list[str]] = {}
     for name, whole, low, high in zip(names, program.integer.tolist(), program.lower.tolist(), program.upper.tolist(), strict=True):
         if (low, high) == (0.0, 1.0) and whole:

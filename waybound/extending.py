@@ -15,10 +15,11 @@ from .formulations.forms import FORMS, Form
 from .formulations.max_min.bottleneck_sata import BottleneckSATA
 from .formulations.max_min.max_min_lp import MaxMinLP
 from .formulations.problem import PROBLEMS, Problem
+from .formulations.programs.circuits import Circuit
 from .formulations.programs.compiled import Compiled
 from .formulations.programs.cones import Cones
 from .formulations.programs.exactness import Exactness, Link
-from .formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, FurtherLevel, Program, Rows, Variables
+from .formulations.programs.program import CIRCUITS, CONES, INTEGERS, LINEAR, QUADRATIC, FurtherLevel, Program, Rows, Variables
 from .formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from .formulations.programs.reductions.minimisation import MINIMISATION
 from .formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
@@ -62,6 +63,7 @@ __all__ = [
     "BACKENDS",
     "BOUNDS",
     "CHECKERS",
+    "CIRCUITS",
     "CONES",
     "CONSTRAINTS",
     "FORMATS",
@@ -88,6 +90,7 @@ __all__ = [
     "Chain",
     "Check",
     "Checklist",
+    "Circuit",
     "Compiled",
     "Cones",
     "Constraint",

@@ -38,7 +38,7 @@ class ArrayProblem(Problem):
     Parameters
     ----------
     program : Program
-        Linear or quadratic, mixed-integer or not, with or without cones. What it was compiled from is forgotten.
+        Linear or quadratic, mixed-integer or not, with or without cones and circuits. What it was compiled from is forgotten.
     name : str, optional
 
     Raises
@@ -74,18 +74,19 @@ class ArrayProblem(Problem):
     def digest(self) -> str:
         p = self.program
         quadratic: tuple[Any, ...] = ()
+        graphs = (part for graph in p.circuits for part in graph.parts())
         if p.quadratic is not None:
             q = p.quadratic.tocsr()
             quadratic = (q.indptr, q.indices, q.data)
         return digest(
             "arrays", p.sense, p.cost, p.lower, p.upper, p.integer, p.row_lower, p.row_upper, p.indptr, p.indices, p.data,
-            float(p.offset), *(part for block in p.cones for part in block.parts()), *quadratic,
+            float(p.offset), *(part for block in p.cones for part in block.parts()), *graphs, *quadratic,
         )  # fmt: skip
 
     def features(self) -> frozenset[str]:
-        """``LP`` always; ``integer``, ``quadratic`` and ``cones`` where the program has them."""
+        """``LP`` always; ``integer``, ``quadratic``, ``cones`` and ``circuits`` where the program has them."""
         p = self.program
-        marks = {"integer": p.is_integer, "quadratic": p.quadratic is not None, "cones": bool(p.cones)}
+        marks = {"integer": p.is_integer, "quadratic": p.quadratic is not None, "cones": bool(p.cones), "circuits": bool(p.circuits)}
         return frozenset({"LP", *(name for name, present in marks.items() if present)})
 
     def facts(self) -> dict[str, Any]:
@@ -94,10 +95,10 @@ class ArrayProblem(Problem):
         return {"variables": p.num_variables, "rows": p.num_rows, "entries": len(p.data)}
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute the objective and every row, bound, cone and integrality of the vector ``answer`` of shape (variables,).
+        """Recompute the objective and every row, bound, cone, integrality and circuit of the vector ``answer`` of shape (variables,).
 
-        Rows, cones and the objective are those of the nearest vector within the bounds, its integers whole, if there is one within the
-        tolerance. What a row may be broken by is relative to its size; ``concession`` says what that can be worth.
+        Rows, cones, circuits and the objective are those of the nearest vector within the bounds, its integers whole, if there is one
+        within the tolerance. What a row may be broken by is relative to its size; ``concession`` says what that can be worth.
         """
         p, x = self.program, self._vector(answer)
         known = bool(np.isfinite(x).all())
@@ -125,6 +126,9 @@ class ArrayProblem(Problem):
             size = max(float(np.abs(cones.offset).max(initial=0.0)), float((np.abs(cones.data) * columns[cones.indices]).max(initial=0.0)))
             message = partial("{0} leaves cone number {1}".format, cones.name)
             judged.append(judge(cones.name, cones.excess(near), message, VECTOR * size))
+        for graph in p.circuits:
+            message = partial("{0} do not make up what they should".format, f"the used arcs of circuit {graph.name}")
+            judged.append(judge(graph.name, np.array([graph.excess(near)]), message, VECTOR))
         checks = tuple(check for check, _ in judged)
         violations = tuple(v for _, found in judged for v in found)
         return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), self._precision)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .circuits import Circuit
 from .cones import Cones
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ LINEAR: frozenset[str] = frozenset()
 INTEGERS = frozenset({"integers"})
 QUADRATIC = frozenset({"quadratic-objective"})
 CONES = frozenset({"second-order-cones", "exponential-cones"})
+CIRCUITS = frozenset({"circuits"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +115,8 @@ class Program:
         Symmetric.
     cones : tuple of Cones
         Blocks of second-order and exponential cones, for backends that take them.
+    circuits : tuple of Circuit
+        Graphs whose used arcs make up circuits, for backends that take them.
     further : tuple of FurtherLevel
         Objectives after the first one, in order of priority. All that asks for one objective means the first.
     """
@@ -125,6 +129,7 @@ class Program:
     quadratic: sp.csr_matrix | None = None
     cones: tuple[Cones, ...] = ()
     further: tuple[FurtherLevel, ...] = ()
+    circuits: tuple[Circuit, ...] = ()
 
     # -- the whole, as arrays ----------------------------------------------------------------------------------------
 
@@ -186,9 +191,9 @@ class Program:
         return any(b.integer and b.size for b in self.variables)
 
     def features(self) -> frozenset[str]:
-        """What a solver must be able to take, beyond linear programs: ``INTEGERS``, ``QUADRATIC`` and of ``CONES``."""
-        marks = (INTEGERS if self.is_integer else LINEAR) | (QUADRATIC if self.quadratic is not None else LINEAR)
-        return marks | {f"{block.kind}-cones" for block in self.cones}
+        """What a solver must be able to take, beyond linear programs: ``INTEGERS``, ``QUADRATIC``, ``CIRCUITS`` and of ``CONES``."""
+        held = ((INTEGERS, self.is_integer), (QUADRATIC, self.quadratic is not None), (CIRCUITS, self.circuits))
+        return LINEAR.union(*(mark for mark, present in held if present), {f"{block.kind}-cones" for block in self.cones})
 
     @property
     def kind(self) -> str:
@@ -239,13 +244,13 @@ class Program:
         return total
 
     def residual(self, x: Floats) -> float:
-        """Largest violation of a row, a bound, a cone or integrality by ``x``."""
+        """Largest violation of a row, a bound, a cone, integrality or circuit by ``x``."""
         if x.shape != (self.num_variables,) or not np.isfinite(x).all():
             return math.inf
         ax = self.matrix @ x
         gaps = [self.lower - x, x - self.upper, self.row_lower - ax, ax - self.row_upper, np.abs(x - np.round(x))[self.integer]]
         gaps.extend(block.excess(x) for block in self.cones)
-        return max((float(g.max(initial=0.0)) for g in gaps), default=0.0)
+        return max([*(float(g.max(initial=0.0)) for g in gaps), *(graph.excess(x) for graph in self.circuits)])
 
     # -- hand over ---------------------------------------------------------------------------------------------------
 
@@ -284,9 +289,9 @@ class Program:
 
 
 def described(features: frozenset[str]) -> str:
-    """Features in the usual words: ``LP``, ``MILP``, ``QP``, ``MIQP``, and ``cone`` before them where there are cones."""
-    cones, integer = "cone " if features & CONES else "", "MI" if features >= INTEGERS else ""
-    return cones + integer + ("QP" if features >= QUADRATIC else "LP")
+    """Features in the usual words: ``LP``, ``MILP``, ``QP``, ``MIQP``, and ``cone`` or ``circuit`` before them where there are any."""
+    more = "cone " * bool(features & CONES) + "circuit " * (features >= CIRCUITS)
+    return more + "MI" * (features >= INTEGERS) + ("QP" if features >= QUADRATIC else "LP")
 
 
 def _joined(parts: Sequence[NDArray[Any]], dtype: Any) -> NDArray[Any]:

@@ -17,7 +17,7 @@ def refuse_numbers(program: Program) -> None:
     """Raise InputError, naming the place, for numbers that mean nothing.
 
     A NaN anywhere; an infinite cost, coefficient or constant; a limit that leaves no number; a column that does not exist; two
-    coefficients of one product, for each solver reads but one of them.
+    coefficients of one product, for each solver reads but one of them; circuits over nodes, arcs or columns that are none.
     """
     if program.indices.size and (program.indices.min() < 0 or program.indices.max() >= program.num_variables):
         raise InputError("a row names a column that does not exist", expected=f"0 to {program.num_variables - 1}")
@@ -43,6 +43,10 @@ def refuse_numbers(program: Program) -> None:
             raise InputError(f"the quadratic part is not symmetric: {program.variable_name(int(i))} times {program.variable_name(int(j))}")
     for block in program.cones:
         _refuse_infinite(np.concatenate([block.data, block.offset]), f"entry of cones {block.name}, number", str)
+    for graph in program.circuits:
+        fault = graph.fault(program.lower, program.upper, program.integer)
+        if fault:
+            raise InputError(f"circuit {graph.name}: {fault}")
 
 
 def _refuse_infinite(values: Floats, what: str, name: Callable[[int], str]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...instances.routing.reach import Use, least_use, ways_alone
+from ...instances.routing.reach import Use, least_use, shortest_ways, ways_alone
 from ..tolerance import LIMIT, widened
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ WORDS = {
     "distance": "a route to it is {:.6g} long at least, the longest distance is {:g}",
     "energy": "a route to it draws {:.6g} of energy at least ({charge}), the store holds {:g}",
     "skills": "the vehicle lacks {}",
+    "store": "a way to it from one filling of the store to the next draws {:.6g} of energy at least, the store holds {:g}",
     "shipment": "the shipment from {} to {} weighs {:g}, the capacity is {:g}",
 }
 
@@ -45,17 +46,21 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
     -------
     dict
         From site index to the reason, with its amounts; with several vehicle types, the reason of each. Ways are shortest ways
-        through any other customers, services on the way included; only sites are named that the checker confirms to be out of reach.
+        through any other customers, services on the way included, and over depots where the vehicle reloads or recharges; only sites are
+        named that the checker confirms to be out of reach.
         Beyond ``MOST_DETOURS`` customers, only those whose demand is too large are looked for.
 
     Notes
     -----
     The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
     """
+    from .checking.stops_on_the_way import without_stops
+
+    relaxed = without_stops(problem)
     with np.errstate(over="ignore", invalid="ignore"):  # sums that overflow are for the checker to judge
-        verdicts = [_reasons(problem, kind) for kind in range(len(problem.fleet))]
-    for vehicle, reasons in zip(problem.fleet, verdicts, strict=True):
-        for k, why in _unable(problem, vehicle):
+        verdicts = [_reasons(relaxed, kind) for kind in range(len(problem.fleet))]
+    for kind, reasons in enumerate(verdicts):
+        for k, why in _unable(problem, kind):
             reasons[k] = reasons[k] or why
     customers = problem.customers
     found = {}
@@ -136,8 +141,9 @@ def _reasons(problem: RoutingProblem, kind: int) -> list[str | None]:
     return _broken(problem, kind, detours=True)
 
 
-def _unable(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[int, str]]:
-    """What a vehicle cannot serve wherever it is, by number of the customer."""
+def _unable(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
+    """What a vehicle cannot serve wherever it is, or wherever it stops on the way, by number of the customer."""
+    vehicle = problem.fleet[kind]
     sites, place = problem.sites, {site: k for k, site in enumerate(problem.customers.tolist())}
     for site, k in place.items() if sites.skills else ():
         if lacking := sorted(sites.skills[site] - vehicle.skills):
@@ -148,6 +154,36 @@ def _unable(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[int
             if load > widened(capacity):
                 why = WORDS["shipment"].format(*(sites.ids[end] for end in ends), load, capacity)
                 yield from ((place[end], why) for end in ends)
+    yield from _unloaded(problem, vehicle) if vehicle.reloads else ()
+    yield from _unlasting(problem, kind) if vehicle.stations else ()
+
+
+def _unloaded(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[int, str]]:
+    """What is too large for an empty vehicle."""
+    sites, at = problem.sites, problem.customers
+    for word, first, further in (("load", sites.demand, sites.further_demand), ("pickup", sites.pickup, sites.further_pickup)):
+        for loads, capacity in zip(np.column_stack([first, further])[at].T, vehicle.capacities, strict=False):
+            for k in np.nonzero(loads > widened(capacity))[0].tolist():
+                yield k, WORDS[word].format(loads[k], capacity)
+
+
+def _unlasting(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
+    """What lies too far from start and stations."""
+    vehicle, at, durations = problem.fleet[kind], problem.customers, problem.travel_of(kind).durations
+    energy = vehicle.energy
+    assert energy is not None
+    stations = np.array(energy.stations)
+    for detours in (False, True) if len(at) <= MOST_DETOURS else ():
+        ways = shortest_ways(durations, at) if detours else durations
+        filled = ways[np.ix_(stations, at)].min(axis=0)
+        last = energy.rate * np.minimum(ways[np.ix_(at, stations)].min(axis=1), ways[at, vehicle.end])
+        lacking = energy.capacity - energy.at_departure  # as if it were drawn on the way from the start
+        least = last + np.minimum(energy.rate * filled, energy.rate * ways[vehicle.start, at] + lacking)
+        beyond = np.nonzero(least > widened(energy.capacity) + LIMIT * least)[0].tolist()
+        if not beyond:
+            return
+    for k in beyond if len(at) <= MOST_DETOURS else ():
+        yield k, WORDS["store"].format(least[k], energy.capacity)
 
 
 def _broken(problem: RoutingProblem, kind: int, *, detours: bool) -> list[str | None]:

@@ -12,6 +12,10 @@ PARTS = 10**9
 """One over what an answer may exceed a limit by, as a share of it, and still count for ``lenient``."""
 
 
+ROUNDING = Fraction(1, 10**12)
+"""Part of their size by which values of equal decimals may differ."""
+
+
 @dataclass
 class Truth:
     """``best`` and ``lenient`` are None where there is no answer; ``samples`` are answers that keep every limit, an optimal one first.
@@ -33,8 +37,13 @@ class Truth:
     """Whether terms of both signs are added up to a value."""
 
     def better(self, a: Values, b: Values | None) -> bool:
-        signs = [1 if s == "min" else -1 for s in self.senses]
-        return b is None or [s * v for s, v in zip(signs, a, strict=False)] < [s * v for s, v in zip(signs, b, strict=False)]
+        """By the first level that differs, by more than decimals are off as doubles (9.9 + 16.1 and 26) where it is not the last one."""
+        levels = [] if b is None else list(zip(self.senses, a, b, strict=False))
+        for number, (sense, one, other) in enumerate(levels, start=1):
+            size = max(abs(one), abs(other), self.size if number == 1 else 0)
+            if one != other and (number == len(levels) or abs(one - other) > ROUNDING * size):
+                return (one < other) == (sense == "min")
+        return b is None
 
     def meet(self, values: Values, strict: bool, answer: Any) -> None:
         """One answer that keeps the limits exactly (``strict``) or nearly."""

@@ -1,4 +1,4 @@
-"""OR-Tools CP-SAT: programs over integers, products of variables included, counted exactly in 64 bits."""
+"""OR-Tools CP-SAT: programs over integers, products of variables and circuits included, counted exactly in 64 bits."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import INTEGERS, QUADRATIC
+from ...formulations.programs.circuits import Circuit
+from ...formulations.programs.program import CIRCUITS, INTEGERS, QUADRATIC
 from ...formulations.programs.reductions.whole_numbers import UNLIMITED, WHOLE_NUMBERS, IntegerProgram
 from ...instances.errors import UnsupportedError, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
@@ -44,8 +45,8 @@ ASK_AGAIN = 0.05
 class CpSat(ProgramBackend):
     """OR-Tools CP-SAT (Perron & Didier): lazy clause generation with linear relaxations.
 
-    It takes mixed-integer programs whose continuous variables can be counted in steps, and products of variables; every variable
-    needs bounds, given or implied. ``WholeNumbers`` says how data become integers. ``iterations`` counts conflicts. One
+    It takes mixed-integer programs whose continuous variables can be counted in steps, products of variables, and circuits; every
+    variable needs bounds, given or implied. ``WholeNumbers`` says how data become integers. ``iterations`` counts conflicts. One
     thread repeats to the bit. Extra options are CP-SAT's parameters by name.
     """
 
@@ -53,10 +54,10 @@ class CpSat(ProgramBackend):
     engine = "CP-SAT"
     package = "ortools"
     modules = ("ortools",)
-    summary = "OR-Tools CP-SAT: integer programs, products of variables included, counted in 64 bits"
+    summary = "OR-Tools CP-SAT: integer programs, products of variables and circuits included, counted in 64 bits"
     options = None
     order = 60
-    programs = (INTEGERS | QUADRATIC,)
+    programs = (INTEGERS | QUADRATIC | CIRCUITS,)
     only_integers = True
     reductions = (WHOLE_NUMBERS,)
     feasible_tolerance = 1e-6
@@ -121,11 +122,30 @@ def _fill(proto: Any, counted: IntegerProgram) -> None:
         linear.vars.extend(indices[indptr[i] : indptr[i + 1]])
         linear.coeffs.extend(data[indptr[i] : indptr[i + 1]])
         linear.domain.extend([-top if low == -UNLIMITED else low, top if high == UNLIMITED else high])
+    for graph in counted.source.circuits:
+        _connect(constraints, counted, graph)
     goal = [(j, c) for j, c in enumerate(counted.cost.tolist()) if c]
     products = [_product(proto, counted, i, j) for i, j in counted.pairs.tolist()]
     goal += [(made, factor) for made, factor in zip(products, counted.factors.tolist(), strict=True) if factor]
     proto.objective.vars.extend([j for j, _ in goal])
     proto.objective.coeffs.extend([c for _, c in goal])
+
+
+def _connect(constraints: Any, counted: IntegerProgram, graph: Circuit) -> None:
+    """A circuit, or several; of a node that no arc names CP-SAT would know nothing.
+
+    Its constraint on routes takes loops too, but calls feasible models infeasible then (9.15: its presolve forgets them where a node is
+    not joined to node 0 in both directions).
+    """
+    if graph.nodes > max(int(graph.several), len(np.intersect1d(graph.tail, graph.head))):
+        constraints.add().bool_or.literals.extend([])  # none of which is true
+    elif len(graph.tail):
+        made = constraints.add()
+        made = made.routes if graph.several else made.circuit
+        ones = counted.shift[graph.column] == 1.0  # what is fixed to 1 is counted from there
+        made.tails.extend(graph.tail.tolist())
+        made.heads.extend(graph.head.tolist())
+        made.literals.extend(np.where(ones, -graph.column - 1, graph.column).tolist())  # -k-1 is the negation of k
 
 
 def _product(proto: Any, counted: IntegerProgram, i: int, j: int) -> int:
@@ -134,7 +154,7 @@ def _product(proto: Any, counted: IntegerProgram, i: int, j: int) -> int:
     made = len(proto.variables)
     if low == [0, 0] and high == [1, 1] and i != j:
         proto.variables.add().domain.extend([0, 1])
-        both = proto.constraints.add()  # -k-1 is the negation of k
+        both = proto.constraints.add()
         both.enforcement_literal.extend([made])
         both.bool_and.literals.extend([i, j])
         proto.constraints.add().bool_or.literals.extend([made, -i - 1, -j - 1])

@@ -24,7 +24,7 @@ from ...formulations.routing.reachability import unreachable
 from ...formulations.tolerance import same
 from ...instances.errors import UnsupportedError
 from ..backend import Control, Engine, Options, RawResult
-from .routing_objective import MAXIMA, longest_stay
+from .routing_objective import MAXIMA, longest_stay, stops_between
 
 if TYPE_CHECKING:
     from ...formulations.evaluation import Evaluation
@@ -142,7 +142,7 @@ class Bisection:
     def most(self) -> float:
         """A limit that no answer exceeds by need."""
         travels = [self.problem.travel_of(k) for k in range(len(self.problem.fleet))]
-        moves = 4 * len(self.problem.sites)
+        moves = 4 * len(self.problem.sites) * (1 + stops_between(self.problem))
         if self.term == "longest-route":
             return 1.0 + moves * float(max(t.distances.max(initial=0.0) for t in travels))
         return 1.0 + abs(self.least) + longest_stay(self.problem) + moves * float(max(t.durations.max(initial=0.0) for t in travels))

@@ -14,9 +14,10 @@ from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from .bisection import Bisecting
+from .more_routes import with_more_routes
 from .ortools_model import Model, short_ways
 from .routing_integers import IntegerRouting, integer_routing
-from .routing_objective import awaited, claimed_objective, unscalable
+from .routing_objective import awaited, claimed_objective, stops_between, unscalable
 from .routing_shipments import entangled
 
 if TYPE_CHECKING:
@@ -37,6 +38,9 @@ STATUS_MAP = {
 }
 """The library's account of its search. It proves nothing about the problem: its fleet is cut to size, its data rounded."""
 
+
+FIRST = 0.3
+"""Part of the time in which routes are found, however few, where a least number of them is asked for."""
 
 DURATIONS = frozenset({"max-duration", "energy:elapsed", "duration-cost", "overtime", "objective:total-duration"})
 """Features that ask for the least duration of a route."""
@@ -72,7 +76,7 @@ class ORTools(Bisecting):
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
             "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "initial-energy", "shifts",
             "duration-cost", "overtime", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
-            "several-windows", "skills", "closing-moves", "committed-vehicles",
+            "several-windows", "skills", "reloads", "recharging", "closing-moves", "committed-vehicles", "min-vehicles",
             "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
             "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
             "objective:priorities",
@@ -93,6 +97,8 @@ class ORTools(Bisecting):
                 lacking |= {"closing-moves of some vehicles"}
             if awaited(problem):  # least durations depart late, and moves close
                 lacking |= {f"{name} with closing-moves" for name in held & DURATIONS}
+        if "energy:windows" in held and held & {"reloads", "recharging"}:
+            lacking |= {"energy:windows with stops at depots"}
         if {"committed-vehicles", "objective:vehicles"} <= held:
             lacking |= {"objective:vehicles with committed-vehicles"}
         return lacking
@@ -101,7 +107,21 @@ class ORTools(Bisecting):
         """See ``Bisecting.search``."""
         began = time.perf_counter()
         data = integer_routing(problem)
-        return replace(_Search(problem, data, options, control, began).run(), holds=data.holds, links=(data.link,))
+        if not problem.min_vehicles or options.start is not None:
+            return replace(_Search(problem, data, options, control, began).run(), holds=data.holds, links=(data.link,))
+        # Insertion ends with as few routes as it needs, and no move of the library makes more of them: it begins with enough.
+        half = None if options.iterations is None else -(-options.iterations // 2)
+        first = replace(options, iterations=half, time_limit=options.time_limit * (1.0 if half else FIRST))
+        free, unheard = replace(problem, min_vehicles=0), Control()
+        control.on_stop(unheard.stop)
+        fewer = _Search(free, data, first, unheard, began).run().answer
+        start = None if fewer is None else with_more_routes(problem, fewer)
+        if start is None:
+            return RawResult("unknown", "interrupt" if control.stopped else "none", message="OR-Tools found too few routes")
+        left = replace(options, start=start, iterations=half, time_limit=options.time_limit - (time.perf_counter() - began))
+        found = _Search(problem, data, left, control, time.perf_counter()).run()
+        statistics = {name: value for name, value in found.statistics.items() if name != "start"}
+        return replace(found, statistics=statistics, holds=data.holds, links=(data.link,))
 
 
 class _Search:
@@ -109,7 +129,8 @@ class _Search:
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control, began: float) -> None:
         self.problem, self.data, self.options, self.control = problem, short_ways(problem, data), options, control
-        self.rewarded = self.data is not data
+        self.shorter = self.data is not data
+        self.rewarded = self.shorter and not stops_between(problem)
         self.ends = began + options.time_limit
         self.solutions = 0
         self.publish_at = 0.0
@@ -131,14 +152,14 @@ class _Search:
         return result
 
     def _attempts(self) -> list[tuple[int, bool]]:
-        """Vehicles of an unlimited type, and whether customers may be left out, in the order in which they are tried.
+        """Vehicles of an unlimited type, half of what a depot is stopped at, and whether customers may be left out, in the order of trial.
 
         The library's search slows down with every vehicle that it could use: first come a few times what the load asks
         for, then as many as there are customers.
         """
         customers = len(self.problem.customers)
         first = min(customers, max(25, 3 * self.data.fewest()))
-        wider = first < customers and any(v.count is None for v in self.problem.fleet)
+        wider = first < customers and any(v.count is None or v.reloads or v.stations for v in self.problem.fleet)
         return [(first, False), *([(customers, False)] if wider else []), (customers, True)]
 
     def _solve(self, model: Model) -> RawResult:
@@ -200,7 +221,7 @@ class _Search:
 
     def _claim(self, cost: int, model: Model, answer: Routes) -> float | None:
         data = self.data
-        if self.rewarded or data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
+        if self.shorter or data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
             # Durations are rounded up, move by move, and the largest value is counted from the earliest departure.
             return self.problem.evaluate(answer).values[0] if len(self.problem.senses) == 1 else None
         return claimed_objective(self.problem, (cost - model.offset) / data.cost_factor)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,9 @@ import numpy as np
 
 from ...formulations.routing.routes import Route, Routes
 from .integer_scales import UNLIMITED, Integers
+from .ortools_stops import Stop, add_level, add_loads, stops_on_the_way
 from .routing_integers import IntegerRouting
+from .routing_objective import stops_between
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
@@ -27,19 +29,24 @@ TIMED = frozenset(
 
 
 def short_ways(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
-    """The same where moves cost nothing and visits are worth something: of equal rewards the shorter way is better.
+    """The same where no distance costs anything, but rewards alone count or vehicles stop on the way: the shorter of equals is better.
 
-    Rewards alone leave the library's search without a direction: it ends with the first routes that are full.
+    Rewards alone leave the library's search without a direction: it ends with the first routes that are full. Stops on the way do so too.
     """
-    costs = (data.unit, data.fixed, data.time, data.overtime, data.maxima)
-    if any(values.any() for values in costs) or not data.prize.any():
+    costs = {name: getattr(data, name) for name in ("fixed", "time", "overtime", "maxima", "prize")}
+    stops = stops_between(problem)
+    if data.unit.any() or not (stops or (data.prize.any() and not any(v.any() for name, v in costs.items() if name != "prize"))):
         return data
-    step = int(np.gcd.reduce(data.prize))
-    longest = 2 * len(problem.customers) * max(int(m.distance.max(initial=0)) for m in data.moves)  # all moves of any answer
-    if (1 + longest) * (1 + int((data.prize // step).sum())) > UNLIMITED // 4:
+    step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
+    farthest = max(int(m.distance.max(initial=0)) for m in data.moves)
+    longest = 2 * len(problem.customers) * (1 + stops) * farthest  # all moves of any answer
+    most = 1 + sum(int((v // step).sum()) for v in costs.values())
+    if data.time.any() or data.overtime.any() or data.maxima.any():
+        most *= 1 + longest + int(max(data.service.sum(), data.due[data.due < UNLIMITED].max(initial=0)))
+    if (1 + longest) * most > UNLIMITED // 4:
         return data
-    factor = data.cost_factor * (1 + longest) / step
-    return replace(data, prize=data.prize // step * (1 + longest), unit=np.ones_like(data.unit), cost_factor=factor)
+    scaled = {name: v // step * (1 + longest) for name, v in costs.items()}
+    return replace(data, **scaled, unit=np.ones_like(data.unit), cost_factor=data.cost_factor * (1 + longest) / step)
 
 
 class Model:
@@ -50,7 +57,7 @@ class Model:
     problem : RoutingProblem
     data : IntegerRouting
     most : int
-        Vehicles of each unlimited type.
+        Vehicles of each unlimited type, and half of what a depot is stopped at.
     droppable : bool
         Let required customers be left out at a price above any answer's cost: a search that finds no first answer any
         other way starts from an incomplete one. Such answers are not published.
@@ -77,13 +84,17 @@ class Model:
             return
         fleet = [problem.fleet[k] for k in self.types]
         ends = {site for v in fleet for site in (v.start, v.end)}
-        self.sites = np.array(sorted({*ends, *problem.customers.tolist()}))
-        self.node = {int(site): k for k, site in enumerate(self.sites)}
+        places, self.stops = sorted({*ends, *problem.customers.tolist()}), stops_on_the_way(problem, self.types, 2 * most)
+        self.node = {site: k for k, site in enumerate(places)}
+        self.sites = np.array([*places, *(stop.site for stop in self.stops)])
         self.ends = [self.node[site] for site in sorted(ends)]
         self.manager = pywrapcp.RoutingIndexManager(
             len(self.sites), len(fleet), [self.node[v.start] for v in fleet], [self.node[v.end] for v in fleet]
         )
         self.routing = pywrapcp.RoutingModel(self.manager)
+        self.at_stops = [int(self.manager.NodeToIndex(len(places) + k)) for k in range(len(self.stops))]
+        self.visited = [(self.index(site), site) for site in problem.customers.tolist()]
+        self.visited += [(index, stop.site) for index, stop in zip(self.at_stops, self.stops, strict=True)]
         self.evaluators: dict[Any, int] = {}
         self.offset = int(data.prize[problem.sites.required].sum())
         dearer = self._choices(self._dear() if droppable else None)
@@ -93,6 +104,8 @@ class Model:
         self._times(pywrapcp)
         self._skills()
         self._shipments()
+        self._stores()
+        self._served()
 
     def index(self, site: int) -> int:
         """The library's index of a customer."""
@@ -103,6 +116,7 @@ class Model:
         data = self.data
         moved = max(int(m.distance_up.max(initial=0)) for m in data.moves) * int(data.unit.max() + data.maxima[1])
         priced = int(data.time.max() + data.overtime.max() + data.maxima[0] + data.maxima[2])
+        moved *= 1 + stops_between(self.problem)
         return 1 + 2 * moved + int(data.fixed.max() + data.prize.sum()) + (self._horizon() * priced if priced else 0)
 
     def _choices(self, dear: int | None) -> Integers:
@@ -126,23 +140,27 @@ class Model:
                 self.routing.AddDisjunction([self.index(site)], int(data.prize[site]))
             elif sites.required[site] and dear is not None:
                 self.routing.AddDisjunction([self.index(site)], dear)
+        for index in self.at_stops:
+            self.routing.AddDisjunction([index], 0)
         return dearer
 
-    def _matrix(self, kind: int, name: Any, values: Callable[[], Integers]) -> int:
-        """The evaluator of a matrix for a vehicle type. A vehicle that serves nobody stays where it is, wherever its route would end,
-        unless it is committed."""
+    def _matrix(self, kind: int, name: Any, values: Callable[[], Integers], less: Integers | None = None) -> int:
+        """The evaluator of a matrix for a vehicle type, from nodes with ``less``. A vehicle that serves nobody stays where it is,
+        wherever its route would end, unless it is committed."""
         committed = self.problem.fleet[kind].committed
         key = (name, int(self.data.profile[kind]), committed)
         if key not in self.evaluators:
             made = values()[np.ix_(self.sites, self.sites)]
+            if less is not None:
+                made -= less[:, None]
             if not committed:
                 made[np.ix_(self.ends, self.ends)] = 0
             self.evaluators[key] = int(self.routing.RegisterTransitMatrix(made.tolist()))
         return self.evaluators[key]
 
-    def _evaluator(self, name: str, matrices: list[Integers], kind: int) -> int:
+    def _evaluator(self, name: str, matrices: list[Integers], kind: int, less: Integers | None = None) -> int:
         """That of a vehicle type, of one matrix for each kind of travel."""
-        return self._matrix(kind, name, lambda: matrices[int(self.data.profile[kind])])
+        return self._matrix(kind, name, lambda: matrices[int(self.data.profile[kind])], less)
 
     def _costs(self, dearer: Integers) -> None:
         for vehicle, k in enumerate(self.types):
@@ -167,6 +185,12 @@ class Model:
                 change[shipment.delivery] -= data.shipped[number, k]
             most = int(delivered.sum() + data.pickup[:, k].sum() + data.shipped[:, k].sum())
             limits = np.minimum(data.capacity[self.types, k], most).tolist()
+            if any(stop.reloads for stop in self.stops):
+                shipped = change - data.pickup[:, k]
+                carried = delivered[self.sites], data.pickup[:, k][self.sites], shipped[self.sites]
+                turns = [(index, node) for index, node, stop in self._numbered() if stop.reloads]
+                add_loads(self.routing, carried, limits, str(k), turns)
+                continue
             if not change.any():
                 self._load(delivered, limits, True, f"load {k}")
                 continue
@@ -179,8 +203,9 @@ class Model:
                     begins, ends = board.CumulVar(self.routing.Start(vehicle)), total.CumulVar(self.routing.End(vehicle))
                     self.routing.solver().Add(begins == ends)
 
-    def _load(self, values: Integers, limits: list[int], empty: bool, name: str) -> None:
-        evaluator = self.routing.RegisterUnaryTransitVector(values[self.sites].tolist())
+    def _load(self, values: Integers, limits: list[int], empty: bool, name: str, *, every: bool = False) -> None:
+        """A dimension of ``values`` a site, or one of ``every`` node."""
+        evaluator = self.routing.RegisterUnaryTransitVector((values if every else values[self.sites]).tolist())
         self.routing.AddDimensionWithVehicleCapacity(evaluator, 0, limits, empty, name)
 
     def _lengths(self) -> None:
@@ -202,6 +227,53 @@ class Model:
             if counted:
                 self.routing.GetDimensionOrDie(name).SetGlobalSpanCostCoefficient(int(data.maxima[1]))
 
+    def _numbered(self) -> Iterator[tuple[int, int, Stop]]:
+        """Index and node of each stop."""
+        return zip(self.at_stops, range(len(self.node), len(self.sites)), self.stops, strict=True)
+
+    def _stores(self) -> None:
+        """What stores that are filled up on the way have given since; how often vehicles stop to reload; who may stop where."""
+        routing, data, fleet = self.routing, self.data, self.problem.fleet
+        for index, _, stop in self._numbered():
+            able = [vehicle for vehicle, k in enumerate(self.types) if k in stop.kinds]
+            if len(able) < len(self.types):
+                routing.VehicleVar(index).SetValues([-1, *able])
+            routing.NextVar(index).RemoveValues([other for other, _, s in self._numbered() if s.site == stop.site and other != index])
+        if any(fleet[k].max_reloads is not None for k in self.types) and self.stops:
+            counted = np.zeros(len(self.sites), dtype=np.int64)
+            counted[[node for _, node, stop in self._numbered() if stop.reloads]] = 1
+            most = [len(self.stops) if (limit := fleet[k].max_reloads) is None else limit for k in self.types]
+            self._load(counted, most, True, "reloads", every=True)
+        if not any(fleet[k].stations for k in self.types):
+            return
+        reach = int(max(data.store[k] for k in self.types if fleet[k].stations))
+        anew = np.zeros(len(self.sites), dtype=np.int64)
+        anew[[node for _, node, stop in self._numbered() if stop.recharges]] = reach
+        matrices = [m.duration for m in data.moves]
+        idle = int(routing.RegisterUnaryTransitVector((-anew).tolist()))
+        evaluators = [self._evaluator("store", matrices, k, anew) if fleet[k].stations else idle for k in self.types]
+        indices = [index for index, _, stop in self._numbered() if stop.recharges]
+        limits = [int(data.store[k]) if fleet[k].stations else reach for k in self.types]
+        given = add_level(routing, evaluators, limits, "store", indices, reach)
+        for vehicle, k in enumerate(self.types):
+            given.CumulVar(routing.Start(vehicle)).SetValue(int(data.given[k]) if fleet[k].stations else 0)
+        for index in indices:  # nothing is stored beyond what the store holds
+            routing.solver().Add(given.CumulVar(index) + given.SlackVar(index) >= reach)
+
+    def _served(self) -> None:
+        """As many routes as are asked for; whoever drives serves somebody."""
+        routing, solver = self.routing, self.routing.solver()
+        vehicles, least = range(len(self.types)), self.problem.min_vehicles
+        if self.stops:
+            served = np.zeros(len(self.sites), dtype=np.int64)
+            served[[self.node[site] for site in self.problem.customers.tolist()]] = 1
+            self._load(served, [len(self.sites)] * len(self.types), True, "served", every=True)
+            count = routing.GetDimensionOrDie("served")
+            for vehicle in vehicles:
+                solver.Add(count.CumulVar(routing.End(vehicle)) >= routing.ActiveVehicleVar(vehicle))
+        if least:
+            solver.Add(solver.Sum([routing.ActiveVehicleVar(vehicle) for vehicle in vehicles]) >= least)
+
     def _moves(self) -> list[Integers]:
         return [self.data.service[:, None] + m.duration for m in self.data.moves]
 
@@ -215,7 +287,9 @@ class Model:
         """Clocks of three kinds: with any departure, with the earliest, and one that stands still until the departure."""
         data, routing, horizon = self.data, self.routing, self._horizon()
         moves = self._moves()
-        evaluators = [self._evaluator("time", moves, k) for k in self.types]
+        ends = np.zeros(len(self.sites), dtype=np.int64)
+        ends[self.ends] = data.service[self.sites[self.ends]]  # which depots take on the way alone
+        evaluators = [self._evaluator("time", moves, k, ends) for k in self.types]
         if TIMED & self.problem.features():
             routing.AddDimensionWithVehicleTransits(evaluators, horizon, horizon, False, "time")
             time = routing.GetDimensionOrDie("time")
@@ -251,7 +325,8 @@ class Model:
         heads = self.sites[[manager.IndexToNode(index) for index in range(routing.Size() + len(self.types))]]
         for index in range(routing.Size()):
             site = int(heads[index])
-            latest = np.minimum(closing[site, heads], horizon + int(data.service[site])) - data.service[site] - first
+            service = 0 if index in starts else int(data.service[site])
+            latest = np.minimum(closing[site, heads], horizon + service) - service - first
             latest[index] = horizon
             if index not in starts:
                 routing.solver().Add(clock.CumulVar(index) <= routing.solver().Element(latest.tolist(), routing.NextVar(index)))
@@ -262,12 +337,12 @@ class Model:
             routing.NextVar(index).RemoveValues([int(j) for j in late if j not in home])
 
     def _windows(self, clock: Any, first: int, horizon: int) -> None:
-        """Windows of customers and returns on a clock that begins at ``first``."""
+        """Windows of sites and returns on a clock that begins at ``first``."""
         data = self.data
-        for site in self.problem.customers.tolist():
-            begins, windows = clock.CumulVar(self.index(site)), data.windows[site]
+        for index, site in self.visited:
+            begins, windows = clock.CumulVar(index), data.windows[site]
             if windows[-1][1] < first:
-                self.routing.solver().Add(self.routing.ActiveVar(self.index(site)) == 0)
+                self.routing.solver().Add(self.routing.ActiveVar(index) == 0)
                 continue
             begins.SetRange(max(0, windows[0][0] - first), int(min(windows[-1][1], horizon)) - first)
             for (_, closes), (opens, _) in itertools.pairwise(windows):
@@ -314,8 +389,18 @@ class Model:
         for vehicle, kind in enumerate(self.types):
             free.setdefault(kind, []).append(vehicle)
         routes: list[list[int]] = [[] for _ in self.types]
+        stops = list(zip(self.at_stops, self.stops, strict=True))
         for route in answer:
-            if not free.get(route.vehicle) or not self.node.keys() >= set(route.visits):
+            if not free.get(route.vehicle):
                 return None
-            routes[free[route.vehicle].pop(0)] = [self.index(site) for site in route.visits]
+            indices = []
+            for site in route.visits:
+                if not self.problem.sites.depot[site]:
+                    indices.append(self.index(site))
+                    continue
+                at = next((k for k, (_, stop) in enumerate(stops) if stop.site == site and route.vehicle in stop.kinds), None)
+                if at is None:
+                    return None
+                indices.append(stops.pop(at)[0])
+            routes[free[route.vehicle].pop(0)] = indices
         return self.routing.ReadAssignmentFromRoutes(routes, True)

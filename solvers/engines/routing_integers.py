@@ -73,6 +73,8 @@ class IntegerRouting:
     travel_limit, charge_limit, latest_return : int arrays, one entry a vehicle type
         Energy as a limit on time: on the move, charged by windows, and as the latest return of a route that starts when
         its depot opens.
+    store, given : int arrays, one entry a vehicle type
+        Time on the move that a store lasts which is filled up on the way, and what it lacks of that at departure.
     travel_reach : int array, one entry a vehicle type
         ``travel_limit`` as a limit on distance, where moves take as long as they are.
     maxima : int array
@@ -108,6 +110,8 @@ class IntegerRouting:
     travel_reach: Integers
     charge_limit: Integers
     latest_return: Integers
+    store: Integers
+    given: Integers
     maxima: Integers
     cost_factor: float
     scales: dict[str, Any]
@@ -168,7 +172,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     travels, profile = _profiles(problem)
 
     served = np.where(sites.depot, 0.0, sites.service)
-    if any(v.reloads for v in fleet):
+    if any(v.reloads or v.stations for v in fleet):
         served = sites.service
     opening = np.array([max(float(sites.ready[v.start]), v.shift[0]) for v in fleet])
     closing = np.array([min(float(sites.due[v.end]), v.shift[1]) for v in fleet])
@@ -197,8 +201,11 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     due = np.array([listed[-1][1] for listed in windows], dtype=np.int64)
 
     budgets = {kind: np.full(len(fleet), math.inf) for kind in ("travel", "elapsed", "elapsed-fixed-start", "windows")}
+    store, left = np.full((2, len(fleet)), math.inf)
     for k, vehicle in enumerate(fleet):
-        if vehicle.energy is not None:
+        if vehicle.stations and vehicle.energy is not None:
+            store[k], left[k] = (amount / vehicle.energy.rate for amount in (vehicle.energy.capacity, vehicle.energy.at_departure))
+        elif vehicle.energy is not None:
             budgets[vehicle.energy.charge][k] = vehicle.energy.at_departure / vehicle.energy.rate
     opens = clock.up(opening - origin)
     latest_return = clock.down(opening - origin + budgets["elapsed-fixed-start"])
@@ -226,6 +233,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         travel_reach=length.down(budgets["travel"]),
         charge_limit=clock.down(budgets["windows"]),
         latest_return=latest_return,
+        store=clock.down(store), given=clock.down(store) - clock.down(left),
         maxima=np.concatenate([p.nearest([m]) for p, m in zip((per_time, per_unit, per_time), goal.maxima, strict=True)]),
         cost_factor=cost.factor,
         scales={

@@ -124,7 +124,7 @@ def _range(problem: RoutingProblem, goal: Scalar) -> float:
     """No two answers differ by more in ``goal``: every customer on a route of its own costs at most this."""
     n = len(problem.customers)
     travels = [problem.travel_of(k) for k in range(len(problem.fleet))]
-    moves = n * (4 if any(v.reloads for v in problem.fleet) else 2)
+    moves = 2 * n * (1 + stops_between(problem))
     distance = moves * float(max(t.distances.max(initial=0.0) for t in travels))
     routes = distance * goal.unit.max() + n * goal.fixed.max()
     duration = 0.0
@@ -134,12 +134,19 @@ def _range(problem: RoutingProblem, goal: Scalar) -> float:
     return float(routes + goal.prize.sum() + goal.maxima @ [duration, distance, duration])
 
 
+def stops_between(problem: RoutingProblem) -> int:
+    """Largest number of depots at which a vehicle can have reason to stop between two sites."""
+    return max(len({*v.reloads, *v.stations}) for v in problem.fleet)
+
+
 def longest_stay(problem: RoutingProblem) -> float:
     """No route waits and serves for longer, all in all."""
     sites = problem.sites
     opens = [w[-1][0] for w in sites.windows if w]
     first = min(float(sites.ready.min()), *(max(float(sites.ready[v.start]), v.shift[0]) for v in problem.fleet))
-    served = float(sites.service.sum()) * (2 if any(v.reloads for v in problem.fleet) else 1)
+    pauses = sorted({site for v in problem.fleet for site in (*v.reloads, *v.stations)})
+    gaps = len(problem.customers) + 1
+    served = float(sites.service[problem.customers].sum()) + gaps * float(sites.service[pauses].sum())
     return max(float(sites.ready.max()), *opens, first) - first + served
 
 

@@ -60,7 +60,11 @@ def test_every_form_reaches_the_optimum_of_each_level(feature: str) -> None:
     best, forms = best_values(problem), problem.forms()
     assert {"three-index", "set-partitioning"} <= set(forms)
     for form in forms:
-        found = wb.solve(problem, "highs", form=form, bound_time=0.0, time_limit=20.0)
+        try:
+            found = wb.solve(problem, "cpsat" if form == "circuit" else "highs", form=form, bound_time=0.0, time_limit=20.0)
+        except UnsupportedError as refusal:
+            assert form == "circuit" and "counted in steps" in str(refusal)
+            continue
         assert found.status == ("infeasible" if best is None else "optimal"), form
         assert found.objective == (None if best is None else pytest.approx(best)), form
 

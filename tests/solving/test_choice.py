@@ -148,8 +148,9 @@ def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:
 @pytest.mark.parametrize("solver", ["highs", "cpsat", "mathopt", "scip", "pulp", "cvxpy"])
 def test_objectives_in_order_of_priority_are_taken_by_whoever_takes_a_form_of_each_level(solver: str) -> None:
     asked = asking(Vehicles().then(TotalCost()))
-    assert missing_features(solver, asked) == (frozenset(), tuple(asked.forms()))
-    assert missing_features(solver, asking(TotalCost())) == (frozenset(), tuple(asked.forms()))
+    forms = tuple(form for form in asked.forms() if form != "circuit" or solver == "cpsat")
+    assert missing_features(solver, asked) == (frozenset(), forms)
+    assert missing_features(solver, asking(TotalCost())) == (frozenset(), forms)
 
 
 def test_all_that_forms_engines_and_heuristics_for_routing_declare_is_in_the_vocabulary_of_the_data() -> None:

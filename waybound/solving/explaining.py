@@ -223,7 +223,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
     def stop() -> bool:
         return control.stopped or time.perf_counter() >= end
 
-    relaxation = replace(made, program=plain).relaxed().program if plain.is_integer and not plain.cones else None
+    relaxation = replace(made, program=plain).relaxed().program if plain.is_integer and not (plain.cones or plain.circuits) else None
     if relaxation is not None:
         test = _Tester(relaxation, end, inner)
         if test(np.ones(plain.num_rows, dtype=bool)) is True:

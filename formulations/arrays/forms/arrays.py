@@ -2,8 +2,8 @@
 
     min/max  c x + x' Q x / 2 + offset,   L <= A x <= U,   l <= x <= u,   some x integer
 
-Without a quadratic part and cones, row duals y of its linear relaxation are evidence ``lp-dual``: every x has the value of at least
-sum_i min over r in [L_i, U_i] of y_i r  +  sum_j min over x_j in [l_j, u_j] of (c - A' y)_j x_j  (minimisation).
+Without a quadratic part, cones and circuits, row duals y of its linear relaxation are evidence ``lp-dual``: every x has the value of at
+least sum_i min over r in [L_i, U_i] of y_i r  +  sum_j min over x_j in [l_j, u_j] of (c - A' y)_j x_j  (minimisation).
 See docs/formulations/arrays.md.
 """
 
@@ -48,12 +48,18 @@ def build(problem: ArrayProblem) -> Compiled:
     def at_most(column: int, most: int) -> Decision:
         return {"variable": column, "most": most}, True
 
-    linear = given.quadratic is None and not given.cones
+    linear = given.quadratic is None and not given.cones and not given.circuits
     made = Compiled(replace(given, name="arrays"), problem, lambda x: x, encode, ray_evidence=ray_evidence, at_most=at_most)
     return replace(made, dual_evidence=dual_evidence) if linear else made
 
 
 FORMS.add(
     "arrays",
-    Form("arrays", "arrays", frozenset({"LP", "integer", "quadratic", "cones"}), build, makes=lambda problem: problem.program.features()),
+    Form(
+        "arrays",
+        "arrays",
+        frozenset({"LP", "integer", "quadratic", "cones", "circuits"}),
+        build,
+        makes=lambda problem: problem.program.features(),
+    ),
 )

@@ -18,7 +18,7 @@ def write_program(program: Program, path: str | PathLike[str], *, names: bool = 
     Parameters
     ----------
     program : Program
-        Linear or with a quadratic objective, without cones, with one objective.
+        Linear or with a quadratic objective, without cones and circuits, with one objective.
     path : path-like
         Ends in ``.mps`` or ``.lp``.
     names : bool
@@ -29,18 +29,19 @@ def write_program(program: Program, path: str | PathLike[str], *, names: bool = 
     UsageError
         If the suffix is another one.
     UnsupportedError
-        If the program has cones, or several objectives in order of priority.
+        If the program has cones, circuits, or several objectives in order of priority.
     InputError
         If the data hold a NaN or sides that cross, which neither format can express, or the file cannot be written.
     """
     from ....instances.atomic import atomic_write
     from ..soundness import refuse_numbers
-    from ._checks import refuse_cones, refuse_crossing, refuse_levels
+    from ._checks import refuse_circuits, refuse_cones, refuse_crossing, refuse_levels
 
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise UsageError(f"programs are written as {' or '.join(SUFFIXES)}, not as {suffix or 'a file without suffix'}")
     refuse_cones(program, f"a {suffix} file")
+    refuse_circuits(program, f"a {suffix} file")
     refuse_levels(program, f"a {suffix} file")
     refuse_numbers(program)
     refuse_crossing(program)

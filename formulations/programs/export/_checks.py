@@ -14,6 +14,12 @@ def refuse_cones(program: Program, target: str) -> None:
         raise UnsupportedError(target, {"cone programs"})
 
 
+def refuse_circuits(program: Program, target: str) -> None:
+    """Raise UnsupportedError for a program with circuits."""
+    if program.circuits:
+        raise UnsupportedError(target, {"circuits"})
+
+
 def refuse_quadratic(program: Program, target: str) -> None:
     """Raise UnsupportedError for a program with a quadratic objective."""
     if program.quadratic is not None:

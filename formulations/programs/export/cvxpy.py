@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..program import Floats, Program, Rows
 from ..soundness import refuse_numbers
-from ._checks import refuse_crossing, refuse_levels
+from ._checks import refuse_circuits, refuse_crossing, refuse_levels
 
 
 def to_cvxpy(program: Program) -> Any:
@@ -29,13 +29,14 @@ def to_cvxpy(program: Program) -> Any:
     Raises
     ------
     UnsupportedError
-        If the program has several objectives in order of priority.
+        If the program has circuits, or several objectives in order of priority.
     InputError
         If the data hold a NaN, an infinite coefficient or bounds that cross.
     """
     import cvxpy as cp
     import scipy.sparse as sp
 
+    refuse_circuits(program, "CVXPY")
     refuse_levels(program, "CVXPY")
     refuse_numbers(program)
     refuse_crossing(program)

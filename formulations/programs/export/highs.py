@@ -9,7 +9,7 @@ import numpy as np
 from ....instances.errors import InputError
 from ..program import Program
 from ..soundness import refuse_numbers
-from ._checks import merged_rows, refuse_cones, refuse_levels
+from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels
 
 
 def to_highs(program: Program) -> Any:
@@ -27,7 +27,7 @@ def to_highs(program: Program) -> Any:
     Raises
     ------
     UnsupportedError
-        If the program has cones, or several objectives in order of priority.
+        If the program has cones, circuits, or several objectives in order of priority.
     InputError
         If the data hold a NaN or an infinite coefficient, or HiGHS refuses them for another reason.
 
@@ -39,6 +39,7 @@ def to_highs(program: Program) -> Any:
     import highspy
 
     refuse_cones(program, "HiGHS")
+    refuse_circuits(program, "HiGHS")
     refuse_levels(program, "HiGHS")
     refuse_numbers(program)
     model = highspy.Highs()

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..program import Program
 from ..soundness import refuse_numbers
-from ._checks import merged_rows, refuse_cones, refuse_levels
+from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels
 
 
 def to_mathopt(program: Program) -> Any:
@@ -22,7 +22,7 @@ def to_mathopt(program: Program) -> Any:
     Raises
     ------
     UnsupportedError
-        If the program has cones, or several objectives in order of priority.
+        If the program has cones, circuits, or several objectives in order of priority.
     InputError
         If the data hold a NaN or an infinite coefficient.
 
@@ -34,6 +34,7 @@ def to_mathopt(program: Program) -> Any:
     from ortools.math_opt.python import mathopt
 
     refuse_cones(program, "MathOpt")
+    refuse_circuits(program, "MathOpt")
     refuse_levels(program, "MathOpt")
     refuse_numbers(program)
     n, m = program.num_variables, program.num_rows

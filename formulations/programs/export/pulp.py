@@ -8,7 +8,7 @@ from typing import Any
 from ..program import Program
 from ..reductions.one_sided_rows import ONE_SIDED_ROWS
 from ..soundness import refuse_numbers
-from ._checks import merged_rows, refuse_cones, refuse_levels, refuse_quadratic
+from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels, refuse_quadratic
 
 
 def to_pulp(program: Program) -> Any:
@@ -29,7 +29,7 @@ def to_pulp(program: Program) -> Any:
     Raises
     ------
     UnsupportedError
-        If the program is quadratic, or has cones or several objectives in order of priority.
+        If the program is quadratic, or has cones, circuits or several objectives in order of priority.
     InputError
         If the data hold a NaN or an infinite coefficient.
 
@@ -40,6 +40,7 @@ def to_pulp(program: Program) -> Any:
     import pulp
 
     refuse_cones(program, "PuLP")
+    refuse_circuits(program, "PuLP")
     refuse_quadratic(program, "PuLP")
     refuse_levels(program, "PuLP")
     refuse_numbers(program)

@@ -22,7 +22,7 @@ class ContinuousRelaxation(Reduction):
 
     def apply(self, program: Program) -> tuple[Step, ...]:
         """See ``Reduction.apply``."""
-        if program.quadratic is not None or program.cones:
+        if program.quadratic is not None or program.cones or program.circuits:
             raise Irreducible(f"form {program.name} is not linear; only linear programs are relaxed")
         whole = int(program.integer.sum())
         made = replace(program, variables=tuple(replace(b, integer=False) for b in program.variables))

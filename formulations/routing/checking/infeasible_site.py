@@ -7,7 +7,7 @@ infinity for ``max``.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
 from .known_features import unknown_features
-from .route_limits import able, allowed, limits_of, named_customers, servable_sets, summable, within_reach
+from .route_limits import Limits, able, allowed, limits_of, named_customers, servable_sets, summable, within_reach, within_stores
+from .stops_on_the_way import without_stops
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -46,20 +47,20 @@ def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     index = problem.sites.index()
     if not isinstance(name, str) or name not in index:
         raise InputError("evidence names an unknown site", expected="the id of a site", found=str(name)[:80])
-    if not problem.sites.required[index[name]] or not summable(problem):
+    if not problem.sites.required[index[name]] or not summable(without_stops(problem)):
         return verdict(problem, proved=False)
     return verdict(problem, proved=not _can_be_served(problem, named_customers(problem, [name])[0]))
 
 
 def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
     """Sites that are shown here to be on no route of any vehicle, required or not; shape (sites,)."""
-    found, customers = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers
-    if unknown_features(problem):
+    found, customers, relaxed = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers, without_stops(problem)
+    if unknown_features(relaxed):
         return found
     if len(customers) > MOST_DETOURS:  # no matrix of moves: the demand alone tells
         found[customers] = problem.sites.demand[customers] > max(allowed(v.capacity) for v in problem.fleet)
-    elif summable(problem):
-        found[customers] = ~np.any([within_reach(limits_of(problem, v)) & able(problem, v) for v in problem.fleet], axis=0)
+    elif summable(relaxed):
+        found[customers] = ~np.any([near for _, near in _reached(problem, relaxed)], axis=0)
     return found
 
 
@@ -68,11 +69,16 @@ def verdict(problem: RoutingProblem, *, proved: bool) -> float:
     return math.inf if proved == (problem.sense == "min") else -math.inf
 
 
+def _reached(problem: RoutingProblem, relaxed: RoutingProblem) -> Iterator[tuple[Limits, NDArray[np.bool_]]]:
+    """For each vehicle type its limits ``without_stops``, and the customers that it may be able to visit."""
+    for vehicle, unstopped in zip(problem.fleet, relaxed.fleet, strict=True):
+        limits = limits_of(relaxed, unstopped)
+        yield limits, within_reach(limits) & able(problem, vehicle) & within_stores(problem, vehicle)
+
+
 def _can_be_served(problem: RoutingProblem, node: int) -> bool:
-    for vehicle in problem.fleet:
-        limits = limits_of(problem, vehicle)
-        near = within_reach(limits)
-        if near[node - 1] and able(problem, vehicle)[node - 1]:
+    for limits, near in _reached(problem, without_stops(problem)):
+        if near[node - 1]:
             others = np.nonzero(near)[0] + 1
             if servable_sets(limits, np.array([node]), others[others != node], 1):
                 return True

@@ -115,13 +115,32 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
 
 
 def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
-    """Customers for which it has the skills, and room for each shipment that begins or ends there; shape (n,)."""
+    """Customers for which it has the skills, room for what is delivered and collected there, and for each shipment; shape (n,)."""
     sites = problem.sites
     good = np.array([needs <= vehicle.skills for needs in sites.skills] if sites.skills else [True] * len(sites))
     for shipment in sites.shipments:
         if any(load > allowed(capacity) for load, capacity in zip(shipment.load, vehicle.capacities, strict=False)):
             good[[shipment.pickup, shipment.delivery]] = False
+    carried = np.column_stack([sites.demand, sites.further_demand]), np.column_stack([sites.pickup, sites.further_pickup])
+    for loads in carried:
+        for load, capacity in zip(loads.T, vehicle.capacities, strict=False):
+            good &= load <= allowed(capacity)
     return good[sites.customers]
+
+
+def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
+    """Customers that lie on some way from start or station to station or end that one store lasts for; all without stations."""
+    customers, energy = problem.sites.customers, vehicle.energy
+    if energy is None or not energy.stations or energy.rate > LARGEST_RATE:
+        return np.ones(len(customers), dtype=bool)
+    draws = energy.rate * own_moves(problem, vehicle)[1]
+    between, stations = draws[np.ix_(customers, customers)], np.array(energy.stations)
+    rounding = 8.0 * (len(customers) + 2) * float(np.finfo(np.float64).eps) * 2.0 * float(draws.max(axis=0).sum())
+    begins = [(energy.at_departure, _shortest(draws[vehicle.start, customers], between))]
+    begins.append((energy.capacity, _shortest(draws[np.ix_(stations, customers)].min(axis=0), between)))
+    last = _shortest(draws[np.ix_(customers, np.append(stations, vehicle.end))].min(axis=1), between.T)
+    near: NDArray[np.bool_] = np.any([there + last <= allowed(store, 0.0, rounding) for store, there in begins], axis=0)
+    return near
 
 
 def within_reach(limits: Limits) -> NDArray[np.bool_]:

@@ -46,11 +46,16 @@ def fleet_rows(problem: RoutingProblem, types: list[VehicleColumns]) -> Rows:
     return rows("fleet", size, [(np.zeros(len(columns), dtype=np.int64), columns, 1.0)] if size else [], lower=float(least))
 
 
+def connecting_rows(kind: VehicleColumns) -> list[Rows]:
+    """Rows of single vehicles: departure and flow."""
+    return [kind.over_arcs("depart", np.arange(kind.idle + 1), np.ones(kind.idle + 1), 1.0, 1.0), _flow(kind)]
+
+
 def limits_rows(problem: RoutingProblem, kind: VehicleColumns) -> list[Rows]:
-    """Rows of single vehicles: departure, flow, loads, distance, duration and energy."""
+    """Rows of single vehicles: loads, distance, duration and energy."""
     prep, vehicle = kind.prep, kind.vehicle
     every, inner = np.arange(len(kind.tail)), np.arange(kind.idle + 1, len(kind.tail))
-    made = [kind.over_arcs("depart", every[: kind.idle + 1], np.ones(kind.idle + 1), 1.0, 1.0), _flow(kind)]
+    made: list[Rows] = []
     for name, resource in prep.resources.items():
         if name.startswith(("load", "pickup")):
             capacity = vehicle.capacities[int(name.partition("-")[2] or 1) - 1]

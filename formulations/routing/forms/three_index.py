@@ -43,7 +43,7 @@ docs/formulations/routing.md#errata.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -52,6 +52,7 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...forms import FORMS, Form
+from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program
 from ...programs.reductions.units import scaled
@@ -63,7 +64,7 @@ from ._objective import add_objective, adverse, idle_cost, weights
 from ._priorities import with_levels
 from ._routes import ArcIndex, routes_of, used
 from ._vehicle_columns import Drive, VehicleColumns, Written, arc_and_time_columns, vehicle_columns
-from ._vehicle_rows import closing_rows, fleet_rows, limits_rows, order_rows, time_rows, visits_rows
+from ._vehicle_rows import closing_rows, connecting_rows, fleet_rows, limits_rows, order_rows, time_rows, visits_rows
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -104,10 +105,11 @@ def build(problem: RoutingProblem) -> Compiled:
     problem : RoutingProblem
         An unlimited type counts as one vehicle a customer.
     """
-    return with_levels(problem, _built)
+    return with_levels(problem, partial(written, form="three-index"))
 
 
-def _built(problem: RoutingProblem) -> Compiled:
+def written(problem: RoutingProblem, form: str, connect: Callable[[Written], tuple[Circuit, ...]] | None = None) -> Compiled:
+    """The program for the first level of the objective; ``connect`` makes routes of arcs in place of rows of departure, flow and order."""
     types: list[VehicleColumns] = []
     first = vehicle = 0
     for number in range(len(problem.fleet)):
@@ -117,10 +119,11 @@ def _built(problem: RoutingProblem) -> Compiled:
     variables = [block for kind in types for block in arc_and_time_columns(kind, idle_cost(problem, kind))]
     blocks = [visits_rows(types), fleet_rows(problem, types)]
     for kind in types:
+        blocks += connecting_rows(kind) if connect is None else []
         blocks += [*limits_rows(problem, kind), time_rows(kind), closing_rows(kind)]
     made = Written(problem, types)
     ordered = bool(problem.sites.shipments)
-    cyclic = [kind for kind in types if ordered or leaves_cycles(kind.prep, [kind.prep.time])]
+    cyclic = [kind for kind in types if ordered or (connect is None and leaves_cycles(kind.prep, [kind.prep.time]))]
     if cyclic:
         order = made.add_columns("u", (np.arange(1, made.nodes + 1),), (made.names,), 1.0, float(made.nodes))
         made.rows += [order_rows(kind, order, ordered) for kind in cyclic]
@@ -128,8 +131,9 @@ def _built(problem: RoutingProblem) -> Compiled:
         add_shipments(made, order)
     for add in (add_groups, add_windows, add_copies, add_loads, add_residual_energy, add_objective):
         add(made)
+    circuits = () if connect is None else connect(made)
     rows = tuple(b for b in (*blocks, *made.rows) if b.size)
-    bare = Program("three-index", problem.sense, (*variables, *made.variables), rows, offset=offset(problem))
+    bare = Program(form, problem.sense, (*variables, *made.variables), rows, offset=offset(problem), circuits=circuits)
     return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, made, bare))
 
 

@@ -63,6 +63,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -72,6 +73,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
 from ...programs.exactness import Exactness
@@ -131,8 +133,8 @@ def needed_resources(problem: RoutingProblem, prep: Preparation, connected: bool
     return chosen
 
 
-class _Builder:
-    """Columns and rows of one program, block after block."""
+class ArcColumns:
+    """A column an arc, and the other columns and rows of one program, block after block."""
 
     def __init__(self, problem: RoutingProblem, prep: Preparation) -> None:
         self.problem, self.prep = problem, prep
@@ -183,15 +185,20 @@ class _Builder:
             back = leaving[~prep.required[prep.tail[leaving]]]
             parts = [(position[prep.head[into]], into, 1.0), (position[prep.tail[back]], back, -1.0)]
             self.add_rows("flow", (may,), parts, 0.0, 0.0)
+        fleet = self.fleet()
+        if self.problem.sites.groups:
+            self._groups()
+        self.prices = {"out": lambda y: y[out], "in": lambda y: y[enter], "fleet": lambda y: y[fleet]}
+
+    def fleet(self) -> slice:
+        """Least and greatest number of routes; where the rows are."""
+        prep = self.prep
         first = self.arcs[prep.tail == 0]
         least, most = float(minimum_vehicles(self.problem)), float(prep.fleet)
         # Sides that cross are no row; two rows tell a solver that there is no answer.
         sides = [(least, most)] if least <= most else [(least, math.inf), (-math.inf, most)]
         parts = [(np.full(len(first), k), first, 1.0) for k in range(len(sides))]
-        fleet = self.add_rows("fleet", (), parts, [a for a, _ in sides], [b for _, b in sides])
-        if self.problem.sites.groups:
-            self._groups()
-        self.prices = {"out": lambda y: y[out], "in": lambda y: y[enter], "fleet": lambda y: y[fleet]}
+        return self.add_rows("fleet", (), parts, [a for a, _ in sides], [b for _, b in sides])
 
     def _groups(self) -> None:
         """At most one of each group is visited."""
@@ -285,13 +292,28 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
         Arcs to write down in place of all of ``prepare(problem)``: a restriction, for duals that are priced out over the rest.
     """
     prep = prepare(problem) if prep is None else prep
-    made = _Builder(problem, prep)
+    made = ArcColumns(problem, prep)
     made.assignment()
     for name, resource in needed_resources(problem, prep, connected=form == UNIT_FLOW).items():
         if flows(name):
             made.arc_flows(resource)
         else:
             made.node_levels(resource)
+    compiled = written(made, form)
+    if not _has_evidence(problem, form):
+        return compiled
+
+    def at_most(column: int, most: int) -> Decision:
+        ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
+        return {"arc": [problem.sites.ids[site] for site in ends]}, most >= 1
+
+    evidence = partial(_evidence, made, compiled.program)
+    return replace(compiled, dual_evidence=evidence, ray_evidence=partial(_ray_evidence, made), at_most=at_most)
+
+
+def written(made: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -> Compiled:
+    """All that ``made`` holds, as the program of a form, with the way from arcs to routes and back."""
+    problem, prep = made.problem, made.prep
     m, names, index = len(prep.tail), problem.sites.ids, ArcIndex(prep)
 
     def decode(x: Floats) -> Routes:
@@ -312,33 +334,25 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
             raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
         return x
 
-    def at_most(column: int, most: int) -> Decision:
-        ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
-        return {"arc": [names[site] for site in ends]}, most >= 1
-
-    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), offset=offset(problem))
-    proofs = (partial(_evidence, made, bare), partial(_ray_evidence, made), at_most) if _has_evidence(problem, form) else (None, None, None)
-    return Compiled(
-        bare, problem, decode, encode, proofs[0], Exactness.EXACT if prep.whole else Exactness.RESTRICTION, ray_evidence=proofs[1],
-        at_most=proofs[2],
-    )  # fmt: skip
+    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), offset=offset(problem), circuits=circuits)
+    return Compiled(bare, problem, decode, encode, exactness=Exactness.EXACT if prep.whole else Exactness.RESTRICTION)
 
 
 def _has_evidence(problem: RoutingProblem, form: str) -> bool:
     return form == "two-index-time-flow" and problem.sense == "min" and problem.features() - {"objective:priorities"} <= EVIDENCED
 
 
-def _evidence(made: _Builder, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
+def _evidence(made: ArcColumns, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
     """The multipliers of visits, fleet and balances; none of ``of`` is needed."""
     value = dual_value(program, row_duals)
     return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(made, row_duals))
 
 
-def _ray_evidence(made: _Builder, ray: Floats) -> Evidence:
+def _ray_evidence(made: ArcColumns, ray: Floats) -> Evidence:
     return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(made, ray), "ray": True})
 
 
-def _multipliers(made: _Builder, row_duals: Floats) -> dict[str, Any]:
+def _multipliers(made: ArcColumns, row_duals: Floats) -> dict[str, Any]:
     """Those of visits, fleet and balances in site order."""
     duals = np.asarray(row_duals, dtype=np.float64)
     sites = made.prep.sites[1:-1]

@@ -8,18 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from oracles import ASYM_5, SQUARE_4, TWO_INDEX, optimum, routing, small_problems, solved
+from oracles import ASYM_5, SQUARE_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
 from small_routing import varied
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
+from waybound.formulations.routing.checking.infeasible_site import out_of_reach
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.reachability import minimum_vehicles, servable_alone, unreachable
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import routes
+from waybound.reports.benchmarks.exact_routing import RoutingTruth, routes
+from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence
 
 DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
@@ -79,7 +81,7 @@ def test_reasons_name_the_limit_and_both_amounts(sites: dict[str, object], vehic
     problem = routing(xy=SQUARE_4, sites=sites, count=4, **vehicle)
     assert unreachable(problem) == {2: reason}
     for form in problem.forms():
-        assert solved(problem.compile(form).program)[0] == "infeasible"
+        agrees(problem, form, None)
 
 
 def test_a_detour_makes_a_site_reachable_where_the_triangle_inequality_fails() -> None:
@@ -189,3 +191,49 @@ def test_who_is_out_of_reach_is_on_no_route(feature):
             found += 1
             assert all(site not in visits for v in problem.fleet for visits in routes(problem, v)), (seed, site)
     assert found > 10
+
+
+LINE = np.array([(0, 0), (10, 0), (15, 0), (30, 0), (17, 0)], dtype=float)
+"""Home, a depot on the way, and sites at 15, 30 and 17."""
+
+DRAWS = "a way to it from one filling of the store to the next draws {} of energy at least, the store holds {}"
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "reason"),
+    [
+        ({"energy": Energy(20.0, stations=(1,))}, {3: DRAWS.format(40, 20)}),
+        ({"energy": Energy(9.0, stations=(1,))}, {2: DRAWS.format(10, 9), 3: DRAWS.format(40, 9), 4: DRAWS.format(14, 9)}),
+        ({"energy": Energy(40.0, stations=(1,))}, {}),
+        (
+            {"energy": Energy(40.0, stations=(1,)), "max_distance": 50.0},
+            {3: "a route to it is 60 long at least, the longest distance is 50"},
+        ),
+        ({"capacity": 4.0, "reloads": (1,)}, {2: "its demand is 5, the capacity 4"}),
+        ({"capacity": 5.0, "reloads": (1,), "max_duration": 50.0}, {3: "a route to it lasts 60 at least, the longest duration is 50"}),
+    ],
+)  # fmt: skip
+def test_sites_out_of_reach_of_vehicles_that_stop_on_the_way_are_named(vehicle: dict[str, object], reason: dict[int, str]) -> None:
+    sites = {"depot": [True, True, False, False, False], "demand": [0, 0, 5, 3, 2]}
+    problem = routing(xy=LINE, sites=sites, count=3, **vehicle)
+    assert unreachable(problem) == reason
+    evidence = infeasible_site_evidence(problem)
+    assert (evidence is None) == (not reason)
+
+
+@pytest.mark.parametrize("feature", ["reloads", "recharging"])
+def test_no_site_of_any_route_is_named_where_vehicles_stop_on_the_way(feature: str) -> None:
+    named = 0
+    for seed in range(15):
+        problem = varied(feature, seed, 3)
+        weaker = [
+            replace(v, max_distance=30.0, energy=v.energy and replace(v.energy, capacity=0.4 * v.energy.capacity, initial=None))
+            for v in problem.fleet
+        ]
+        problem = replace(problem, fleet=tuple(weaker))
+        visited = {site for _, route in RoutingTruth(problem).driven for site in route}
+        beyond = {int(site) for site in np.nonzero(out_of_reach(problem))[0]}
+        assert not visited & beyond
+        assert beyond >= unreachable(problem).keys()
+        named += len(unreachable(problem))
+    assert named >= 3

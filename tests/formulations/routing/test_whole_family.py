@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles import routing
 from small_routing import WHOLE_FAMILY, varied
 
+from waybound.formulations.routing.objective import Makespan, TotalCost
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
@@ -59,3 +61,12 @@ def test_the_feature_is_declared_where_it_matters(feature):
     asked = {"several-depots": "multiple-depots", "penalties": "objective:penalties"}
     assert all(asked.get(feature, feature) in drawn(feature, seed).features() for seed in SEEDS if feature != "pickups")
     assert any(RoutingTruth(drawn(feature, seed)).lenient is not None for seed in SEEDS)
+
+
+def test_decimals_that_add_up_to_the_same_decide_no_level_but_the_last():
+    """The longest of two routes takes 9.9 + 16.1 + 26 or 26 + 26: the same makespan, at a cost of 65.6 or 79.4."""
+    matrix = np.array([[0, 6.8, 26, 9.9], [6.8, 0, 26.6, 10.7], [26, 26.6, 0, 16.1], [9.9, 10.7, 16.1, 0]])
+    problem = routing(matrix=matrix, objective=Makespan().then(TotalCost()))
+    truth = RoutingTruth(problem)
+    assert [float(v) for v in truth.lenient] == pytest.approx([52.0, 65.6])
+    assert problem.evaluate(truth.samples[0]).values == pytest.approx([52.0, 65.6])

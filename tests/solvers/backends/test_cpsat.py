@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from sata_cases import CASES
 
 import waybound as wb
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.programs.circuits import Circuit
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import STATUSES, Control, Options
@@ -143,3 +146,31 @@ def test_routing_programs_whose_levels_are_differences_can_be_counted():
         for form in ("two-index-time-flow", "two-index-mtz"):
             result = run(problem.compile(form).program)
             assert result.objective == pytest.approx(best_values(problem)[0], abs=1e-6)
+
+
+def test_circuits_are_those_of_enumeration_whatever_is_fixed():
+    """Random graphs of up to four nodes, arcs fixed to be used or not: one circuit with loops, or several without."""
+    rng, statuses = np.random.default_rng(5), []
+    for turn in range(40):
+        several, nodes = bool(turn % 2), int(rng.integers(2, 5))
+        pairs = [(i, j) for i in range(nodes) for j in range(nodes) if i != j or not several]
+        m = min(len(pairs), int(rng.integers(nodes, 9)))
+        ends = np.array([pairs[k] for k in rng.choice(len(pairs), m, replace=False)], dtype=np.int32).reshape(m, 2)
+        used = (rng.random(m) < 0.1).astype(float)
+        bare = program(rng.integers(-5, 6, m), np.zeros((0, m)), 0, 0, used, np.maximum(used, rng.random(m) < 0.9), integer=range(m))
+        graph = Circuit("graph", nodes, ends[:, 0], ends[:, 1], np.arange(m, dtype=np.int32), several)
+        p = replace(bare, circuits=(graph,))
+        points = [np.array(x) for x in itertools.product((0.0, 1.0), repeat=m)]
+        best = min((p.value(x) for x in points if p.residual(x) == 0.0), default=None)
+        result = run(p)
+        assert (result.status, result.objective) == (("infeasible", None) if best is None else ("optimal", best)), turn
+        statuses.append(result.status)
+    assert statuses.count("optimal") >= 8
+
+
+def test_nodes_that_no_arc_names_are_not_forgotten():
+    for nodes, status in ((2, "optimal"), (3, "infeasible")):
+        arcs = np.array([0, 1], dtype=np.int32)
+        p = program([1, 1], np.zeros((0, 2)), 0, 0, 0, 1, integer=[0, 1])
+        for several in (False, True):
+            assert run(replace(p, circuits=(Circuit("pair", nodes, arcs, arcs[::-1], arcs, several),))).status == status

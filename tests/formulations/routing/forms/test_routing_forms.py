@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from oracles import (
     ASYM_5,
+    EVERY_FORM,
     GAP_5,
     OCTO_8,
     ROUTING_FORMS,
@@ -52,7 +53,7 @@ def test_all_forms_agree_with_enumeration_whatever_the_features(problem: Routing
 @settings(DRAWN, max_examples=30)
 @given(problem=small_problems(most=3, hetero=True))
 def test_three_index_agrees_with_enumeration_on_mixed_fleets(problem: RoutingProblem) -> None:
-    assert problem.forms() == ["three-index", "set-partitioning"]
+    assert problem.forms() == ["three-index", "set-partitioning", "circuit"]
     for form in problem.forms():
         agrees(problem, form, optimum(problem))
 
@@ -151,7 +152,7 @@ TW_4_TABLE = {  # store: travel, elapsed-fixed-start, windows
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 @pytest.mark.parametrize("store", TW_4_TABLE)
 def test_windows_and_energy_give_the_reference_values_in_every_charge(store: int, form: str) -> None:
     for charge, expected in zip(("travel", "elapsed-fixed-start", "windows"), TW_4_TABLE[store], strict=True):
@@ -160,14 +161,14 @@ def test_windows_and_energy_give_the_reference_values_in_every_charge(store: int
         agrees(problem, form, expected)
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_tightened_openings_make_the_window_charge_looser(form: str) -> None:
     sites = {**TW_4, "ready": [0, 3, 5, 10, 3]}
     agrees(routing(xy=SQUARE_4, sites=sites, count=4, energy=Energy(18, 1.0, "windows")), form, 22.0)
     agrees(routing(xy=SQUARE_4, sites=dict(TW_4), count=4, energy=Energy(18, 1.0, "windows")), form, 24.0)
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_windows_alone_need_two_vehicles(form: str) -> None:
     agrees(routing(xy=SQUARE_4, sites=dict(TW_4), count=1), form, None)
     agrees(routing(xy=SQUARE_4, sites=dict(TW_4), count=2), form, 22.0)
@@ -215,26 +216,27 @@ def test_first_form_of_a_plain_problem_is_the_one_measured_best() -> None:
         "two-index-unit-flow",
         "three-index",
         "set-partitioning",
+        "circuit",
     ]
 
 
 def test_forms_say_what_they_lack() -> None:
     waits = routing(xy=SQUARE_4, sites=dict(TW_4), count=2, max_duration=20.0)
-    assert waits.forms() == ["three-index", "set-partitioning"]
+    assert waits.forms() == ["three-index", "set-partitioning", "circuit"]
     with pytest.raises(
         UnsupportedError, match=r"form two-index-mtz cannot take this problem: it lacks max-duration; can take it: three-index, set-"
     ):
         waits.compile("two-index-mtz")
-    assert routing(xy=SQUARE_4, objective=LongestRoute()).forms() == ["three-index", "set-partitioning"]
+    assert routing(xy=SQUARE_4, objective=LongestRoute()).forms() == ["three-index", "set-partitioning", "circuit"]
     assert routing(xy=SQUARE_4, objective=Reward() + LongestRoute()).forms() == []
     assert routing(xy=SQUARE_4, objective=Vehicles().then(TotalCost())).forms() == routing(xy=SQUARE_4).forms()
-    assert routing(xy=SQUARE_4, objective=Reward().then(Makespan())).forms() == ["three-index", "set-partitioning"]
+    assert routing(xy=SQUARE_4, objective=Reward().then(Makespan())).forms() == ["three-index", "set-partitioning", "circuit"]
     assert routing(xy=SQUARE_4, objective=Reward().then(Vehicles() - Makespan())).forms() == []
     with pytest.raises(UnsupportedError):
         routing(xy=SQUARE_4, objective=Reward() + LongestRoute()).compile()
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_coincident_sites_and_a_site_on_the_depot_make_no_cycles(form: str) -> None:
     xy = np.array([(0, 0), (0, 0), (3, 4), (3, 4), (3, 4), (6, 8)], dtype=float)
     agrees(routing(xy=xy, count=2), form, 20.0)
@@ -242,7 +244,7 @@ def test_coincident_sites_and_a_site_on_the_depot_make_no_cycles(form: str) -> N
     agrees(routing(xy=np.zeros((4, 2)), count=1), form, 0.0)
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_more_vehicles_than_sites_no_rewards_and_a_least_number_of_routes(form: str) -> None:
     agrees(routing(xy=SQUARE_4, count=9), form, 18.0)
     agrees(routing(xy=SQUARE_4), form, 18.0)
@@ -256,13 +258,13 @@ def test_more_vehicles_than_sites_no_rewards_and_a_least_number_of_routes(form: 
     )
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_a_fleet_too_small_for_the_load_is_an_infeasible_program(form: str) -> None:
     agrees(routing(xy=SQUARE_4, sites={"demand": [0, 2, 2, 2, 2]}, count=3, capacity=3), form, None)
     agrees(routing(xy=SQUARE_4, sites={"demand": [0, 2, 2, 2, 4]}, count=9, capacity=3), form, None)
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_open_routes_between_two_depots(form: str) -> None:
     """From one depot to another through two sites on the way, or two vehicles of which each visits one."""
     xy = np.array([(0, 0), (1, 0), (2, 0), (3, 0)], dtype=float)
@@ -285,7 +287,7 @@ def point(program: Any, arcs: list[tuple[int, int]]) -> Any:
     return x
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_detached_cycles_are_no_routes_and_their_fragments_are_rejected(form: str) -> None:
     """Optima of the uncorrected rows: 0 from no arcs, 18 from two cycles, and from a triangle with one honest route."""
     problem = routing(xy=SQUARE_4, count=2, max_distance=14.0)
@@ -314,7 +316,7 @@ def test_a_route_is_charged_as_stated_and_rejected_just_below(charge: str, fits:
         assert problem.evaluate(Routes.of([[2, 3, 1], [4]])).feasible is feasible
 
 
-@pytest.mark.parametrize("form", ROUTING_FORMS)
+@pytest.mark.parametrize("form", EVERY_FORM)
 def test_fractional_points_and_infeasible_starts_are_refused(form: str) -> None:
     problem = routing(xy=SQUARE_4, count=2, max_distance=14.0)
     made = problem.compile(form)

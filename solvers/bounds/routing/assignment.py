@@ -1,0 +1,102 @@
+"""Bound ``assignment``: each customer one predecessor and one successor at least cost; its prices are evidence ``arc-multipliers``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.certificate import verified_bound
+from ....formulations.evidence import Evidence
+from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod
+from .arcs import Arcs, arc_costs, lacks_arc_costs
+
+if TYPE_CHECKING:
+    from ....formulations.routing.problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+STEPS_PER_SECOND = 4e9
+"""Cubes of the number of nodes that fit in a second of the budget, with a wide margin: 1,000 nodes take 0.1 s, prices twice that."""
+
+STALLED = 1e-13
+"""Part of the dearest arc by which prices must change for another round to be worth it."""
+
+
+def assignment_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Evidence from the prices of a cheapest assignment of successors.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    stop : Stop
+    linear : unused
+        No program is solved.
+
+    Returns
+    -------
+    Evidence of kind ``arc-multipliers``, or None where the budget does not suffice or there is no assignment
+
+    Notes
+    -----
+    The depot is as many nodes as there may be routes; those beyond the least number may succeed each other at no cost. It is strong where
+    costs are far from symmetric; else two sites near each other succeed each other both ways, and trees say more.
+    """
+    arcs = arc_costs(problem, stop)
+    if arcs is None or arcs.fewest > arcs.most or (len(arcs.customers) + arcs.most) ** 3 > STEPS_PER_SECOND * stop.seconds_left:
+        return None
+    made = [Evidence("arc-multipliers", "assignment", -math.inf, data) for data in _multipliers(arcs, len(problem.sites))]
+    values = [verified_bound(problem, evidence) for evidence in made]
+    if not values:
+        return None
+    best = int(np.argmax(values))
+    return Evidence("arc-multipliers", "assignment", values[best], made[best].data)
+
+
+def _multipliers(arcs: Arcs, sites: int) -> Iterator[dict[str, object]]:
+    """Those of the assignment, with the price of a route that its depots have, or those of them that may stay idle."""
+    from scipy.optimize import linear_sum_assignment
+
+    depots, least, n = arcs.most, arcs.fewest, len(arcs.customers)
+    cost = np.full((depots + n, depots + n), math.inf)
+    cost[depots:, depots:] = arcs.cost[1:, 1:]
+    cost[:depots, depots:], cost[depots:, :depots] = arcs.cost[0, 1:], arcs.cost[1:, [0]]
+    cost[least:depots, least:depots] = 0.0
+    try:
+        successor = linear_sum_assignment(cost)[1]
+    except ValueError:  # no assignment is finite
+        return
+    rows, columns = _prices(cost, successor)
+
+    def listed(values: Floats) -> list[float]:
+        spread = np.zeros(sites)
+        spread[arcs.customers] = values
+        return [float(v) for v in spread]
+
+    for part in (slice(0, least), slice(least, depots)):
+        if part.start < part.stop:
+            leaving, entering = float(rows[part].mean()), float(columns[part].mean())
+            out, into = listed(rows[depots:] + entering), listed(columns[depots:] - entering)
+            yield {"out": out, "in": into, "fleet": leaving + entering}
+
+
+def _prices(cost: Floats, successor: NDArray[np.integer]) -> tuple[Floats, Floats]:
+    """Prices of rows and columns that no cost is below, and that chosen costs equal: shortest ways between columns (Bellman-Ford)."""
+    chosen = np.take_along_axis(cost, successor[:, None], axis=1)
+    dearer = np.empty_like(cost)
+    dearer[successor] = cost - chosen
+    columns, enough = np.zeros(len(cost)), STALLED * float(np.abs(chosen).max())
+    for _ in range(len(cost)):
+        lower = np.minimum(columns, (columns[:, None] + dearer).min(axis=0))
+        if (columns - lower).max() <= enough:
+            break
+        columns = lower
+    return chosen[:, 0] - columns[successor], columns
+
+
+BOUNDS.add("assignment", BoundMethod("assignment", lacks_arc_costs, assignment_bound, order=1))
