@@ -135,13 +135,13 @@ def _bound(
     member = np.concatenate([np.zeros((len(prices), 1)), inside], axis=1)
     share = prices @ member
     reduced -= share[:, None] + share - 2.0 * (member.T * prices) @ member
-    size += float(np.abs(out).max()) + float(np.abs(into).max()) + 4.0 * math.fsum(prices)
+    size += float(np.abs(out).max()) + float(np.abs(into).max()) + 4.0 * float(prices.sum())
     visits = out + into + 2.0 * np.bincount(of[of >= 0], prices[of >= 0], minlength=n)
     parts = [*worth_of_visits(problem, visits).tolist(), *constants(problem, terms), *(-rate * rooms[name] for name, rate in rates.items())]
     parts += (2.0 * prices * needed_routes(problem, inside) * (of < 0)).tolist()
     slip = 8.0 * _EPS * (len(prices) + 8) * size
-    total = math.fsum(np.abs(parts))
-    if not math.isfinite(64.0 * (n + 2) ** 2 * slip + total):
+    total = float(np.abs(parts).sum())
+    if not math.isfinite(64.0 * (n + 2) ** 2 * (slip + size) + total):
         return -math.inf
     reduced -= slip
     # Of i-j and j-i one at most; each of few pairs below 0 counts.
@@ -149,7 +149,7 @@ def _bound(
     pairs = math.fsum(inner[np.triu(inner < 0.0, k=1)])
     fewest = max(problem.min_vehicles, int(needed_routes(problem, np.ones(n, dtype=bool))))
     ends = _least_ends(np.sort(reduced[0, 1:]), np.sort(reduced[1:, 0]), fewest, min(n, most))
-    bound = math.fsum([*parts, pairs, ends, -16.0 * _EPS * (total + abs(pairs) + abs(ends))])
+    bound = math.fsum([*parts, pairs, ends, -16.0 * _EPS * (total + abs(pairs) + (n + 1) ** 2 * size)])
     return bound if math.isfinite(bound) else -math.inf
 
 

@@ -1,4 +1,5 @@
-"""Bound ``cutting-planes``: edges, visits and shared limits as a linear program, cut until every visit is joined to the depot.
+"""Bound ``cutting-planes``: edges, visits and shared limits as a linear program, cut until every visit is joined to the depot, and every
+set by as many routes as its loads take.
 
 The edges of each customer that the program begins with are the nearest ones; others come in where their reduced cost is negative. Duals
 prove a bound at any time, once all moves are priced with them, which the checker does.
@@ -15,15 +16,16 @@ from numpy.typing import NDArray
 from ....formulations.evidence import Evidence
 from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.routing.checking.stops_on_the_way import without_stops
-from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, constants, terms_of
+from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, constants, needed_routes, terms_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
 from .. import BOUNDS, BoundMethod
-from .arcs import too_many_arcs
+from .arcs import lacks_arc_costs, too_many_arcs
 from .knapsack import lacks_rewards
 
 if TYPE_CHECKING:
+    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 Floats = NDArray[np.float64]
@@ -36,14 +38,17 @@ NEIGHBOURS = 8
 CUTS = 100
 """That are added at once at most."""
 
+LARGEST_SET = 100
+"""Customers of a set with too much load, at most."""
+
 VIOLATED = 0.02
 """By how much of a visit a cut must be violated."""
 
 NEGATIVE = 1e-6
 """Of the dearest edge or visit: a reduced cost that is less below 0 counts as none."""
 
-BUDGET = 0.4
-"""Part of the time for problems with several vehicles, whose own limits other bounds see better."""
+BUDGET = 0.2
+"""Part of the time for problems with several vehicles: it is enough where the program is small, and others do better where it is large."""
 
 
 class _Costs:
@@ -69,19 +74,18 @@ class _Costs:
         moves = [VehicleMoves.of(relaxed, v, terms, np.zeros(n), {}) for v in types]
         counts = [min(n, count) for count in types.values()]
         self.most, self.constant = min(n, sum(counts)), math.fsum(constants(relaxed, terms))
-        self.names = [name for name in moves[0].resources if name != "order" and all(_binds(m, name) for m in moves)]
+        rooms = {
+            name: sum(c * (float(m.resources[name].upper[0]) - m.resources[name].start) for c, m in zip(counts, moves, strict=True))
+            for name in moves[0].resources if name != "order" and all(name in m.resources for m in moves)
+        }  # fmt: skip
+        weights = {name: np.minimum.reduce([m.resources[name].weight for m in moves]) for name in rooms}
+        self.names = [name for name, w in weights.items() if rooms[name] < w[:, 1:].max(axis=0).sum() + self.most * w[:, 0].max()]
         self.visit = np.append(0.0, terms.reward * sites.reward[customers] - terms.penalties * sites.penalty[customers])
         self.edge, self.skew = _symmetric(np.minimum.reduce([m.cost for m in moves]) - self.visit)
-        both = [_symmetric(np.minimum.reduce([m.resources[name].weight for m in moves])) for name in self.names]
+        both = [_symmetric(weights[name]) for name in self.names]
         self.weight = np.array([w for w, _ in both]).reshape(-1, n + 1, n + 1)
         self.weight_skew = np.array([s for _, s in both]).reshape(-1, n + 1)
-        rooms = [[float(m.resources[name].upper[0]) - m.resources[name].start for m in moves] for name in self.names]
-        self.room = np.array([float(np.dot(counts, r)) for r in rooms])
-
-
-def _binds(moves: VehicleMoves, name: str) -> bool:
-    r = moves.resources.get(name)
-    return r is not None and float(r.upper[0]) - r.start < float(np.where(np.isfinite(moves.cost), r.weight, 0.0).max(axis=0).sum())
+        self.room = np.array([rooms[name] for name in self.names])
 
 
 def _symmetric(matrix: Floats) -> tuple[Floats, Floats]:
@@ -103,18 +107,22 @@ class _Relaxation:
     def __init__(self, problem: RoutingProblem, costs: _Costs, seed: int) -> None:
         n = len(costs.visit) - 1
         self.costs, self.n = costs, n
+        self.relaxed = without_stops(problem)
         self.required = np.append(False, problem.sites.required[problem.customers])
+        self.demand = np.where(self.required, np.append(0.0, problem.sites.demand[problem.customers]), 0.0)
+        self.largest = max(v.capacity for v in self.relaxed.fleet)
+        self.keys = np.random.default_rng(seed).random(n + 1)
         self.unit = (
             max(1e-300, float(np.abs(costs.visit).max()), float(np.abs(costs.edge[np.isfinite(costs.edge)]).max(initial=0.0))) / 100.0
         )
-        self.units = np.maximum(1e-300, np.median(costs.weight[:, 1:, 1:], axis=(1, 2)) if n else np.zeros(len(costs.names)))
+        self.units = np.maximum(1e-300, costs.weight.mean(axis=(1, 2)))
         self.tail, self.head = np.zeros(0, np.int64), np.zeros(0, np.int64)
         self.inside, self.of = np.zeros((0, n + 1), dtype=bool), np.zeros(0, np.int64)
         self.known = ~np.isfinite(costs.edge)
         self.known[0, 0] = True
         self.known[1:, 1:] |= np.tri(n, dtype=bool)
         rows = n + 2 + len(costs.names)
-        fewest = max(problem.min_vehicles, int(self.required.any()))
+        fewest = max(problem.min_vehicles, int(needed_routes(self.relaxed, self.required[1:])))
         columns = (
             Variables("visit", lower=self.required[1:].astype(np.float64), upper=np.ones(n), cost=costs.visit[1:] / self.unit),
             Variables("routes", lower=np.array([float(fewest)]), upper=np.array([float(max(fewest, costs.most))]), cost=np.zeros(1)),
@@ -128,7 +136,10 @@ class _Relaxation:
         )  # fmt: skip
         self.rows = rows
         self.session = LinearSession(Program("cuts", "min", columns, (equal,)), seed)
-        self.join(_nearest(costs))
+        near = _nearest(costs)
+        if self.required.any():  # whoever must be visited may need many routes
+            near[0] = near[:, 0] = True
+        self.join(near)
 
     def join(self, wanted: Flags) -> int:
         """Take in edges; returns how many."""
@@ -157,7 +168,7 @@ class _Relaxation:
         return size
 
     def cut(self, inside: Flags, of: Longs) -> None:
-        """Add the cuts around some sets; ``of`` is the customer whose visit they serve, 0 where there are required ones among them."""
+        """Add the cuts around some sets, as ``violated`` names them."""
         starts, columns, values = [], [], []
         size = 0
         for members, visit in zip(inside, of.tolist(), strict=True):
@@ -167,12 +178,13 @@ class _Relaxation:
             values += [np.ones(len(crossing)), [-2.0] if visit else []]
             size += len(crossing) + (visit > 0)
         flat = [np.concatenate([np.asarray(part, dtype=np.float64) for part in parts]) for parts in (columns, values)]
-        self.session.add_rows(np.where(of > 0, 0.0, 2.0), np.array(starts), flat[0].astype(np.int64), flat[1])
+        right = np.where(of > 0, 0.0, 2.0 * needed_routes(self.relaxed, inside[:, 1:]))
+        self.session.add_rows(right, np.array(starts), flat[0].astype(np.int64), flat[1])
         self.inside, self.of = np.concatenate([self.inside, inside]), np.append(self.of, of)
 
     def violated(self, x: Floats, stop: Stop) -> tuple[Flags, Longs]:
-        """Sets whose cuts a point breaks, and whose visits they serve."""
-        from .minimum_cut_kernels import cuts_below
+        """Sets whose cuts a point breaks, and the customers whose visits they serve; 0 where there are required ones among them."""
+        from .cut_kernels import cuts_below, overloaded_sets
 
         flow = x[self.n + 1 :]
         used = flow > 1e-9
@@ -182,11 +194,16 @@ class _Relaxation:
         place = np.empty(len(order), np.int64)
         place[order] = np.arange(len(order))
         twins = place[(order + len(a)) % max(1, len(order))]
-        starts = np.searchsorted(ends[order], np.arange(self.n + 2))
+        starts, heads, capacity = np.searchsorted(ends[order], np.arange(self.n + 2)), others[order], flow[edge[order]]
         visit = np.append(0.0, x[: self.n])
         ask = np.argsort(-visit, kind="stable")[: int((visit > VIOLATED).sum())]
-        inside = np.zeros((CUTS, self.n + 1), dtype=bool)
-        found = cuts_below(stop.flag, starts, others[order], twins, flow[edge[order]], 2.0 * visit, ask, 2.0 * VIOLATED, inside)
+        inside = np.zeros((2 * CUTS, self.n + 1), dtype=bool)
+        found = cuts_below(stop.flag, starts, heads, twins, capacity, 2.0 * visit, ask, 2.0 * VIOLATED, inside[:CUTS])
+        if 0.0 < self.largest < math.inf:
+            found += overloaded_sets(
+                stop.flag, starts, heads, capacity, self.demand, self.keys, self.largest, 2.0 * VIOLATED, LARGEST_SET,
+                inside[found : found + CUTS],
+            )  # fmt: skip
         inside = inside[:found]
         of = np.argmax(np.where(inside, visit, -1.0), axis=1) if found else np.zeros(0, np.int64)
         return inside, np.where((inside & self.required).any(axis=1), 0, of)
@@ -232,7 +249,7 @@ def cutting_planes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Li
     ----------
     problem : RoutingProblem
     stop : Stop
-        A part of the time is used where there are several vehicles, and less where no cut is violated any more.
+        A part of the time is used where there are several vehicles, and less where neither cuts nor edges are missing any more.
     linear : LinearPrograms, optional
         Its seed; programs that grow are for HiGHS.
 
@@ -278,11 +295,19 @@ def _evidence(problem: RoutingProblem, costs: _Costs, program: _Relaxation, valu
     ]  # fmt: skip
     data = {"out": out.tolist(), "in": into.tolist(), "rates": dict(zip(costs.names, rates.tolist(), strict=True)), "cuts": listed}
     value = (1.0 if problem.sense == "min" else -1.0) * (value + costs.constant)
-    return Evidence("cut-multipliers", "linear relaxation with cuts around visits", value, data)
+    return Evidence("cut-multipliers", "linear relaxation with cuts", value, data)
+
+
+def _lacks(problem: Problem) -> frozenset[str]:
+    """What lacks rewards, unless it is costs of routes with loads and without windows."""
+    lacking = lacks_rewards(problem)
+    if not lacking or lacks_arc_costs(problem):
+        return lacking
+    return frozenset() if problem.features() & {"capacity"} and not problem.features() & {"time-windows"} else lacking
 
 
 def _prepare() -> None:
-    from . import minimum_cut_kernels as minimum_cut_kernels  # compiles, or loads what was compiled before
+    from . import cut_kernels as cut_kernels  # compiles, or loads what was compiled before
 
 
-BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", lacks_rewards, cutting_planes_bound, order=1, prepare=_prepare))
+BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", _lacks, cutting_planes_bound, order=1, prepare=_prepare))

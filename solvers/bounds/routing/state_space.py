@@ -43,8 +43,8 @@ CELLS = 1e6
 WORK_PER_SECOND = 1.5e8
 """Moves times steps that are looked at in a second."""
 
-ROUNDS = 40
-"""For which there should be time; steps are coarser, and moves fewer, where there is not."""
+ROUNDS = 200
+"""For which there should be time at first; steps are coarser, and moves fewer, where there is not."""
 
 CHECKED = 3e8
 """Moves times steps that the check may take."""
@@ -61,13 +61,25 @@ SHARE = 0.05
 TOPS = 8
 """Limits of the resource at which the best walks through a customer are looked for."""
 
-FIRST = 0.7
-"""Part of the time for the moves that are looked at first."""
+FIRST = 0.6
+"""Part of the time for the moves that are looked at first, and coarse steps."""
+
+FINER = 8.0
+"""How many times fewer rounds finer steps leave time for."""
+
+LEAST_ROUNDS = 6.0
+"""For which there should be time where all moves are looked at."""
+
+DECAY = 0.3
+"""Part of their length that steps have when the time ends."""
+
+LEVELS = 6
+"""By which walks over a move that is not looked at are told apart."""
 
 PATIENCE = 4
 """Steps without a rise after which they are halved."""
 
-BUDGET = 0.7
+BUDGET = 0.8
 """Part of the time that is left, where other methods come later."""
 
 LEAST_STEPS = 400
@@ -85,18 +97,22 @@ class _Walks:
     step : float
     kept : bool array of shape (nodes, nodes)
         Moves between customers that are looked at.
+    floor : bool
+        Weights lose parts of steps, as for the checker; otherwise, for coarse steps, they are rounded to the nearest.
     """
 
     cost: Floats
     resource: Resource
     step: float
     kept: NDArray[np.bool_]
+    floor: bool = False
 
     def __post_init__(self) -> None:
         r, nodes = self.resource, len(self.cost)
         reached = np.isfinite(r.lower) & np.isfinite(r.upper)
         self.usable = usable = np.isfinite(self.cost) & reached[:, None] & reached
-        weight = np.rint(np.where(usable, r.weight, 0.0) / self.step).astype(np.int64)  # floors, as the checker's, would add up
+        weight = np.where(usable, r.weight, 0.0) / self.step
+        weight = (np.floor(weight + 1e-9) if self.floor else np.rint(weight)).astype(np.int64)
         weight[1:, 1:] = np.maximum(weight[1:, 1:], 1)
         lower = np.floor(np.where(reached, r.lower - r.start, 0.0) / self.step + 1e-9).astype(np.int64)
         upper = np.floor(np.where(reached, r.upper - r.start, -2.0 * self.step) / self.step + 1e-6).astype(np.int64)
@@ -147,13 +163,22 @@ class _Walks:
         count = walk_to(before, *self.moves, *self.grid, node, int(self.ends[node]), 0, self.room)
         return np.bincount(self.room[:count], minlength=len(self.cost)).astype(np.float64)
 
-    def least(self, ahead: Floats, back: Floats) -> tuple[Floats, Floats]:
-        """Least costs of coming to each node, and of going on from it, at any level."""
-        made = []
-        for values, (base, _, _) in ((ahead, self.grid), (back, self.back_grid)):
-            some = base[1:] > base[:-1]
-            made.append(np.where(some, values[np.maximum(base[1:], 1) - 1, 0] if len(values) else math.inf, math.inf))
-        return made[0], made[1]
+    def through(self, price: Floats, ahead: Floats, back: Floats) -> Floats:
+        """At most what the best walk over each move costs, shape (nodes, nodes), from the best walks on the moves that are looked at."""
+        made = np.full(self.cost.shape, math.inf)
+        levels = np.linspace(0, self.top, LEVELS + 1).astype(np.int64)
+        for low, high in zip(levels[:-1].tolist(), levels[1:].tolist(), strict=True):
+            come, go = _at(ahead, self.grid, high), _at(back, self.back_grid, self.top - low)
+            np.minimum(made, come[:, None] + go, out=made)
+        return made + (self.cost - price)
+
+
+def _at(values: Floats, grid: tuple[Longs, Longs, Longs], level: int) -> Floats:
+    """Least cost at a level or below it, by node."""
+    base, lower, upper = grid
+    cell = base[:-1] + np.minimum(level, upper) - lower
+    some = (upper >= lower) & (level >= lower)
+    return np.where(some, values[np.where(some, cell, 0), 0], math.inf) if len(values) else np.full(len(lower), math.inf)
 
 
 def _grid(lower: Longs, upper: Longs) -> tuple[Longs, Longs, Longs]:
@@ -235,7 +260,7 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     walks = [_Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
     most = 2.0 * (len(customers) + 1) * max(float(np.abs(m.cost[np.isfinite(m.cost)]).max(initial=0.0)) for m in moves)
     if many:
-        prices, value = _shared_out(walks[0], rows, _weights(relaxed), most, stop)
+        prices, value = _shared_out(moves[0], name, walks[0], rows, _weights(relaxed), most, stop, fine)
     else:
         prices, value = _followed(walks, rows, most, stop)
     if value > most:  # than any answer costs: there is none, which others prove
@@ -269,9 +294,16 @@ def _resource(problem: RoutingProblem, moves: list[VehicleMoves]) -> str:
             room = float(r.upper[0]) - r.start
             need = min(need, float(least.sum()) / room if room > 0 else 0.0)
         if name == "time" and np.isfinite(problem.sites.due[problem.customers]).any():
-            need *= 2.0
+            need /= max(1e-6, max(_width(m.resources[name]) for m in moves))
         found[name] = need * (1e-6 if name == "order" else 1.0)  # where nothing else is limited
     return max(found, key=found.__getitem__)
+
+
+def _width(resource: Resource) -> float:
+    """Mean part of the room of a resource that the levels of a customer span."""
+    span, room = (resource.upper - resource.lower)[1:], float(resource.upper[0]) - resource.start
+    span = span[np.isfinite(span)]
+    return float(np.clip(span / room, 0.0, 1.0).mean()) if len(span) and room > 0 else 1.0
 
 
 def _step(moves: VehicleMoves, name: str, kept: NDArray[np.bool_], work: float, least: int) -> float:
@@ -365,73 +397,134 @@ def _needs(walks: _Walks) -> Floats:
     return made
 
 
-def _shared_out(walks: _Walks, rows: _Rows, weights: Floats, most: float, stop: Stop) -> tuple[Floats, float]:
+def _shared_out(
+    moves: VehicleMoves, name: str, walks: _Walks, rows: _Rows, weights: Floats, most: float, stop: Stop, fine: float
+) -> tuple[Floats, float]:
     """Prices on the moves that are looked at, then with those besides by which a walk may cost less than its visits are worth."""
     heavy = np.append(0.0, weights)
     price = _begun(walks, heavy, stop)
-    all_of_them = walks.kept.sum() >= walks.usable.sum()
-    share, part, value = SHARE, 1.0 if all_of_them else FIRST, -math.inf
+    share, part, rounds = SHARE, FIRST, ROUNDS
+    best: _Ascent | None = None
     while True:
-        price, better, least = _shared(walks, rows, heavy, most, stop.within(part * stop.seconds_left), price, share)
-        value = better if math.isfinite(better) else value
-        if all_of_them or stop.reached() or least is None:
-            return price[1:], value
-        missing = np.where(walks.usable & ~walks.kept, least[0][:, None] + walks.cost - price + least[1], 0.0)[1:, 1:]
-        count = min(int((missing < 0.0).sum()), NEIGHBOURS * len(heavy))
+        inner = stop.within(part * stop.seconds_left)
+        found = _shared(walks, rows, heavy, most, inner, price, share)
+        best = found or best
+        if best is None:
+            return price[1:], -math.inf
+        price = best.price
+        if stop.reached() or found is None or best.value > most:
+            return best.surely(rows.counts[0])
+        rounds = max(LEAST_ROUNDS, rounds / FINER)
+        work = WORK_PER_SECOND * min(stop.seconds_left, 10.0)
+        whole = _step(moves, name, walks.usable, work / LEAST_ROUNDS, 20) <= max(fine, walks.step)
+        kept = walks.usable if whole else walks.kept | best.worst(NEIGHBOURS * len(heavy))
+        step = max(fine, min(walks.step, _step(moves, name, kept, work / rounds, 20)))
+        if walks.floor and step == walks.step and not inner.reached() and (kept == walks.kept).all():
+            return best.surely(rows.counts[0])
+        walks, share, part = _Walks(walks.cost, walks.resource, step, kept, floor=True), 0.0, 1.0 if whole else 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Ascent:
+    """Where an ascent ended.
+
+    Attributes
+    ----------
+    price : array of shape (nodes,)
+    value : float
+    lacking : array of shape (nodes, nodes)
+        What walks over moves that were not looked at may cost less than their visits are worth; 0 for the others.
+    routes : float
+        How many walks share the visits.
+    """
+
+    price: Floats
+    value: float
+    lacking: Floats
+    routes: float
+
+    def worst(self, count: int) -> NDArray[np.bool_]:
+        """The moves that lack most, so many at most."""
+        count = min(count, int((self.lacking < 0.0).sum()))
         if not count:
-            return price[1:], value
-        kept = walks.kept.copy()
-        kept[1:, 1:] |= missing <= min(0.0, float(np.partition(missing.ravel(), count - 1)[count - 1]))
-        walks, share, part = _Walks(walks.cost, walks.resource, walks.step, kept & walks.usable), 0.2 * SHARE, 0.5
+            return np.zeros(self.lacking.shape, dtype=bool)
+        made: NDArray[np.bool_] = self.lacking <= min(0.0, float(np.partition(self.lacking.ravel(), count - 1)[count - 1]))
+        return made
+
+    def surely(self, most: int) -> tuple[Floats, float]:
+        """Prices of customers, lowered for moves that were not looked at where that costs less than as many routes as there may be."""
+        least = float(self.lacking.min())
+        lower = _lowered(self.price, self.routes, least)
+        if float(lower.sum()) > self.value + most * least:
+            return lower[1:], float(lower.sum())
+        return self.price[1:], self.value
 
 
-def _shared(
-    walks: _Walks, rows: _Rows, heavy: Floats, most: float, stop: Stop, price: Floats, share: float
-) -> tuple[Floats, float, tuple[Floats, Floats] | None]:
-    """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with; and
-    at these prices the least costs of coming to each node, and of going on from it."""
+def _shared(walks: _Walks, rows: _Rows, heavy: Floats, most: float, stop: Stop, price: Floats, share: float) -> _Ascent | None:
+    """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with; None
+    where there is no time for any."""
     from .state_space_kernels import best_through, share_out
 
     n = len(rows.required)
-    best, best_price, best_least = -math.inf, price, None
+    best, best_price = -math.inf, price
     rate, how = np.full(n + 1, math.inf), np.zeros((n + 1, 4), np.int64)
-    waited = 0
+    waited, whole, routes = 0, stop.seconds_left, float(rows.fewest)
     average = np.zeros(n + 1)
-    narrow = walks.grid[0][-1] < 0.5 * n * walks.top  # between windows there is little to choose
-    tops = np.unique(np.linspace(0, walks.top, 2 if narrow else TOPS + 1)[1:].astype(np.int64))
+    tops = np.unique(np.linspace(0, walks.top, TOPS + 1)[1:].astype(np.int64))
     while not stop.reached() and best <= most:
         ahead, before, load = walks.ahead(stop, price, heavy)
         back, after, rest = walks.back(stop, price, heavy)
         if stop.reached():
             break
         least, _ = walks.best(ahead)
-        value = float(price.sum()) + (rows.fewest if least > 0 else rows.counts[0]) * least
+        worth = float(price.sum())
+        value, lower = worth + (rows.fewest if least > 0 else rows.counts[0]) * least, _lowered(price, routes, least)
+        if float(lower.sum()) > value:
+            value = float(lower.sum())
+        else:
+            lower = price
         if value > best:
             waited = 0 if value > best + 1e-4 * abs(best) else waited + 1
-            best, best_price, best_least = value, price, walks.least(ahead, back)
+            best, best_price, best_cells = value, lower, (ahead, back)
         else:
             waited += 1
         best_through(ahead, before, load, *walks.grid, back, after, rest, *walks.back_grid, heavy, tops, rate, how)
         visits = np.zeros(n + 1)
-        share_out(before, *walks.moves, *walks.grid, after, *walks.back_moves, *walks.back_grid, rate, how, heavy, walks.room, visits)
+        routes = share_out(
+            before, *walks.moves, *walks.grid, after, *walks.back_moves, *walks.back_grid, rate, how, heavy, walks.room, visits
+        )
         slope = 1.0 - visits
         slope[0] = 0.0
         average = 0.5 * average + slope
         length = float(average @ average)
         if waited > PATIENCE:
+            if share == 0.0:
+                break
             share, waited = share / 2.0, 0
             if share < 1e-4:
-                break
-        price = price + np.where(np.isfinite(rate), heavy * rate, 0.0)
+                share, price = 0.0, best_price
+                continue
+        price = price + heavy * np.where(np.isfinite(rate), rate, 0.0)
+        now = share * DECAY ** (1.0 - stop.seconds_left / whole) if whole < math.inf else share
         if length > 0:
-            price = price + share * abs(float(price.sum())) / length * average
-    return best_price, best, best_least
+            price = price + now * abs(float(price.sum())) / length * average
+    if best == -math.inf:
+        return None
+    lacking = np.where(walks.usable & ~walks.kept, np.minimum(0.0, walks.through(best_price, *best_cells)), 0.0)
+    return _Ascent(best_price, best, lacking, routes)
+
+
+def _lowered(price: Floats, routes: float, least: float) -> Floats:
+    """Prices in parts of which no walk is worth more than it costs, if some cost ``least`` less now, and are worth as much as all."""
+    worth = float(price.sum())
+    return price * max(0.0, 1.0 + min(0.0, least) * routes / worth) if worth > 0 else price
 
 
 def _begun(walks: _Walks, heavy: Floats, stop: Stop) -> Floats:
     """To each customer his share of a walk through him that is as full as can be: prices that no walk beats."""
     free = np.zeros(len(heavy))
-    least = np.add(*walks.least(walks.ahead(stop, free, heavy)[0], walks.back(stop, free, heavy)[0]))
+    ahead, back = walks.ahead(stop, free, heavy)[0], walks.back(stop, free, heavy)[0]
+    least = _at(ahead, walks.grid, walks.top) + _at(back, walks.back_grid, walks.top)
     full = max(float(heavy.max()), walks.top * float(heavy[1:].sum()) / max(1.0, float(np.minimum(walks.first[1:], walks.top).sum())))
     return np.where(np.isfinite(least), least, 0.0) * heavy / full
 

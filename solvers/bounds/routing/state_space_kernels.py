@@ -148,7 +148,7 @@ def best_through(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                             how[j, 0], how[j, 1], how[j, 2], how[j, 3] = b, top - b, x, y
 
 
-@kernel(f"void(i4[:, ::1], {_MOVES}, {_GRID}, i4[:, ::1], {_MOVES}, {_GRID}, f8[::1], i8[:, ::1], f8[::1], i8[::1], f8[::1])")
+@kernel(f"f8(i4[:, ::1], {_MOVES}, {_GRID}, i4[:, ::1], {_MOVES}, {_GRID}, f8[::1], i8[:, ::1], f8[::1], i8[::1], f8[::1])")
 def share_out(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     before, starts, tails, weight, base, lower, upper, after, back_starts, back_heads, back_weight, back_base, back_lower, back_upper,
     least, how, heavy, walk, visits
@@ -156,19 +156,26 @@ def share_out(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add to ``visits`` those of the best walks through all nodes, each by the node's share of its weight.
 
     The moves and grid are those of both directions (``walk_costs``), ``least`` and ``how`` from ``best_through``; ``walk`` is room for one.
+
+    Returns
+    -------
+    float
+        How many walks these shares make up.
     """
+    walks = 0.0
     for i in range(1, len(lower)):
         if least[i] == math.inf:
             continue
+        # The way in ends at the node, and so does the way out, whose first entry makes room for its last one.
         count = walk_to(before, starts, tails, weight, base, lower, upper, i, how[i, 0], how[i, 2], walk)
-        count += (
-            walk_to(
-                after, back_starts, back_heads, back_weight, back_base, back_lower, back_upper, i, how[i, 1], how[i, 3], walk[count - 1 :]
-            )
-            - 1
-        )
+        out = walk[count:]
+        more = walk_to(after, back_starts, back_heads, back_weight, back_base, back_lower, back_upper, i, how[i, 1], how[i, 3], out)
+        out[0] = out[more - 1]
+        count += more - 1
         total = 0.0
         for k in range(count):
             total += heavy[walk[k]]
+        walks += heavy[i] / total
         for k in range(count):
             visits[walk[k]] += heavy[i] / total
+    return walks

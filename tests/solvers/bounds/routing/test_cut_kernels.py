@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import maximum_flow
 
 from waybound.formulations.stop import NEVER, Stop
-from waybound.solvers.bounds.routing.minimum_cut_kernels import cuts_below
+from waybound.solvers.bounds.routing.cut_kernels import cuts_below
 
 
 def edges(capacity):
