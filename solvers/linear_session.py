@@ -63,7 +63,7 @@ class LinearSession:
         self._most = self._model.getOptionValue("simplex_iteration_limit")[1]
         self.lower, self.upper = program.lower.copy(), program.upper.copy()
         self.iterations = 0
-        self._columns_added = False
+        self._grown = False
 
     def bound(self, lower: Floats, upper: Floats) -> None:
         """Bounds of all variables from now on."""
@@ -77,14 +77,19 @@ class LinearSession:
         columns = np.arange(self._program.num_variables, dtype=np.int32)
         self._model.changeColsCost(len(columns), columns, np.zeros(len(columns)))
 
-    def add(self, cost: Floats, starts: Longs, rows: Longs, values: Floats) -> None:
-        """Further columns from 0 upwards, without an end; ``starts`` says where the entries of each begin."""
+    def add(self, cost: Floats, starts: Longs, rows: Longs, values: Floats, upper: Floats | None = None) -> None:
+        """Further columns from 0 up to ``upper``, or without an end; ``starts`` says where the entries of each begin."""
         size, none = len(cost), np.zeros(len(cost))
-        self._model.addCols(
-            size, cost, none, np.full(size, math.inf), len(rows), starts.astype(np.int32), rows.astype(np.int32), values.astype(np.float64)
-        )
-        self.lower, self.upper = np.append(self.lower, none), np.append(self.upper, np.full(size, math.inf))
-        self._columns_added = True
+        upper = np.full(size, math.inf) if upper is None else upper
+        self._model.addCols(size, cost, none, upper, len(rows), starts.astype(np.int32), rows.astype(np.int32), values.astype(np.float64))
+        self.lower, self.upper = np.append(self.lower, none), np.append(self.upper, upper)
+        self._grown = True
+
+    def add_rows(self, lower: Floats, starts: Longs, columns: Longs, values: Floats) -> None:
+        """Further rows of at least ``lower``; ``starts`` says where the entries of each begin."""
+        size, given = len(lower), (starts.astype(np.int32), columns.astype(np.int32), values.astype(np.float64))
+        self._model.addRows(size, lower, np.full(size, math.inf), len(columns), *given)
+        self._grown = True
 
     def basis(self) -> Any:
         """Where the session stands, for ``start``."""
@@ -128,7 +133,7 @@ class LinearSession:
 
     def _broken_row(self) -> Floats | None:
         """The ray of one row that no values within the bounds can meet; HiGHS, which sees these first, has none then."""
-        if self._columns_added:
+        if self._grown:
             return None
         p, up = self._program, self._program.data > 0
         row = np.repeat(np.arange(p.num_rows), np.diff(p.indptr))

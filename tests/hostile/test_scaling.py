@@ -247,16 +247,18 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
     counted = unit(own[e.data["resource"]]) if e.data.get("resource") in own else 1.0
     per = {
         "state-space": {"prices": factor, "step": counted}, "knapsack": {"rate": factor / counted},
-        "vehicles-needed": {"threshold": unit("load")},
+        "vehicles-needed": {"threshold": unit("load")}, "cut-multipliers": {"out": factor, "in": factor},
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
         "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
         "too-little-time": {"from": unit("time"), "until": unit("time")},
     }.get(e.kind, {})  # fmt: skip
-    priced = ("resources", "shares")
+    priced = ("resources", "shares", "rates")
     made = {name: times(value, per.get(name, 1.0)) for name, value in e.data.items() if name not in priced}
     for part in (part for part in priced if part in e.data):
         made[part] = {name: times(values, factor / (unit(own[name]) if name in own else 1.0)) for name, values in e.data[part].items()}
+    if "cuts" in e.data:
+        made["cuts"] = [{**cut, "price": factor * cut["price"]} for cut in e.data["cuts"]]
     return made
 
 

@@ -20,14 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...checking.granularity import Grain, grain, lift
+from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...stop import current_stop
 from .known_features import unknown_features
 from .multipliers import number, numbers
-from .round_trips import least_peak
 from .stops_on_the_way import without_stops
-from .vehicle_moves import Terms, VehicleMoves, alike, terms_of
+from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, terms_of, value_grain, worth_of_visits
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -40,7 +39,7 @@ STEPS = 20_000
 """Of the resource on the way of one vehicle, at most."""
 
 WORK = 2_000_000_000
-"""Moves times steps in one proof at most, some 5 s; a tenth of them in memory."""
+"""Moves times the levels at which each can end, in one proof at most, some 5 s; a tenth of them in memory."""
 
 _NEAR = 1e-9
 """Of a step: a weight that lacks no more than this counts as whole, and limits concede as much for each move."""
@@ -93,15 +92,13 @@ def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float
         return -sign * math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         bound = _bound(relaxed, terms, prices[customers], str(name), step, shares)
-    return sign * lift(bound, "min", _grain(problem, terms)) if bound > -math.inf else -sign * math.inf
+    return sign * lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -sign * math.inf
 
 
 def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, step: float, shares: dict[str, float]) -> float:
     sites, customers = problem.sites, problem.sites.customers
     required = sites.required[customers]
-    parts = [*_visits(problem, prices).tolist(), *(w * least_peak(problem, peak) for peak, w in terms.peaks.items())]
-    parts += (terms.penalties * sites.penalty[customers[~required]]).tolist()
-    parts += (terms.reward * sites.reward[sites.depots]).tolist()
+    parts = [*worth_of_visits(problem, prices).tolist(), *constants(problem, terms)]
     n, size, left = len(customers), 0.0, WORK
     slots: list[tuple[float, int]] = []
     for vehicle, count in alike(problem).items():
@@ -115,7 +112,7 @@ def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, ste
         left -= work
         size = max(size, moves.size)
         slots.append((least, min(n, count)))
-    fewest = max(problem.min_vehicles, int(required.any()))
+    fewest = max(problem.min_vehicles, needed_routes(problem, required))
     most = n
     worth, free = 0.0, most
     for least, count in sorted(slots):
@@ -130,19 +127,6 @@ def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, ste
     # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
     error = 16.0 * _EPS * (n + 2) ** 2 * size
     return math.fsum([*parts, worth, -error]) if math.isfinite(64.0 * (n + 2) ** 2 * size) else -math.inf
-
-
-def _visits(problem: RoutingProblem, prices: Floats) -> Floats:
-    """What the prices of an answer's visits add up to at least, site by site; of a group with one visit the least price, at its first."""
-    sites = problem.sites
-    made = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
-    node = {site: k for k, site in enumerate(sites.customers.tolist())}
-    for group in sites.groups:
-        members = [node[site] for site in group.sites]
-        least = float(prices[members].min())
-        made[members] = 0.0
-        made[members[0]] = least if group.required else min(0.0, least)
-    return made
 
 
 def _least_walk(moves: VehicleMoves, name: str, step: float, work: int) -> tuple[float, int] | None:
@@ -165,7 +149,8 @@ def _least_walk(moves: VehicleMoves, name: str, step: float, work: int) -> tuple
     lower = np.floor(np.where(reached, (r.lower - r.start) / step, 0.0) + _NEAR).astype(np.int64)
     upper = np.floor(np.where(reached, (r.upper - r.start) / step, -2.0 - late) + conceded).astype(np.int64) + late
     steps = int(upper.max()) + 1
-    if int(inner.sum()) * steps > work or nodes * steps * 20 > WORK // 4:
+    cells = int(np.maximum(0, upper - lower + 1)[heads[inner]].sum())
+    if cells > work or nodes * steps * 20 > WORK // 4:
         return None
     starts = np.searchsorted(heads[inner], np.arange(nodes + 1))
     t, h = tails[inner], heads[inner]
@@ -174,15 +159,4 @@ def _least_walk(moves: VehicleMoves, name: str, step: float, work: int) -> tuple
         np.where(usable[0], moves.cost[0], math.inf), weight[0], np.where(usable[:, 0], moves.cost[:, 0], math.inf),
         np.ascontiguousarray(weight[:, 0]), lower, upper,
     )  # fmt: skip
-    return None if math.isnan(least) else (float(least), int(inner.sum()) * steps)
-
-
-def _grain(problem: RoutingProblem, terms: Terms) -> Grain | None:
-    """Of what every value of the objective is a multiple."""
-    timed = {"duration-cost", "overtime", "vehicle-travel", "vehicle-speeds", "committed-vehicles"}
-    if terms.peaks or terms.duration or (terms.cost and problem.features() & timed):
-        return None
-    sites = problem.sites
-    parts = [terms.cost * v.unit_cost * problem.travel.distances.ravel() for v in problem.fleet] if terms.cost else []
-    parts += [terms.cost * np.array([v.fixed_cost for v in problem.fleet]), np.array([terms.vehicles])]
-    return grain(np.concatenate([*parts, terms.reward * sites.reward, terms.penalties * sites.penalty]))
+    return None if math.isnan(least) else (float(least), cells)

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...checking.granularity import Grain, grain
 from .known_features import own_moves
 from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
-from .round_trips import PEAKS
+from .round_trips import PEAKS, least_peak
+from .route_limits import allowed
 from .stops_on_the_way import with_fleet
 
 if TYPE_CHECKING:
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
 Floats = NDArray[np.float64]
+
+_EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,54 @@ def alike(problem: RoutingProblem) -> dict[VehicleType, int]:
         kind = replace(v, count=1, name="")
         found[kind] = found.get(kind, 0) + (n if v.count is None else v.count)
     return found
+
+
+def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
+    """What adds up to no more than the part of the objective that routes and visits do not change."""
+    sites, customers = problem.sites, problem.sites.customers
+    parts = [w * least_peak(problem, peak) for peak, w in terms.peaks.items()]
+    parts += (terms.penalties * sites.penalty[customers[~sites.required[customers]]]).tolist()
+    return parts + (terms.reward * sites.reward[sites.depots]).tolist()  # type: ignore[no-any-return]
+
+
+def worth_of_visits(problem: RoutingProblem, prices: Floats) -> Floats:
+    """What the prices of an answer's visits add up to at least, site by site; of a group with one visit the least price, at its first."""
+    sites = problem.sites
+    made = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
+    node = {site: k for k, site in enumerate(sites.customers.tolist())}
+    for group in sites.groups:
+        members = [node[site] for site in group.sites]
+        least = float(prices[members].min())
+        made[members] = 0.0
+        made[members[0]] = least if group.required else min(0.0, least)
+    return made
+
+
+def needed_routes(problem: RoutingProblem, members: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """How many routes at least serve the required customers among ``members``: one if there are any, and as many as their loads take.
+
+    Parameters
+    ----------
+    members : bool array of shape (..., customers)
+    """
+    sites, customers = problem.sites, problem.sites.customers
+    required = sites.required[customers]
+    loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * _EPS)
+    largest = max(allowed(v.capacity) for v in problem.fleet)
+    by_load = np.ceil(loads / largest) if 0.0 < largest < math.inf else np.zeros(loads.shape)
+    made: NDArray[np.int64] = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
+    return made
+
+
+def value_grain(problem: RoutingProblem, terms: Terms) -> Grain | None:
+    """Of what every value of the objective is a multiple."""
+    timed = {"duration-cost", "overtime", "vehicle-travel", "vehicle-speeds", "committed-vehicles"}
+    if terms.peaks or terms.duration or (terms.cost and problem.features() & timed):
+        return None
+    sites = problem.sites
+    parts = [terms.cost * v.unit_cost * problem.travel.distances.ravel() for v in problem.fleet] if terms.cost else []
+    parts += [terms.cost * np.array([v.fixed_cost for v in problem.fleet]), np.array([terms.vehicles])]
+    return grain(np.concatenate([*parts, terms.reward * sites.reward, terms.penalties * sites.penalty]))
 
 
 @dataclass(frozen=True, eq=False)

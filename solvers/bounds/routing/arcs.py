@@ -18,6 +18,7 @@ from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
 from ....instances.memory import fits
 from ....instances.routing.instance import VehicleType
+from ....instances.routing.vehicle_type import ENERGY_CHARGES
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -30,6 +31,12 @@ MATRICES = 8
 
 ARCS_PER_SECOND = 2e6
 """Arcs that are looked at in a second of the budget; the check takes about as long again."""
+
+LIMITS = frozenset(
+    {"capacity", "pickups", "time-windows", "depot-windows", "shifts", "max-distance", "max-duration"}
+    | {f"energy:{charge}" for charge in ENERGY_CHARGES}
+)
+"""Features that limit single routes."""
 
 ARC_TERMS = ("total-cost", "vehicles")
 

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 
-def _lacks(problem: Problem) -> frozenset[str]:
+def lacks_rewards(problem: Problem) -> frozenset[str]:
+    """Other families, objectives without rewards and penalties, and what is unknown or of which more is better."""
     if problem.family != "routing":
         return frozenset({f"{problem.family} problems"})
     terms = terms_of(problem)  # type: ignore[arg-type]
@@ -63,4 +64,4 @@ def knapsack_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPr
     return Evidence(best.kind, f"knapsack of {best.data['resource']}", best.value, best.data)
 
 
-BOUNDS.add("knapsack", BoundMethod("knapsack", _lacks, knapsack_bound, order=0))
+BOUNDS.add("knapsack", BoundMethod("knapsack", lacks_rewards, knapsack_bound, order=0))

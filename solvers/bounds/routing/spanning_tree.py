@@ -12,13 +12,16 @@ from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
-from .arcs import Arcs, arc_costs, lacks_arc_costs
+from .arcs import LIMITS, Arcs, arc_costs, lacks_arc_costs
 from .level_ascent import ascend
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 Floats = NDArray[np.float64]
+
+BUDGET = 0.1
+"""Part of the time for problems with limits on routes, of which trees see nothing."""
 
 
 def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
@@ -36,6 +39,8 @@ def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Lin
     -------
     Evidence of kind ``spanning-tree``, or None where the budget does not suffice for the arcs and the first tree
     """
+    if problem.features() & LIMITS:
+        stop = stop.within(BUDGET * stop.seconds_left)
     arcs = arc_costs(problem, stop)
     found = None if arcs is None else _ascend(arcs, stop)
     if arcs is None or found is None:

@@ -1,0 +1,159 @@
+"""Evidence ``cut-multipliers``: a Lagrangian bound from prices of sites, of limits that all vehicles share, and of cuts around sets.
+
+With x_ij in {0, 1} for each move of any route, y_i in {0, 1} for each visit and k for the number of routes, every answer obeys::
+
+    sum_h x_hi = y_i,  sum_j x_ij = y_i                     each customer i             (in_i, out_i)
+    sum_j x_0j = sum_i x_i0 = k,  fewest <= k <= most
+    sum_ij w_ij x_ij <= what all vehicles have              each limited resource       (mu >= 0)
+    x(into S) >= y_i and x(out of S) >= y_i                 sets S of customers, i in S (lambda >= 0)
+    x(into S) >= q(S) and x(out of S) >= q(S)               sets S of customers         (lambda >= 0)
+
+where q(S) routes at least serve the required customers of S: one if there are any, and as many as their loads take. At any prices the
+least of the Lagrangian over x, y and k is a bound; of the moves i-j and j-i an answer makes one at most.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import lift
+from ...evidence import CHECKERS
+from .known_features import unknown_features
+from .multipliers import number, numbers
+from .stops_on_the_way import without_stops
+from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, terms_of, value_grain, worth_of_visits
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+RESOURCES = ("time", "load", "distance", "duration", "energy")
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@CHECKERS.register("cut-multipliers")
+def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Bound on the first level of the objective that any prices prove (weak duality).
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        With any features and any terms; maxima (makespan, ...) count by the farthest round trip.
+    data : dict
+        ``out`` and ``in``: lists with one number a site (entries of depots are ignored); ``rates``: the price of a unit of a resource
+        (``time, load, distance, duration, energy``) by its name; ``cuts``: objects with ``sites``, positions of customers, ``price``, and
+        ``of``, the position of that one of them whose visit is the right side, or null for what the required ones among them need.
+        Prices of resources and cuts that are negative are read as 0.
+
+    Returns
+    -------
+    float
+        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) where nothing is proved.
+
+    Raises
+    ------
+    InputError
+        If numbers are missing or not finite, a resource is unknown, or a cut names anything but customers.
+
+    Notes
+    -----
+    Source: Fischetti, Salazar González, Toth (1998), "Solving the orienteering problem through branch-and-cut", for sets that hold a
+    visit; Laporte, Nobert, Desrochers (1985) for those that need vehicles; docs/formulations/routing.md#cuts.
+    """
+    if problem.family != "routing":
+        raise InputError("cut-multipliers are evidence for routing problems", found=problem.family)
+    sites, customers = problem.sites, problem.sites.customers
+    out, into = numbers(data, "out", len(sites)), numbers(data, "in", len(sites))
+    given = data.get("rates", {})
+    if not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
+        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=str(given)[:80])
+    rates = {str(name): max(0.0, number(given, name)) for name in given}
+    inside, of, prices = _cuts(problem, data.get("cuts", []))
+    sign = 1.0 if problem.sense == "min" else -1.0
+    relaxed, terms = without_stops(problem), terms_of(problem)
+    if terms is None or unknown_features(relaxed) or not len(customers):
+        return -sign * math.inf
+    with np.errstate(over="ignore", invalid="ignore"):
+        bound = _bound(relaxed, terms, out[customers], into[customers], rates, inside, of, prices)
+    return sign * lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -sign * math.inf
+
+
+def _cuts(problem: RoutingProblem, given: object) -> tuple[Flags, NDArray[np.int64], Floats]:
+    """Which customers each set holds, shape (cuts, customers), whose visit is its right side (-1: nobody's), and its price."""
+    if not isinstance(given, list) or not all(isinstance(cut, Mapping) for cut in given):
+        raise InputError("evidence 'cuts' must be a list of objects", found=str(given)[:80])
+    node = {site: k for k, site in enumerate(problem.sites.customers.tolist())}
+    inside, of = np.zeros((len(given), len(node)), dtype=bool), np.full(len(given), -1, np.int64)
+    prices = np.array([max(0.0, number(cut, "price")) for cut in given], dtype=np.float64)
+    for k, cut in enumerate(given):
+        members, visit = cut.get("sites"), cut.get("of")
+        if not isinstance(members, list) or not members or not all(type(site) is int and site in node for site in members):
+            raise InputError("a cut of the evidence must be around customers", found=str(members)[:80])
+        if visit is not None and (type(visit) is not int or visit not in members):
+            raise InputError("a cut of the evidence is for a visit outside of it", found=str(visit)[:80])
+        inside[k, [node[site] for site in members]] = True
+        of[k] = -1 if visit is None else node[visit]
+    return inside, of, prices
+
+
+def _bound(
+    problem: RoutingProblem, terms: Terms, out: Floats, into: Floats, rates: dict[str, float], inside: Flags, of: NDArray[np.int64],
+    prices: Floats,
+) -> float:  # fmt: skip
+    n = len(out)
+    cost, rooms, size, most = np.full((n + 1, n + 1), math.inf), dict.fromkeys(rates, 0.0), 0.0, 0
+    weights = {name: np.full((n + 1, n + 1), math.inf) for name in rates}
+    for vehicle, count in alike(problem).items():
+        moves, count = VehicleMoves.of(problem, vehicle, terms, np.zeros(n), {}), min(n, count)
+        usable = np.isfinite(moves.cost)
+        np.minimum(cost, moves.cost, out=cost)
+        for name in rates:
+            r = moves.resources.get(name)
+            if r is None or not math.isfinite(r.upper[0]):
+                return -math.inf
+            np.minimum(weights[name], np.where(usable, r.weight, math.inf), out=weights[name])
+            rooms[name] += count * max(0.0, float(r.upper[0]) - r.start + r.slack)
+        size, most = max(size, moves.size), most + count
+    usable = np.isfinite(cost)
+    reduced = cost
+    for name, rate in rates.items():
+        part = rate * np.where(usable, weights[name], 0.0)
+        reduced = reduced + part
+        size += float(part.max(initial=0.0))
+    reduced[1:] -= out[:, None]
+    reduced[:, 1:] -= into
+    # A cut is crossed by a move with one end in it: m_i + m_j - 2 m_i m_j.
+    member = np.concatenate([np.zeros((len(prices), 1)), inside], axis=1)
+    share = prices @ member
+    reduced -= share[:, None] + share - 2.0 * (member.T * prices) @ member
+    size += float(np.abs(out).max()) + float(np.abs(into).max()) + 4.0 * float(prices.sum())
+    visits = out + into + 2.0 * np.bincount(of[of >= 0], prices[of >= 0], minlength=n)
+    parts = [*worth_of_visits(problem, visits).tolist(), *constants(problem, terms), *(-rate * rooms[name] for name, rate in rates.items())]
+    parts += (2.0 * prices * needed_routes(problem, inside) * (of < 0)).tolist()
+    slip = 8.0 * _EPS * (len(prices) + 8) * size
+    total = float(np.abs(parts).sum())
+    if not math.isfinite(64.0 * (n + 2) ** 2 * (slip + size) + total):
+        return -math.inf
+    reduced -= slip
+    # Of i-j and j-i one at most; each of few pairs below 0 counts.
+    inner = np.minimum(reduced[1:, 1:], reduced[1:, 1:].T)
+    pairs = math.fsum(inner[np.triu(inner < 0.0, k=1)])
+    fewest = max(problem.min_vehicles, int(needed_routes(problem, np.ones(n, dtype=bool))))
+    ends = _least_ends(np.sort(reduced[0, 1:]), np.sort(reduced[1:, 0]), fewest, min(n, most))
+    bound = math.fsum([*parts, pairs, ends, -16.0 * _EPS * (total + abs(pairs) + (n + 1) ** 2 * size)])
+    return bound if math.isfinite(bound) else -math.inf
+
+
+def _least_ends(first: Floats, last: Floats, fewest: int, most: int) -> float:
+    """Least sum of k first and k last moves over all numbers k of routes; both come sorted."""
+    sums = np.concatenate([[0.0], np.cumsum(first + last)])[fewest : most + 1]
+    return float(sums.min(initial=math.inf))

@@ -1,0 +1,313 @@
+"""Bound ``cutting-planes``: edges, visits and shared limits as a linear program, cut until every visit is joined to the depot, and every
+set by as many routes as its loads take.
+
+The edges of each customer that the program begins with are the nearest ones; others come in where their reduced cost is negative. Duals
+prove a bound at any time, once all moves are priced with them, which the checker does.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.evidence import Evidence
+from ....formulations.programs.program import Program, Rows, Variables
+from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, constants, needed_routes, terms_of
+from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
+from ...linear_session import LinearSession
+from .. import BOUNDS, BoundMethod
+from .arcs import lacks_arc_costs, too_many_arcs
+from .knapsack import lacks_rewards
+
+if TYPE_CHECKING:
+    from ....formulations.problem import Problem
+    from ....formulations.routing.problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Longs = NDArray[np.int64]
+
+NEIGHBOURS = 8
+"""Edges of each node that the first program has at least."""
+
+CUTS = 100
+"""That are added at once at most."""
+
+LARGEST_SET = 100
+"""Customers of a set with too much load, at most."""
+
+VIOLATED = 0.02
+"""By how much of a visit a cut must be violated."""
+
+NEGATIVE = 1e-6
+"""Of the dearest edge or visit: a reduced cost that is less below 0 counts as none."""
+
+BUDGET = 0.2
+"""Part of the time for problems with several vehicles: it is enough where the program is small, and others do better where it is large."""
+
+
+class _Costs:
+    """What edges and visits cost and take, symmetric, with what that leaves over.
+
+    Attributes
+    ----------
+    visit : array of shape (nodes,)
+    edge : array of shape (nodes, nodes)
+        Row 0 holds first moves, column 0 last ones; infinite where there is none.
+    weight : array of shape (resources, nodes, nodes)
+    room : array of shape (resources,)
+        What all vehicles have.
+    skew, weight_skew : arrays of shape (nodes,) and (resources, nodes)
+        Moves i-j cost, and take, that of i more and that of j less than the edge.
+    """
+
+    def __init__(self, problem: RoutingProblem) -> None:
+        relaxed, terms = without_stops(problem), terms_of(problem)
+        assert terms is not None
+        sites, customers, types = problem.sites, problem.sites.customers, alike(relaxed)
+        n = len(customers)
+        moves = [VehicleMoves.of(relaxed, v, terms, np.zeros(n), {}) for v in types]
+        counts = [min(n, count) for count in types.values()]
+        self.most, self.constant = min(n, sum(counts)), math.fsum(constants(relaxed, terms))
+        rooms = {
+            name: sum(c * (float(m.resources[name].upper[0]) - m.resources[name].start) for c, m in zip(counts, moves, strict=True))
+            for name in moves[0].resources if name != "order" and all(name in m.resources for m in moves)
+        }  # fmt: skip
+        weights = {name: np.minimum.reduce([m.resources[name].weight for m in moves]) for name in rooms}
+        self.names = [name for name, w in weights.items() if rooms[name] < w[:, 1:].max(axis=0).sum() + self.most * w[:, 0].max()]
+        self.visit = np.append(0.0, terms.reward * sites.reward[customers] - terms.penalties * sites.penalty[customers])
+        self.edge, self.skew = _symmetric(np.minimum.reduce([m.cost for m in moves]) - self.visit)
+        both = [_symmetric(weights[name]) for name in self.names]
+        self.weight = np.array([w for w, _ in both]).reshape(-1, n + 1, n + 1)
+        self.weight_skew = np.array([s for _, s in both]).reshape(-1, n + 1)
+        self.room = np.array([rooms[name] for name in self.names])
+
+
+def _symmetric(matrix: Floats) -> tuple[Floats, Floats]:
+    """``matrix`` with a number of each tail taken off and that of each head added, so that it is symmetric where it can be made so; the
+    less of both ways elsewhere."""
+    inner = matrix[1:, 1:]
+    both = np.isfinite(inner) & np.isfinite(inner.T)
+    lean = np.where(both, np.where(both, inner, 0.0) - np.where(both, inner, 0.0).T, 0.0)
+    skew = np.append(0.0, lean.sum(axis=1) / (2.0 * np.maximum(1, both.sum(axis=1))))
+    made = matrix - skew[:, None] + skew
+    made[1:, 1:] = np.minimum(made[1:, 1:], made[1:, 1:].T)
+    return made, skew
+
+
+class _Relaxation:
+    """The linear program: columns are visits, the number of routes, then edges (``tail < head``, and the depot's twice: out and back);
+    rows are degrees, first and last moves, resources, then cuts."""
+
+    def __init__(self, problem: RoutingProblem, costs: _Costs, seed: int) -> None:
+        n = len(costs.visit) - 1
+        self.costs, self.n = costs, n
+        self.relaxed = without_stops(problem)
+        self.required = np.append(False, problem.sites.required[problem.customers])
+        self.demand = np.where(self.required, np.append(0.0, problem.sites.demand[problem.customers]), 0.0)
+        self.largest = max(v.capacity for v in self.relaxed.fleet)
+        self.keys = np.random.default_rng(seed).random(n + 1)
+        self.unit = (
+            max(1e-300, float(np.abs(costs.visit).max()), float(np.abs(costs.edge[np.isfinite(costs.edge)]).max(initial=0.0))) / 100.0
+        )
+        self.units = np.maximum(1e-300, costs.weight.mean(axis=(1, 2)))
+        self.tail, self.head = np.zeros(0, np.int64), np.zeros(0, np.int64)
+        self.inside, self.of = np.zeros((0, n + 1), dtype=bool), np.zeros(0, np.int64)
+        self.known = ~np.isfinite(costs.edge)
+        self.known[0, 0] = True
+        self.known[1:, 1:] |= np.tri(n, dtype=bool)
+        rows = n + 2 + len(costs.names)
+        fewest = max(problem.min_vehicles, int(needed_routes(self.relaxed, self.required[1:])))
+        columns = (
+            Variables("visit", lower=self.required[1:].astype(np.float64), upper=np.ones(n), cost=costs.visit[1:] / self.unit),
+            Variables("routes", lower=np.array([float(fewest)]), upper=np.array([float(max(fewest, costs.most))]), cost=np.zeros(1)),
+        )
+        indptr = np.concatenate([np.arange(n + 3), np.full(len(costs.names), n + 2)]).astype(np.int32)
+        indices = np.append(np.arange(n), [n, n]).astype(np.int32)
+        none = np.zeros(n + 2)
+        equal = Rows(
+            "degree", indptr=indptr, indices=indices, data=np.append(np.full(n, -2.0), [-1.0, -1.0]),
+            lower=np.append(none, np.full(len(costs.names), -math.inf)), upper=np.append(none, costs.room / self.units),
+        )  # fmt: skip
+        self.rows = rows
+        self.session = LinearSession(Program("cuts", "min", columns, (equal,)), seed)
+        near = _nearest(costs)
+        if self.required.any():  # whoever must be visited may need many routes
+            near[0] = near[:, 0] = True
+        self.join(near)
+
+    def join(self, wanted: Flags) -> int:
+        """Take in edges; returns how many."""
+        wanted = wanted.copy()
+        wanted[1:, 1:] |= wanted[1:, 1:].T
+        tail, head = np.nonzero(wanted & ~self.known)
+        if not len(tail):
+            return 0
+        self.known[tail, head] = True
+        size, n, c = len(tail), self.n, self.costs
+        column = np.arange(size)
+        parts = [(column[end > 0], end[end > 0] - 1, 1.0) for end in (tail, head)]
+        parts += [
+            (column[tail == 0], np.full(int((tail == 0).sum()), n), 1.0),
+            (column[head == 0], np.full(int((head == 0).sum()), n + 1), 1.0),
+        ]
+        parts += [(column, np.full(size, n + 2 + k), w[tail, head] / u) for k, (w, u) in enumerate(zip(c.weight, self.units, strict=True))]
+        cut, crossing = np.nonzero(self.inside[:, tail] != self.inside[:, head])
+        parts.append((crossing, self.rows + cut, 1.0))
+        at = np.concatenate([p[0] for p in parts])
+        order = np.argsort(at, kind="stable")
+        values = np.concatenate([np.broadcast_to(p[2], len(p[0])) for p in parts])[order]
+        starts = np.searchsorted(at[order], column)
+        self.session.add(c.edge[tail, head] / self.unit, starts, np.concatenate([p[1] for p in parts])[order], values, np.ones(size))
+        self.tail, self.head = np.append(self.tail, tail), np.append(self.head, head)
+        return size
+
+    def cut(self, inside: Flags, of: Longs) -> None:
+        """Add the cuts around some sets, as ``violated`` names them."""
+        starts, columns, values = [], [], []
+        size = 0
+        for members, visit in zip(inside, of.tolist(), strict=True):
+            crossing = np.nonzero(members[self.tail] != members[self.head])[0] + self.n + 1
+            starts.append(size)
+            columns += [crossing, [visit - 1] if visit else []]
+            values += [np.ones(len(crossing)), [-2.0] if visit else []]
+            size += len(crossing) + (visit > 0)
+        flat = [np.concatenate([np.asarray(part, dtype=np.float64) for part in parts]) for parts in (columns, values)]
+        right = np.where(of > 0, 0.0, 2.0 * needed_routes(self.relaxed, inside[:, 1:]))
+        self.session.add_rows(right, np.array(starts), flat[0].astype(np.int64), flat[1])
+        self.inside, self.of = np.concatenate([self.inside, inside]), np.append(self.of, of)
+
+    def violated(self, x: Floats, stop: Stop) -> tuple[Flags, Longs]:
+        """Sets whose cuts a point breaks, and the customers whose visits they serve; 0 where there are required ones among them."""
+        from .cut_kernels import cuts_below, overloaded_sets
+
+        flow = x[self.n + 1 :]
+        used = flow > 1e-9
+        a, b, flow = self.tail[used], self.head[used], flow[used]
+        ends, others, edge = np.append(a, b), np.append(b, a), np.tile(np.arange(len(a)), 2)
+        order = np.argsort(ends, kind="stable")
+        place = np.empty(len(order), np.int64)
+        place[order] = np.arange(len(order))
+        twins = place[(order + len(a)) % max(1, len(order))]
+        starts, heads, capacity = np.searchsorted(ends[order], np.arange(self.n + 2)), others[order], flow[edge[order]]
+        visit = np.append(0.0, x[: self.n])
+        ask = np.argsort(-visit, kind="stable")[: int((visit > VIOLATED).sum())]
+        inside = np.zeros((2 * CUTS, self.n + 1), dtype=bool)
+        found = cuts_below(stop.flag, starts, heads, twins, capacity, 2.0 * visit, ask, 2.0 * VIOLATED, inside[:CUTS])
+        if 0.0 < self.largest < math.inf:
+            found += overloaded_sets(
+                stop.flag, starts, heads, capacity, self.demand, self.keys, self.largest, 2.0 * VIOLATED, LARGEST_SET,
+                inside[found : found + CUTS],
+            )  # fmt: skip
+        inside = inside[:found]
+        of = np.argmax(np.where(inside, visit, -1.0), axis=1) if found else np.zeros(0, np.int64)
+        return inside, np.where((inside & self.required).any(axis=1), 0, of)
+
+    def priced(self, duals: Floats) -> tuple[Floats, Floats, Floats]:
+        """Node prices, rates and cut prices of duals, in units of the problem."""
+        price = np.append(0.0, duals[: self.n]) * self.unit
+        rates = np.maximum(0.0, -duals[self.n + 2 : self.rows]) * self.unit / self.units
+        return price, rates, np.maximum(0.0, duals[self.rows :]) * self.unit
+
+    def reduced(self, duals: Floats) -> Floats:
+        """Reduced costs of all edges."""
+        price, rates, cuts = self.priced(duals)
+        on = cuts > 0.0
+        member = self.inside[on].astype(np.float64)
+        share = cuts[on] @ member
+        made = self.costs.edge + np.tensordot(rates, self.costs.weight, 1) - (price + share)[:, None] - (price + share)
+        made += 2.0 * (member.T * cuts[on]) @ member
+        made[0] -= duals[self.n] * self.unit
+        made[:, 0] -= duals[self.n + 1] * self.unit
+        return made
+
+
+def _nearest(costs: _Costs) -> Flags:
+    """The edges of each node that cost and take least."""
+    usable = np.isfinite(costs.edge)
+    edge = np.where(usable, costs.edge, 0.0)
+    far = edge / max(1e-300, float(np.abs(edge).max())) + sum(w / max(1e-300, float(w.max())) for w in costs.weight)
+    far = np.where(usable, far, math.inf)
+    np.fill_diagonal(far, math.inf)
+    near = np.zeros(far.shape, dtype=bool)
+    count = min(NEIGHBOURS, len(far) - 1)
+    np.put_along_axis(near, np.argpartition(far, count - 1, axis=1)[:, :count], True, axis=1)
+    near[:, 0] |= near[0]
+    near[0] |= near[:, 0]
+    return near & usable
+
+
+def cutting_planes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Evidence ``cut-multipliers`` from the duals of the program that proves most.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    stop : Stop
+        A part of the time is used where there are several vehicles, and less where neither cuts nor edges are missing any more.
+    linear : LinearPrograms, optional
+        Its seed; programs that grow are for HiGHS.
+
+    Notes
+    -----
+    Source: Fischetti, Salazar González, Toth (1998) for the cuts; Padberg and Rinaldi (1991) for edges that are priced in.
+    """
+    if stop.reached() or too_many_arcs(problem, stop.seconds_left):
+        return None
+    if problem.vehicle_limit != 1:
+        stop = stop.within(BUDGET * stop.seconds_left)
+    costs = _Costs(problem)
+    program = _Relaxation(problem, costs, (linear or LinearPrograms()).seed)
+    best, proved = -math.inf, None
+    while not stop.reached():
+        found = program.session.solve(stop)
+        if found.status != "optimal":
+            break
+        reduced = program.reduced(found.duals)
+        missing = np.where(program.known, 0.0, np.minimum(reduced, 0.0))
+        value = found.value * program.unit + float(missing.sum())
+        if value > best:
+            best, proved = value, (found.duals, len(program.of))
+        inside, of = program.violated(found.x, stop)
+        if len(of):
+            program.cut(inside, of)
+        joined = program.join(missing < -NEGATIVE * 100.0 * program.unit)
+        if not joined and not len(of):
+            break
+    return None if proved is None else _evidence(problem, costs, program, best, *proved)
+
+
+def _evidence(problem: RoutingProblem, costs: _Costs, program: _Relaxation, value: float, duals: Floats, cuts: int) -> Evidence:
+    price, rates, prices = program.priced(duals)
+    skew = costs.skew + rates @ costs.weight_skew
+    customers = problem.customers
+    out, into = np.zeros(len(problem.sites)), np.zeros(len(problem.sites))
+    out[customers], into[customers] = (price + skew)[1:], (costs.visit + price - skew)[1:]
+    listed = [
+        {"sites": customers[np.nonzero(program.inside[k, 1:])[0]].tolist(), "price": float(prices[k]),
+         "of": int(customers[program.of[k] - 1]) if program.of[k] else None}
+        for k in np.nonzero(prices[:cuts] > 0.0)[0].tolist()
+    ]  # fmt: skip
+    data = {"out": out.tolist(), "in": into.tolist(), "rates": dict(zip(costs.names, rates.tolist(), strict=True)), "cuts": listed}
+    value = (1.0 if problem.sense == "min" else -1.0) * (value + costs.constant)
+    return Evidence("cut-multipliers", "linear relaxation with cuts", value, data)
+
+
+def _lacks(problem: Problem) -> frozenset[str]:
+    """What lacks rewards, unless it is costs of routes with loads and without windows."""
+    lacking = lacks_rewards(problem)
+    if not lacking or lacks_arc_costs(problem):
+        return lacking
+    return frozenset() if problem.features() & {"capacity"} and not problem.features() & {"time-windows"} else lacking
+
+
+def _prepare() -> None:
+    from . import cut_kernels as cut_kernels  # compiles, or loads what was compiled before
+
+
+BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", _lacks, cutting_planes_bound, order=1, prepare=_prepare))
