@@ -12,7 +12,7 @@ import numpy as np
 
 from ...formulations.routing.routes import Route, Routes
 from .integer_scales import UNLIMITED, Integers
-from .ortools_stops import Stop, add_level, add_loads, stops_on_the_way
+from .ortools_stops import Stop, add_loads, add_stores, count_routes, stops_on_the_way
 from .routing_integers import IntegerRouting
 from .routing_objective import stops_between
 
@@ -105,7 +105,8 @@ class Model:
         self._skills()
         self._shipments()
         self._stores()
-        self._served()
+        customers = [self.index(site) for site in problem.customers.tolist()]
+        count_routes(self.routing, len(self.types), customers, problem.min_vehicles, bool(self.stops))
 
     def index(self, site: int) -> int:
         """The library's index of a customer."""
@@ -252,27 +253,8 @@ class Model:
         matrices = [m.duration for m in data.moves]
         idle = int(routing.RegisterUnaryTransitVector((-anew).tolist()))
         evaluators = [self._evaluator("store", matrices, k, anew) if fleet[k].stations else idle for k in self.types]
-        indices = [index for index, _, stop in self._numbered() if stop.recharges]
-        limits = [int(data.store[k]) if fleet[k].stations else reach for k in self.types]
-        given = add_level(routing, evaluators, limits, "store", indices, reach)
-        for vehicle, k in enumerate(self.types):
-            given.CumulVar(routing.Start(vehicle)).SetValue(int(data.given[k]) if fleet[k].stations else 0)
-        for index in indices:  # nothing is stored beyond what the store holds
-            routing.solver().Add(given.CumulVar(index) + given.SlackVar(index) >= reach)
-
-    def _served(self) -> None:
-        """As many routes as are asked for; whoever drives serves somebody."""
-        routing, solver = self.routing, self.routing.solver()
-        vehicles, least = range(len(self.types)), self.problem.min_vehicles
-        if self.stops:
-            served = np.zeros(len(self.sites), dtype=np.int64)
-            served[[self.node[site] for site in self.problem.customers.tolist()]] = 1
-            self._load(served, [len(self.sites)] * len(self.types), True, "served", every=True)
-            count = routing.GetDimensionOrDie("served")
-            for vehicle in vehicles:
-                solver.Add(count.CumulVar(routing.End(vehicle)) >= routing.ActiveVehicleVar(vehicle))
-        if least:
-            solver.Add(solver.Sum([routing.ActiveVehicleVar(vehicle) for vehicle in vehicles]) >= least)
+        stores = [(int(data.store[k]), int(data.given[k])) if fleet[k].stations else (reach, 0) for k in self.types]
+        add_stores(routing, evaluators, stores, [index for index, _, stop in self._numbered() if stop.recharges])
 
     def _moves(self) -> list[Integers]:
         return [self.data.service[:, None] + m.duration for m in self.data.moves]
