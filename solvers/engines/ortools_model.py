@@ -38,11 +38,11 @@ def short_ways(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
     if data.unit.any() or not (stops or (data.prize.any() and not any(v.any() for name, v in costs.items() if name != "prize"))):
         return data
     step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
-    farthest = max(int(m.distance.max(initial=0)) for m in data.moves)
-    longest = 2 * len(problem.customers) * (1 + stops) * farthest  # all moves of any answer
+    moves = 2 * len(problem.customers) * (1 + stops)  # of any answer
+    longest, slowest = (moves * max(int(getattr(m, name).max(initial=0)) for m in data.moves) for name in ("distance", "duration"))
     most = 1 + sum(int((v // step).sum()) for v in costs.values())
     if data.time.any() or data.overtime.any() or data.maxima.any():
-        most *= 1 + longest + int(max(data.service.sum(), data.due[data.due < UNLIMITED].max(initial=0)))
+        most *= 1 + longest + slowest + moves * int(data.service.max()) + int(max(data.opens.max(), data.ready.max()))
     if (1 + longest) * most > UNLIMITED // 4:
         return data
     scaled = {name: v // step * (1 + longest) for name, v in costs.items()}
@@ -373,7 +373,7 @@ class Model:
         routes: list[list[int]] = [[] for _ in self.types]
         stops = list(zip(self.at_stops, self.stops, strict=True))
         for route in answer:
-            if not free.get(route.vehicle):
+            if not free.get(route.vehicle) or not set(self.sites.tolist()) >= set(route.visits):
                 return None
             indices = []
             for site in route.visits:
