@@ -12,7 +12,7 @@ import numpy as np
 
 from ...formulations.routing.routes import Route, Routes
 from .integer_scales import UNLIMITED, Integers
-from .ortools_stops import Stop, add_level, add_loads, stops_on_the_way
+from .ortools_stops import Stop, add_loads, add_stores, count_routes, stops_on_the_way
 from .routing_integers import IntegerRouting
 from .routing_objective import stops_between
 
@@ -38,11 +38,11 @@ def short_ways(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
     if data.unit.any() or not (stops or (data.prize.any() and not any(v.any() for name, v in costs.items() if name != "prize"))):
         return data
     step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
-    farthest = max(int(m.distance.max(initial=0)) for m in data.moves)
-    longest = 2 * len(problem.customers) * (1 + stops) * farthest  # all moves of any answer
+    moves = 2 * len(problem.customers) * (1 + stops)  # of any answer
+    longest, slowest = (moves * max(int(getattr(m, name).max(initial=0)) for m in data.moves) for name in ("distance", "duration"))
     most = 1 + sum(int((v // step).sum()) for v in costs.values())
     if data.time.any() or data.overtime.any() or data.maxima.any():
-        most *= 1 + longest + int(max(data.service.sum(), data.due[data.due < UNLIMITED].max(initial=0)))
+        most *= 1 + longest + slowest + moves * int(data.service.max()) + int(max(data.opens.max(), data.ready.max()))
     if (1 + longest) * most > UNLIMITED // 4:
         return data
     scaled = {name: v // step * (1 + longest) for name, v in costs.items()}
@@ -105,7 +105,8 @@ class Model:
         self._skills()
         self._shipments()
         self._stores()
-        self._served()
+        customers = [self.index(site) for site in problem.customers.tolist()]
+        count_routes(self.routing, len(self.types), customers, problem.min_vehicles, bool(self.stops))
 
     def index(self, site: int) -> int:
         """The library's index of a customer."""
@@ -252,27 +253,8 @@ class Model:
         matrices = [m.duration for m in data.moves]
         idle = int(routing.RegisterUnaryTransitVector((-anew).tolist()))
         evaluators = [self._evaluator("store", matrices, k, anew) if fleet[k].stations else idle for k in self.types]
-        indices = [index for index, _, stop in self._numbered() if stop.recharges]
-        limits = [int(data.store[k]) if fleet[k].stations else reach for k in self.types]
-        given = add_level(routing, evaluators, limits, "store", indices, reach)
-        for vehicle, k in enumerate(self.types):
-            given.CumulVar(routing.Start(vehicle)).SetValue(int(data.given[k]) if fleet[k].stations else 0)
-        for index in indices:  # nothing is stored beyond what the store holds
-            routing.solver().Add(given.CumulVar(index) + given.SlackVar(index) >= reach)
-
-    def _served(self) -> None:
-        """As many routes as are asked for; whoever drives serves somebody."""
-        routing, solver = self.routing, self.routing.solver()
-        vehicles, least = range(len(self.types)), self.problem.min_vehicles
-        if self.stops:
-            served = np.zeros(len(self.sites), dtype=np.int64)
-            served[[self.node[site] for site in self.problem.customers.tolist()]] = 1
-            self._load(served, [len(self.sites)] * len(self.types), True, "served", every=True)
-            count = routing.GetDimensionOrDie("served")
-            for vehicle in vehicles:
-                solver.Add(count.CumulVar(routing.End(vehicle)) >= routing.ActiveVehicleVar(vehicle))
-        if least:
-            solver.Add(solver.Sum([routing.ActiveVehicleVar(vehicle) for vehicle in vehicles]) >= least)
+        stores = [(int(data.store[k]), int(data.given[k])) if fleet[k].stations else (reach, 0) for k in self.types]
+        add_stores(routing, evaluators, stores, [index for index, _, stop in self._numbered() if stop.recharges])
 
     def _moves(self) -> list[Integers]:
         return [self.data.service[:, None] + m.duration for m in self.data.moves]
@@ -391,7 +373,7 @@ class Model:
         routes: list[list[int]] = [[] for _ in self.types]
         stops = list(zip(self.at_stops, self.stops, strict=True))
         for route in answer:
-            if not free.get(route.vehicle):
+            if not free.get(route.vehicle) or not set(self.sites.tolist()) >= set(route.visits):
                 return None
             indices = []
             for site in route.visits:

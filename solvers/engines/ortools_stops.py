@@ -51,6 +51,47 @@ def stops_on_the_way(problem: RoutingProblem, types: Sequence[int], most: int) -
     return found
 
 
+def count_routes(routing: Any, vehicles: int, customers: Sequence[int], least: int, stops: bool) -> None:
+    """Have ``least`` routes at least; where there are ``stops``, whoever drives serves somebody.
+
+    Parameters
+    ----------
+    routing : RoutingModel
+    vehicles : int
+    customers : sequence of int
+        Their indices, which are those of their nodes.
+    least : int
+    stops : bool
+    """
+    solver, drives = routing.solver(), [routing.ActiveVehicleVar(vehicle) for vehicle in range(vehicles)]
+    if least:
+        solver.Add(solver.Sum(drives) >= least)
+    for vehicle, drive in enumerate(drives if stops else ()):
+        served = [solver.IsEqualCstVar(routing.VehicleVar(index), vehicle) for index in customers]
+        solver.Add(solver.Sum(served) >= drive)
+
+
+def add_stores(routing: Any, evaluators: list[int], stores: Sequence[tuple[int, int]], stations: Sequence[int]) -> None:
+    """What each vehicle's store has given since it was full.
+
+    Parameters
+    ----------
+    routing : RoutingModel
+    evaluators : list of int
+        Of what moves draw, less the largest store from nodes of stations.
+    stores : sequence of (int, int)
+        What each vehicle's store holds, and what it lacks of that at departure.
+    stations : sequence of int
+        Indices of stops.
+    """
+    reach = max(store for store, _ in stores)
+    given = add_level(routing, evaluators, [store for store, _ in stores], "store", stations, reach)
+    for vehicle, (_, lacking) in enumerate(stores):
+        given.CumulVar(routing.Start(vehicle)).SetValue(lacking)
+    for index in stations:  # nothing is stored beyond what the store holds
+        routing.solver().Add(given.CumulVar(index) + given.SlackVar(index) >= reach)
+
+
 def add_level(routing: Any, evaluators: list[int], limits: list[int], name: str, anew: Sequence[int], reach: int) -> Any:
     """A dimension that may begin anew at the indices ``anew``, whose transits there are less by ``reach`` than what is used."""
     routing.AddDimensionWithVehicleTransitAndCapacity(evaluators, 2 * reach, limits, False, name)

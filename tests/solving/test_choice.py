@@ -162,3 +162,12 @@ def test_all_that_forms_engines_and_heuristics_for_routing_declare_is_in_the_voc
     of_objectives = {*(f"objective:{name}" for name in TERMS), "objective:weights", "objective:priorities"}
     assert declared <= FEATURES.keys() | of_objectives
     assert FEATURES.keys() - UNASKED <= declared
+
+
+def test_who_knows_circuits_is_given_them_where_it_can_count_them() -> None:
+    assert wb.solve(asking(TotalCost()), "cpsat", bound_time=0.0).form == "circuit"
+    assert wb.solve(asking(TotalCost()), "highs", bound_time=0.0).form == "two-index-load-flow"
+    xy = np.array([(0, 0), (3, 4), (6, 8)], dtype=float)
+    sites = Sites.of(range(3), ready=[0, 7, 30])
+    waiting = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(2),), Objective.of(Makespan()))
+    assert wb.solve(waiting, "cpsat", bound_time=0.0).form == "set-partitioning"

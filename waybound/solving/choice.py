@@ -6,7 +6,7 @@ from ..formulations.forms import FORMS, default_form, nearest_form
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
-from ..formulations.programs.program import INTEGERS, LINEAR, Program, described
+from ..formulations.programs.program import CIRCUITS, INTEGERS, LINEAR, Program, described
 from ..instances.errors import UnsupportedError, UsageError
 from ..solvers.backend import BACKENDS
 from ..solvers.program_backend import ProgramBackend
@@ -47,12 +47,17 @@ def able_solvers(problem: Problem) -> list[str]:
 
 
 def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Compiled:
-    """The problem in the best exact form that the solver takes; in the best of all where there is none, for the error to say so."""
+    """The problem in the best exact form that the solver takes; in the best of all where there is none, for the error to say so.
+
+    Who knows circuits is best off with them (docs/measurements.md#circuits), unless they are to be relaxed.
+    """
     if not problem.forms():
         raise UnsupportedError(backend.name, nearest_form(problem)[1], able_solvers(problem))
     first: Compiled | None = None
-    for form in problem.forms():
+    for form in sorted(problem.forms(), key=lambda form: not FORMS[form].makes(problem) >= CIRCUITS):
         features = FORMS[form].makes(problem) - (INTEGERS if relax else LINEAR)
+        if relax and features >= CIRCUITS:
+            continue
         if FORMS[form].exactness is Exactness.EXACT and backend.able(features):
             made = problem.compile(form, relax=relax)
             first = first or made
