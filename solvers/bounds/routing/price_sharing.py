@@ -51,6 +51,9 @@ DECAY = 0.3
 FALL = 0.03
 """Part of the value that is lost with further moves from which on prices follow the visits once more."""
 
+RECOVERIES = 3
+"""How often they do so at most."""
+
 PATIENCE = 4
 """Steps without a rise after which they are halved."""
 
@@ -83,7 +86,7 @@ def shared_prices(
         Prices, and their value on the moves and steps looked at last.
     """
     price = _begun(walks, heavy, stop)
-    share, part, rounds, before = SHARE, FIRST, float(ROUNDS), -math.inf
+    share, part, rounds, before, recoveries = SHARE, FIRST, float(ROUNDS), -math.inf, RECOVERIES
     best: _Ascent | None = None
     while True:
         inner = stop.within(part * stop.seconds_left)
@@ -99,11 +102,11 @@ def shared_prices(
         whole = step_size(moves, name, walks.usable, work / LEAST_ROUNDS, 20) <= max(fine, walks.step)
         kept = walks.usable if whole else walks.kept | best.worst(NEIGHBOURS * len(heavy))
         step = max(fine, min(walks.step, step_size(moves, name, kept, work / rounds, 20)))
-        fallen = walks.floor and best.value < before - FALL * abs(before)
+        fallen = walks.floor and recoveries > 0 and best.value < before - FALL * abs(before)
         if walks.floor and step == walks.step and not inner.reached() and not fallen and (kept == walks.kept).all():
             return best.surely(routes[1])
-        walks, share, part = Walks(walks.cost, walks.resource, step, kept, floor=True), 0.2 * SHARE if fallen else 0.0, 1.0 if whole else 0.5
-        before = best.value
+        walks, before, recoveries = Walks(walks.cost, walks.resource, step, kept, floor=True), best.value, recoveries - fallen
+        share, part = 0.2 * SHARE if fallen else 0.0, 1.0 if whole else 0.5
 
 
 @dataclass(frozen=True, eq=False)
