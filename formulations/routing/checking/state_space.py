@@ -112,7 +112,7 @@ def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, ste
         left -= work
         size = max(size, moves.size)
         slots.append((least, min(n, count)))
-    fewest = max(problem.min_vehicles, needed_routes(problem, required))
+    fewest = max(problem.min_vehicles, int(needed_routes(problem, required)))
     most = n
     worth, free = 0.0, most
     for least, count in sorted(slots):

@@ -112,9 +112,8 @@ class _Relaxation:
         self.demand = np.where(self.required, np.append(0.0, problem.sites.demand[problem.customers]), 0.0)
         self.largest = max(v.capacity for v in self.relaxed.fleet)
         self.keys = np.random.default_rng(seed).random(n + 1)
-        self.unit = (
-            max(1e-300, float(np.abs(costs.visit).max()), float(np.abs(costs.edge[np.isfinite(costs.edge)]).max(initial=0.0))) / 100.0
-        )
+        dearest = float(np.abs(costs.edge[np.isfinite(costs.edge)]).max(initial=0.0))
+        self.unit = max(1e-300, float(np.abs(costs.visit).max()), dearest) / 100.0
         self.units = np.maximum(1e-300, costs.weight.mean(axis=(1, 2)))
         self.tail, self.head = np.zeros(0, np.int64), np.zeros(0, np.int64)
         self.inside, self.of = np.zeros((0, n + 1), dtype=bool), np.zeros(0, np.int64)
@@ -151,11 +150,7 @@ class _Relaxation:
         self.known[tail, head] = True
         size, n, c = len(tail), self.n, self.costs
         column = np.arange(size)
-        parts = [(column[end > 0], end[end > 0] - 1, 1.0) for end in (tail, head)]
-        parts += [
-            (column[tail == 0], np.full(int((tail == 0).sum()), n), 1.0),
-            (column[head == 0], np.full(int((head == 0).sum()), n + 1), 1.0),
-        ]
+        parts = [(column, np.where(tail > 0, tail - 1, n), 1.0), (column, np.where(head > 0, head - 1, n + 1), 1.0)]
         parts += [(column, np.full(size, n + 2 + k), w[tail, head] / u) for k, (w, u) in enumerate(zip(c.weight, self.units, strict=True))]
         cut, crossing = np.nonzero(self.inside[:, tail] != self.inside[:, head])
         parts.append((crossing, self.rows + cut, 1.0))

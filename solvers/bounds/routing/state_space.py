@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.checking.granularity import grain
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.checking.stops_on_the_way import without_stops
@@ -24,6 +23,8 @@ from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .arcs import LIMITS, lacks_arc_costs, too_many_arcs
 from .level_ascent import ascend
+from .level_walks import Walks, step_size
+from .price_sharing import NEIGHBOURS, ROUNDS, WORK_PER_SECOND, shared_prices
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -31,161 +32,18 @@ if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 Floats = NDArray[np.float64]
-Longs = NDArray[np.int64]
-Cells = tuple[Floats, NDArray[np.int32], Floats]
-
-STEPS = 10_000
-"""Of the counted resource, at most."""
-
-CELLS = 1e6
-"""Nodes times levels that they can have, at most."""
-
-WORK_PER_SECOND = 1.5e8
-"""Moves times steps that are looked at in a second."""
-
-ROUNDS = 200
-"""For which there should be time at first; steps are coarser, and moves fewer, where there is not."""
 
 CHECKED = 3e8
 """Moves times steps that the check may take."""
 
-NEIGHBOURS = 12
-"""Moves into a customer, the cheapest ones, that are always looked at."""
-
 MANY_ROUTES = 4
 """From so many on prices are shared out among all walks."""
-
-SHARE = 0.05
-"""Of the bound: the length of the first steps."""
-
-TOPS = 8
-"""Limits of the resource at which the best walks through a customer are looked for."""
-
-FIRST = 0.6
-"""Part of the time for the moves that are looked at first, and coarse steps."""
-
-FINER = 8.0
-"""How many times fewer rounds finer steps leave time for."""
-
-LEAST_ROUNDS = 6.0
-"""For which there should be time where all moves are looked at."""
-
-DECAY = 0.3
-"""Part of their length that steps have when the time ends."""
-
-LEVELS = 6
-"""By which walks over a move that is not looked at are told apart."""
-
-PATIENCE = 4
-"""Steps without a rise after which they are halved."""
 
 BUDGET = 0.8
 """Part of the time that is left, where other methods come later."""
 
 LEAST_STEPS = 400
 """Where prices follow single walks, of which each has many visits."""
-
-
-@dataclass(eq=False)
-class _Walks:
-    """The walks of one type of vehicle on a grid of levels; node 0 is the depot.
-
-    Parameters
-    ----------
-    cost : array of shape (nodes, nodes)
-    resource : Resource
-    step : float
-    kept : bool array of shape (nodes, nodes)
-        Moves between customers that are looked at.
-    floor : bool
-        Weights lose parts of steps, as for the checker; otherwise, for coarse steps, they are rounded to the nearest.
-    """
-
-    cost: Floats
-    resource: Resource
-    step: float
-    kept: NDArray[np.bool_]
-    floor: bool = False
-
-    def __post_init__(self) -> None:
-        r, nodes = self.resource, len(self.cost)
-        reached = np.isfinite(r.lower) & np.isfinite(r.upper)
-        self.usable = usable = np.isfinite(self.cost) & reached[:, None] & reached
-        weight = np.where(usable, r.weight, 0.0) / self.step
-        weight = (np.floor(weight + 1e-9) if self.floor else np.rint(weight)).astype(np.int64)
-        weight[1:, 1:] = np.maximum(weight[1:, 1:], 1)
-        lower = np.floor(np.where(reached, r.lower - r.start, 0.0) / self.step + 1e-9).astype(np.int64)
-        upper = np.floor(np.where(reached, r.upper - r.start, -2.0 * self.step) / self.step + 1e-6).astype(np.int64)
-        self.top = int(upper[0])
-        upper = np.minimum(upper, self.top)
-        self.first, self.last = weight[0].copy(), weight[:, 0].copy()
-        self.first_cost, self.last_cost = (np.where(usable[0], self.cost[0], math.inf), np.where(usable[:, 0], self.cost[:, 0], math.inf))
-        self.grid, self.back_grid = _grid(lower, upper), _grid(self.top - upper, self.top - lower)
-        inner = usable & self.kept & (upper >= lower) & (upper >= lower)[:, None]
-        inner[0] = inner[:, 0] = False
-        heads, tails = np.nonzero(inner.T)
-        back_tails, back_heads = np.nonzero(inner)
-        at = np.arange(nodes + 1)
-        self.moves = np.searchsorted(heads, at), np.ascontiguousarray(tails), weight[tails, heads]
-        self.back_moves = np.searchsorted(back_tails, at), np.ascontiguousarray(back_heads), weight[back_tails, back_heads]
-        self.heads, self.ahead_cost, self.back_cost = heads, self.cost[tails, heads], self.cost[back_tails, back_heads]
-        self.lower, self.ends = lower, np.minimum(upper, self.top - self.last)
-        self.room = np.zeros(2 * self.top + 4, np.int64)
-
-    def ahead(self, stop: Stop, price: Floats, heavy: Floats) -> Cells:
-        from .state_space_kernels import walk_costs
-
-        cost = self.ahead_cost - price[self.heads]
-        return walk_costs(stop.flag, *self.moves, cost, self.first_cost - price, self.first, *self.grid, heavy)  # type: ignore[no-any-return]
-
-    def back(self, stop: Stop, price: Floats, heavy: Floats) -> Cells:
-        from .state_space_kernels import walk_costs
-
-        cost = self.back_cost - price[self.back_moves[1]]
-        return walk_costs(  # type: ignore[no-any-return]
-            stop.flag, *self.back_moves, cost, self.last_cost, self.last, *self.back_grid, heavy
-        )
-
-    def best(self, values: Floats) -> tuple[float, int]:
-        """Least cost of a walk, and the last node of it."""
-        good = np.nonzero(self.ends >= self.lower)[0]
-        good = good[good > 0]
-        if not len(good):
-            return math.inf, 0
-        ends = values[self.grid[0][good] + self.ends[good] - self.lower[good], 0] + self.last_cost[good]
-        at = int(np.argmin(ends))
-        return float(ends[at]), int(good[at])
-
-    def visits(self, before: NDArray[np.int32], node: int) -> Floats:
-        """How often the best walk that ends at ``node`` visits each node."""
-        from .state_space_kernels import walk_to
-
-        count = walk_to(before, *self.moves, *self.grid, node, int(self.ends[node]), 0, self.room)
-        return np.bincount(self.room[:count], minlength=len(self.cost)).astype(np.float64)
-
-    def through(self, price: Floats, ahead: Floats, back: Floats) -> Floats:
-        """At most what the best walk over each move costs, shape (nodes, nodes), from the best walks on the moves that are looked at."""
-        made = np.full(self.cost.shape, math.inf)
-        levels = np.linspace(0, self.top, LEVELS + 1).astype(np.int64)
-        for low, high in zip(levels[:-1].tolist(), levels[1:].tolist(), strict=True):
-            come, go = _at(ahead, self.grid, high), _at(back, self.back_grid, self.top - low)
-            np.minimum(made, come[:, None] + go, out=made)
-        return made + (self.cost - price)
-
-
-def _at(values: Floats, grid: tuple[Longs, Longs, Longs], level: int) -> Floats:
-    """Least cost at a level or below it, by node."""
-    base, lower, upper = grid
-    cell = base[:-1] + np.minimum(level, upper) - lower
-    some = (upper >= lower) & (level >= lower)
-    return np.where(some, values[np.where(some, cell, 0), 0], math.inf) if len(values) else np.full(len(lower), math.inf)
-
-
-def _grid(lower: Longs, upper: Longs) -> tuple[Longs, Longs, Longs]:
-    """Where the cells of each node begin, and their levels; the depot has none."""
-    count = np.maximum(0, upper - lower + 1)
-    count[0] = 0
-    return np.append(0, np.cumsum(count)), lower, np.where(count > 0, upper, lower - 1)
 
 
 @dataclass(eq=False)
@@ -255,12 +113,13 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     )
     many = len(moves) == 1 and bool(required.all()) and rows.counts[0] >= MANY_ROUTES
     least = 20 if many else LEAST_STEPS
-    step = max(_step(m, name, k, work, least) for m, k in zip(moves, kept, strict=True))
-    fine = max(_step(m, name, np.isfinite(m.cost), CHECKED / len(moves), least) for m in moves)
-    walks = [_Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
+    step = max(step_size(m, name, k, work, least) for m, k in zip(moves, kept, strict=True))
+    fine = max(step_size(m, name, np.isfinite(m.cost), CHECKED / len(moves), least) for m in moves)
+    walks = [Walks(m.cost, m.resources[name], step, k) for m, k in zip(moves, kept, strict=True)]
     most = 2.0 * (len(customers) + 1) * max(float(np.abs(m.cost[np.isfinite(m.cost)]).max(initial=0.0)) for m in moves)
     if many:
-        prices, value = _shared_out(moves[0], name, walks[0], rows, _weights(relaxed), most, stop, fine)
+        limits = rows.fewest, rows.counts[0]
+        prices, value = shared_prices(moves[0], name, walks[0], limits, np.append(0.0, _weights(relaxed)), most, stop, fine)
     else:
         prices, value = _followed(walks, rows, most, stop)
     if value > most:  # than any answer costs: there is none, which others prove
@@ -306,23 +165,6 @@ def _width(resource: Resource) -> float:
     return float(np.clip(span / room, 0.0, 1.0).mean()) if len(span) and room > 0 else 1.0
 
 
-def _step(moves: VehicleMoves, name: str, kept: NDArray[np.bool_], work: float, least: int) -> float:
-    """A step of which weights and limits are multiples, if the work that it takes allows; a coarser one if not."""
-    resource = moves.resources[name]
-    room = float(resource.upper[0]) - resource.start
-    if not room > 0:
-        return 1.0
-    span = np.where(np.isfinite(resource.lower) & np.isfinite(resource.upper), resource.upper - resource.lower, 0.0)
-    span = np.clip(span, 0.0, room)
-    arcs = kept[1:, 1:].sum(axis=0)
-    steps = room * min(work / max(1e-300, float(span[1:] @ arcs)), CELLS / max(1e-300, float(span.sum())))
-    most = float(np.clip(steps, least, STEPS))
-    finite = resource.weight[np.isfinite(resource.weight)]
-    unit = grain(finite[:4000])
-    size = 0.0 if unit is None else unit.size
-    return size if size and room / size <= most else room / most
-
-
 def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
     """The cheapest and shortest moves into and out of each customer, as many as there is time for."""
     usable = np.isfinite(moves.cost)
@@ -342,7 +184,7 @@ def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
     return kept & usable
 
 
-def _followed(walks: list[_Walks], rows: _Rows, most: float, stop: Stop) -> tuple[Floats, float]:
+def _followed(walks: list[Walks], rows: _Rows, most: float, stop: Stop) -> tuple[Floats, float]:
     """Prices that follow the best walk of each type."""
     n = len(rows.required)
     heavy = np.ones(n + 1)
@@ -373,7 +215,7 @@ def _followed(walks: list[_Walks], rows: _Rows, most: float, stop: Stop) -> tupl
     return ascend(look, starts[k], 1e-3 * dearest or 1.0, most, stop, patience=10)
 
 
-def _starts(walks: list[_Walks], rows: _Rows, dearest: float) -> list[Floats]:
+def _starts(walks: list[Walks], rows: _Rows, dearest: float) -> list[Floats]:
     """Prices to begin with: shares of the cheapest moves for required customers; for the others what a visit gains less the worth of the
     resource that it takes at least, as in a knapsack."""
     cost = np.min([np.where(w.usable, w.cost, dearest) for w in walks], axis=0)
@@ -388,145 +230,13 @@ def _starts(walks: list[_Walks], rows: _Rows, dearest: float) -> list[Floats]:
     return [np.where(rows.required, closest, -gain), *made]
 
 
-def _needs(walks: _Walks) -> Floats:
+def _needs(walks: Walks) -> Floats:
     """Half of the two least weights of moves at each customer, in steps."""
     weight = np.where(walks.usable, walks.resource.weight, math.inf)
     ends = np.concatenate([weight[:, 1:], weight[1:].T])
     two = np.partition(np.minimum(ends[: len(weight)], ends[len(weight) :]), 1, axis=0)[:2]
     made: Floats = np.where(np.isfinite(two).all(axis=0), two.sum(axis=0), 0.0) / (2.0 * walks.step)
     return made
-
-
-def _shared_out(
-    moves: VehicleMoves, name: str, walks: _Walks, rows: _Rows, weights: Floats, most: float, stop: Stop, fine: float
-) -> tuple[Floats, float]:
-    """Prices on the moves that are looked at, then with those besides by which a walk may cost less than its visits are worth."""
-    heavy = np.append(0.0, weights)
-    price = _begun(walks, heavy, stop)
-    share, part, rounds = SHARE, FIRST, ROUNDS
-    best: _Ascent | None = None
-    while True:
-        inner = stop.within(part * stop.seconds_left)
-        found = _shared(walks, rows, heavy, most, inner, price, share)
-        best = found or best
-        if best is None:
-            return price[1:], -math.inf
-        price = best.price
-        if stop.reached() or found is None or best.value > most:
-            return best.surely(rows.counts[0])
-        rounds = max(LEAST_ROUNDS, rounds / FINER)
-        work = WORK_PER_SECOND * min(stop.seconds_left, 10.0)
-        whole = _step(moves, name, walks.usable, work / LEAST_ROUNDS, 20) <= max(fine, walks.step)
-        kept = walks.usable if whole else walks.kept | best.worst(NEIGHBOURS * len(heavy))
-        step = max(fine, min(walks.step, _step(moves, name, kept, work / rounds, 20)))
-        if walks.floor and step == walks.step and not inner.reached() and (kept == walks.kept).all():
-            return best.surely(rows.counts[0])
-        walks, share, part = _Walks(walks.cost, walks.resource, step, kept, floor=True), 0.0, 1.0 if whole else 0.5
-
-
-@dataclass(frozen=True, eq=False)
-class _Ascent:
-    """Where an ascent ended.
-
-    Attributes
-    ----------
-    price : array of shape (nodes,)
-    value : float
-    lacking : array of shape (nodes, nodes)
-        What walks over moves that were not looked at may cost less than their visits are worth; 0 for the others.
-    routes : float
-        How many walks share the visits.
-    """
-
-    price: Floats
-    value: float
-    lacking: Floats
-    routes: float
-
-    def worst(self, count: int) -> NDArray[np.bool_]:
-        """The moves that lack most, so many at most."""
-        count = min(count, int((self.lacking < 0.0).sum()))
-        if not count:
-            return np.zeros(self.lacking.shape, dtype=bool)
-        made: NDArray[np.bool_] = self.lacking <= min(0.0, float(np.partition(self.lacking.ravel(), count - 1)[count - 1]))
-        return made
-
-    def surely(self, most: int) -> tuple[Floats, float]:
-        """Prices of customers, lowered for moves that were not looked at where that costs less than as many routes as there may be."""
-        least = float(self.lacking.min())
-        lower = _lowered(self.price, self.routes, least)
-        if float(lower.sum()) > self.value + most * least:
-            return lower[1:], float(lower.sum())
-        return self.price[1:], self.value
-
-
-def _shared(walks: _Walks, rows: _Rows, heavy: Floats, most: float, stop: Stop, price: Floats, share: float) -> _Ascent | None:
-    """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with; None
-    where there is no time for any."""
-    from .state_space_kernels import best_through, share_out
-
-    n = len(rows.required)
-    best, best_price = -math.inf, price
-    rate, how = np.full(n + 1, math.inf), np.zeros((n + 1, 4), np.int64)
-    waited, whole, routes = 0, stop.seconds_left, float(rows.fewest)
-    average = np.zeros(n + 1)
-    tops = np.unique(np.linspace(0, walks.top, TOPS + 1)[1:].astype(np.int64))
-    while not stop.reached() and best <= most:
-        ahead, before, load = walks.ahead(stop, price, heavy)
-        back, after, rest = walks.back(stop, price, heavy)
-        if stop.reached():
-            break
-        least, _ = walks.best(ahead)
-        worth = float(price.sum())
-        value, lower = worth + (rows.fewest if least > 0 else rows.counts[0]) * least, _lowered(price, routes, least)
-        if float(lower.sum()) > value:
-            value = float(lower.sum())
-        else:
-            lower = price
-        if value > best:
-            waited = 0 if value > best + 1e-4 * abs(best) else waited + 1
-            best, best_price, best_cells = value, lower, (ahead, back)
-        else:
-            waited += 1
-        best_through(ahead, before, load, *walks.grid, back, after, rest, *walks.back_grid, heavy, tops, rate, how)
-        visits = np.zeros(n + 1)
-        routes = share_out(
-            before, *walks.moves, *walks.grid, after, *walks.back_moves, *walks.back_grid, rate, how, heavy, walks.room, visits
-        )
-        slope = 1.0 - visits
-        slope[0] = 0.0
-        average = 0.5 * average + slope
-        length = float(average @ average)
-        if waited > PATIENCE:
-            if share == 0.0:
-                break
-            share, waited = share / 2.0, 0
-            if share < 1e-4:
-                share, price = 0.0, best_price
-                continue
-        price = price + heavy * np.where(np.isfinite(rate), rate, 0.0)
-        now = share * DECAY ** (1.0 - stop.seconds_left / whole) if whole < math.inf else share
-        if length > 0:
-            price = price + now * abs(float(price.sum())) / length * average
-    if best == -math.inf:
-        return None
-    lacking = np.where(walks.usable & ~walks.kept, np.minimum(0.0, walks.through(best_price, *best_cells)), 0.0)
-    return _Ascent(best_price, best, lacking, routes)
-
-
-def _lowered(price: Floats, routes: float, least: float) -> Floats:
-    """Prices in parts of which no walk is worth more than it costs, if some cost ``least`` less now, and are worth as much as all."""
-    worth = float(price.sum())
-    return price * max(0.0, 1.0 + min(0.0, least) * routes / worth) if worth > 0 else price
-
-
-def _begun(walks: _Walks, heavy: Floats, stop: Stop) -> Floats:
-    """To each customer his share of a walk through him that is as full as can be: prices that no walk beats."""
-    free = np.zeros(len(heavy))
-    ahead, back = walks.ahead(stop, free, heavy)[0], walks.back(stop, free, heavy)[0]
-    least = _at(ahead, walks.grid, walks.top) + _at(back, walks.back_grid, walks.top)
-    full = max(float(heavy.max()), walks.top * float(heavy[1:].sum()) / max(1.0, float(np.minimum(walks.first[1:], walks.top).sum())))
-    return np.where(np.isfinite(least), least, 0.0) * heavy / full
 
 
 def _lacks(problem: Problem) -> frozenset[str]:

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import maximum_flow
 
 from waybound.formulations.stop import NEVER, Stop
-from waybound.solvers.bounds.routing.cut_kernels import cuts_below
+from waybound.solvers.bounds.routing.cut_kernels import cuts_below, overloaded_sets
 
 
 def edges(capacity):
@@ -16,7 +16,7 @@ def edges(capacity):
     tails, heads = np.nonzero(capacity)
     place = {edge: k for k, edge in enumerate(zip(tails.tolist(), heads.tolist(), strict=True))}
     twins = np.array([place[h, t] for t, h in zip(tails.tolist(), heads.tolist(), strict=True)], dtype=np.int64)
-    return np.searchsorted(tails, np.arange(len(capacity) + 1)), heads, twins, capacity[tails, heads].astype(np.float64)
+    return np.searchsorted(tails, np.arange(len(capacity) + 1)), np.ascontiguousarray(heads), twins, capacity[tails, heads].astype(np.float64)
 
 
 def asked(capacity, need, node, stop=NEVER):
@@ -53,3 +53,23 @@ def test_who_is_asked_to_stop_finds_nothing():
     stop = Stop()
     stop.ask()
     assert not len(asked(np.zeros((3, 3)), np.full(3, 2.0), 1, stop))
+
+
+def overloaded(capacity, demand, largest, size=9):
+    inside = np.zeros((9, len(capacity)), dtype=bool)
+    starts, heads, _, flow = edges(capacity)
+    keys = np.random.default_rng(1).random(len(capacity))
+    count = overloaded_sets(NEVER.flag, starts, heads, flow, np.asarray(demand, dtype=np.float64), keys, largest, 0.1, size, inside)
+    return [np.nonzero(members)[0].tolist() for members in inside[:count]]
+
+
+def test_a_set_with_too_much_load_for_its_edges_is_found_once():
+    # One route over 1, 2 and 3, another over 4 and 5.
+    capacity = np.zeros((6, 6))
+    for i, j in ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (4, 5), (5, 0)):
+        capacity[i, j] = capacity[j, i] = 1.0
+    demand = [0.0, 2.0, 2.0, 2.0, 1.0, 2.0]
+    assert overloaded(capacity, demand, 3.0)[0] in ([1, 2], [1, 2, 3])
+    assert overloaded(capacity, demand, 5.0) == [[1, 2, 3]]
+    assert overloaded(capacity, demand, 5.0, size=2) == []
+    assert overloaded(capacity, demand, 6.0) == []

@@ -14,7 +14,7 @@ from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.state_space import state_space_bound
 from waybound.solvers.linear_programs import LinearPrograms
 
-CHEAP = ("farthest-round-trip", "averaged-tour", "knapsack", "vehicles-needed", "spanning-tree", "state-space")
+CHEAP = ("farthest-round-trip", "averaged-tour", "knapsack", "vehicles-needed", "cutting-planes", "spanning-tree", "state-space")
 
 
 def gap(problem, seconds=5.0):

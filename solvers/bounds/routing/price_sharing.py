@@ -1,0 +1,214 @@
+"""Prices of visits by shares: each customer pays for his share of the best walk through him.
+
+Prices rise, or fall, by what these walks lack, which leaves hardly any walk that costs less than its visits are worth, and follow the
+visits of all these walks at once (Baldacci, Christofides, Mingozzi 2008).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.stop import Stop
+from .level_walks import Walks, at_level, step_size
+
+if TYPE_CHECKING:
+    from ....formulations.routing.checking.vehicle_moves import VehicleMoves
+
+Floats = NDArray[np.float64]
+
+WORK_PER_SECOND = 1.5e8
+"""Moves times steps that are looked at in a second."""
+
+ROUNDS = 200
+"""For which there should be time at first; steps are coarser, and moves fewer, where there is not."""
+
+NEIGHBOURS = 12
+"""Moves into a customer, the cheapest ones, that are always looked at."""
+
+SHARE = 0.05
+"""Of the bound: the length of the first steps."""
+
+TOPS = 8
+"""Limits of the resource at which the best walks through a customer are looked for."""
+
+FIRST = 0.6
+"""Part of the time for the moves that are looked at first, and coarse steps."""
+
+FINER = 8.0
+"""How many times fewer rounds finer steps leave time for."""
+
+LEAST_ROUNDS = 6.0
+"""For which there should be time where all moves are looked at."""
+
+DECAY = 0.3
+"""Part of their length that steps have when the time ends."""
+
+FALL = 0.03
+"""Part of the value that is lost with further moves from which on prices follow the visits once more."""
+
+RECOVERIES = 3
+"""How often they do so at most."""
+
+PATIENCE = 4
+"""Steps without a rise after which they are halved."""
+
+
+def shared_prices(
+    moves: VehicleMoves, name: str, walks: Walks, routes: tuple[int, int], heavy: Floats, most: float, stop: Stop, fine: float
+) -> tuple[Floats, float]:
+    """Prices on the moves that are looked at, then with those besides by which a walk may cost less than its visits are worth.
+
+    Parameters
+    ----------
+    moves : VehicleMoves
+    name : str
+        Of the resource.
+    walks : Walks
+        On the moves that are looked at first.
+    routes : tuple of int
+        Least and greatest number of routes.
+    heavy : array of shape (nodes,)
+        By which customers share a walk.
+    most : float
+        What rises beyond it rises for ever.
+    stop : Stop
+    fine : float
+        The step that the checker will take; none is smaller.
+
+    Returns
+    -------
+    array of shape (customers,), float
+        Prices, and their value on the moves and steps looked at last.
+    """
+    price = _begun(walks, heavy, stop)
+    share, part, rounds, before, recoveries = SHARE, FIRST, float(ROUNDS), -math.inf, RECOVERIES
+    best: _Ascent | None = None
+    while True:
+        inner = stop.within(part * stop.seconds_left)
+        found = _shared(walks, routes, heavy, most, inner, price, share)
+        best = found or best
+        if best is None:
+            return price[1:], -math.inf
+        price = best.price
+        if stop.reached() or found is None or best.value > most:
+            return best.surely(routes[1])
+        rounds = max(LEAST_ROUNDS, rounds / FINER)
+        work = WORK_PER_SECOND * min(stop.seconds_left, 10.0)
+        whole = step_size(moves, name, walks.usable, work / LEAST_ROUNDS, 20) <= max(fine, walks.step)
+        kept = walks.usable if whole else walks.kept | best.worst(NEIGHBOURS * len(heavy))
+        step = max(fine, min(walks.step, step_size(moves, name, kept, work / rounds, 20)))
+        fallen = walks.floor and recoveries > 0 and best.value < before - FALL * abs(before)
+        if walks.floor and step == walks.step and not inner.reached() and not fallen and (kept == walks.kept).all():
+            return best.surely(routes[1])
+        walks, before, recoveries = Walks(walks.cost, walks.resource, step, kept, floor=True), best.value, recoveries - fallen
+        share, part = 0.2 * SHARE if fallen else 0.0, 1.0 if whole else 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Ascent:
+    """Where an ascent ended.
+
+    Attributes
+    ----------
+    price : array of shape (nodes,)
+    value : float
+    lacking : array of shape (nodes, nodes)
+        What walks over moves that were not looked at may cost less than their visits are worth; 0 for the others.
+    routes : float
+        How many walks share the visits.
+    """
+
+    price: Floats
+    value: float
+    lacking: Floats
+    routes: float
+
+    def worst(self, count: int) -> NDArray[np.bool_]:
+        """The moves that lack most, so many at most."""
+        count = min(count, int((self.lacking < 0.0).sum()))
+        if not count:
+            return np.zeros(self.lacking.shape, dtype=bool)
+        made: NDArray[np.bool_] = self.lacking <= min(0.0, float(np.partition(self.lacking.ravel(), count - 1)[count - 1]))
+        return made
+
+    def surely(self, most: int) -> tuple[Floats, float]:
+        """Prices of customers, lowered for moves that were not looked at where that costs less than as many routes as there may be."""
+        least = float(self.lacking.min())
+        lower = _lowered(self.price, self.routes, least)
+        if float(lower.sum()) > self.value + most * least:
+            return lower[1:], float(lower.sum())
+        return self.price[1:], self.value
+
+
+def _shared(walks: Walks, limits: tuple[int, int], heavy: Floats, most: float, stop: Stop, price: Floats, share: float) -> _Ascent | None:
+    """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with; None
+    where there is no time for any."""
+    from .state_space_kernels import best_through, share_out
+
+    n = len(heavy) - 1
+    best, best_price = -math.inf, price
+    rate, how = np.full(n + 1, math.inf), np.zeros((n + 1, 4), np.int64)
+    waited, whole, routes = 0, stop.seconds_left, float(limits[0])
+    average = np.zeros(n + 1)
+    tops = np.unique(np.linspace(0, walks.top, TOPS + 1)[1:].astype(np.int64))
+    while not stop.reached() and best <= most:
+        ahead, before, load = walks.ahead(stop, price, heavy)
+        back, after, rest = walks.back(stop, price, heavy)
+        if stop.reached():
+            break
+        least, _ = walks.best(ahead)
+        worth = float(price.sum())
+        value, lower = worth + limits[0 if least > 0 else 1] * least, _lowered(price, routes, least)
+        if float(lower.sum()) > value:
+            value = float(lower.sum())
+        else:
+            lower = price
+        if value > best:
+            waited = 0 if value > best + 1e-4 * abs(best) else waited + 1
+            best, best_price, best_cells = value, lower, (ahead, back)
+        else:
+            waited += 1
+        best_through(ahead, before, load, *walks.grid, back, after, rest, *walks.back_grid, heavy, tops, rate, how)
+        visits = np.zeros(n + 1)
+        routes = share_out(
+            before, *walks.moves, *walks.grid, after, *walks.back_moves, *walks.back_grid, rate, how, heavy, walks.room, visits
+        )
+        slope = 1.0 - visits
+        slope[0] = 0.0
+        average = 0.5 * average + slope
+        length = float(average @ average)
+        if waited > PATIENCE:
+            if share == 0.0:
+                break
+            share, waited = share / 2.0, 0
+            if share < 1e-4:
+                share, price = 0.0, best_price
+                continue
+        price = price + heavy * np.where(np.isfinite(rate), rate, 0.0)
+        now = share * DECAY ** (1.0 - stop.seconds_left / whole) if whole < math.inf else share
+        if length > 0:
+            price = price + now * abs(float(price.sum())) / length * average
+    if best == -math.inf:
+        return None
+    lacking = np.where(walks.usable & ~walks.kept, np.minimum(0.0, walks.through(best_price, *best_cells)), 0.0)
+    return _Ascent(best_price, best, lacking, routes)
+
+
+def _lowered(price: Floats, routes: float, least: float) -> Floats:
+    """Prices in parts of which no walk is worth more than it costs, if some cost ``least`` less now, and are worth as much as all."""
+    worth = float(price.sum())
+    return price * max(0.0, 1.0 + min(0.0, least) * routes / worth) if worth > 0 else price
+
+
+def _begun(walks: Walks, heavy: Floats, stop: Stop) -> Floats:
+    """To each customer his share of a walk through him that is as full as can be: prices that no walk beats."""
+    free = np.zeros(len(heavy))
+    ahead, back = walks.ahead(stop, free, heavy)[0], walks.back(stop, free, heavy)[0]
+    least = at_level(ahead, walks.grid, walks.top) + at_level(back, walks.back_grid, walks.top)
+    full = max(float(heavy.max()), walks.top * float(heavy[1:].sum()) / max(1.0, float(np.minimum(walks.first[1:], walks.top).sum())))
+    return np.where(np.isfinite(least), least, 0.0) * heavy / full
