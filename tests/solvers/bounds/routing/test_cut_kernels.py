@@ -16,7 +16,12 @@ def edges(capacity):
     tails, heads = np.nonzero(capacity)
     place = {edge: k for k, edge in enumerate(zip(tails.tolist(), heads.tolist(), strict=True))}
     twins = np.array([place[h, t] for t, h in zip(tails.tolist(), heads.tolist(), strict=True)], dtype=np.int64)
-    return np.searchsorted(tails, np.arange(len(capacity) + 1)), np.ascontiguousarray(heads), twins, capacity[tails, heads].astype(np.float64)
+    return (
+        np.searchsorted(tails, np.arange(len(capacity) + 1)),
+        np.ascontiguousarray(heads),
+        twins,
+        capacity[tails, heads].astype(np.float64),
+    )
 
 
 def asked(capacity, need, node, stop=NEVER):
