@@ -101,6 +101,11 @@ FEATURES = (
 )  # fmt: skip
 
 
+def few(feature: str, most: int = 3) -> int:
+    """Customers for enumeration: fewer where each may stop anywhere between two."""
+    return min(most, {"recharging": 2, "initial-energy": 2, "reloads": 3}.get(feature, most))
+
+
 def varied(feature: str, seed: int, customers: int = 4) -> RoutingProblem:
     """A problem of a few customers, whole numbers, in which a feature of the whole family matters, among others drawn at random."""
     rng = np.random.default_rng([seed, *feature.encode()])

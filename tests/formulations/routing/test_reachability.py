@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
-from small_routing import varied
+from small_routing import few, varied
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
@@ -180,7 +180,7 @@ def test_who_is_out_of_reach_is_on_no_route(feature):
     found = 0
     for seed in range(40):
         try:
-            problem = varied(feature, seed, 3)
+            problem = varied(feature, seed, few(feature))
         except InputError:  # a shipment that no vehicle can deliver in time is no problem
             continue
         store = Energy(60.0, initial=25.0) if feature == "initial-energy" else None
@@ -225,7 +225,7 @@ def test_sites_out_of_reach_of_vehicles_that_stop_on_the_way_are_named(vehicle: 
 def test_no_site_of_any_route_is_named_where_vehicles_stop_on_the_way(feature: str) -> None:
     named = 0
     for seed in range(15):
-        problem = varied(feature, seed, 3)
+        problem = varied(feature, seed, few(feature))
         weaker = [
             replace(v, max_distance=30.0, energy=v.energy and replace(v.energy, capacity=0.4 * v.energy.capacity, initial=None))
             for v in problem.fleet

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from small_routing import small, varied
+from small_routing import few, small, varied
 
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.routing.checking import all_routes
@@ -52,7 +52,7 @@ def test_the_largest_of_all_routes_is_proved(feature: str, term) -> None:
 @pytest.mark.parametrize("feature", ["vehicle-travel", "vehicle-speeds", "skills", "committed-vehicles"])
 def test_vehicles_of_their_own_kind_are_never_bounded_beyond_the_optimum(feature: str, term) -> None:
     for seed in range(8):
-        problem = replace_objective(varied(feature, seed, 3), term)
+        problem = replace_objective(varied(feature, seed, few(feature)), term)
         best = best_values(problem)
         assert best is None or check_all_routes(problem, {}) <= best[0] * (1.0 + 1e-12)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import WHOLE_FAMILY, varied
+from small_routing import WHOLE_FAMILY, few, varied
 
 from waybound.formulations.routing.checking.averaged_tour import check_averaged_tour, totals
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost
@@ -22,7 +22,7 @@ from waybound.reports.benchmarks.exact_routing import best_values
 def test_no_claim_excludes_the_optimum(feature):
     rng = np.random.default_rng(5)
     for seed in range(2):
-        problem = varied(feature, seed, 3)
+        problem = varied(feature, seed, few(feature))
         for term in (Makespan(), LongestRoute(), 2.0 * LatestReturn()):
             asked = replace(problem, objective=Objective.of(term))
             best = best_values(asked)

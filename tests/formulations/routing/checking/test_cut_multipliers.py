@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from small_routing import FEATURES, WHOLE_FAMILY, small, varied
+from small_routing import FEATURES, WHOLE_FAMILY, few, small, varied
 
 from waybound.formulations.routing.checking.cut_multipliers import RESOURCES, check_cut_multipliers
 from waybound.formulations.routing.objective import Reward, TotalCost
@@ -21,7 +21,7 @@ from waybound.reports.benchmarks.exact_routing import best_values
 def test_no_prices_however_wrong_exclude_the_optimum(feature):
     judged = 0
     for seed in range(3):
-        problem = varied(feature, seed, 3) if feature in WHOLE_FAMILY else small(feature, seed, "round")
+        problem = varied(feature, seed, few(feature)) if feature in WHOLE_FAMILY else small(feature, seed, "round")
         optimum, rng = best_values(problem), np.random.default_rng(seed)
         for scale in (0.0, 1.0, 4.0, 20.0) if optimum is not None else ():
             customers = problem.customers

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import WHOLE_FAMILY, small, varied
+from small_routing import WHOLE_FAMILY, few, small, varied
 
 from waybound.formulations.routing.checking.knapsack import RESOURCES, check_knapsack
 from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost
@@ -23,7 +23,7 @@ GOALS = (Reward(), TotalCost() - Reward(), TotalCost() + Penalties(), Reward() -
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, "reward", "prizes"])
 def test_no_price_excludes_the_optimum(feature):
     for seed in range(2):
-        problem = varied(feature, seed, 3) if feature in WHOLE_FAMILY else small(feature, seed, "round")
+        problem = varied(feature, seed, few(feature)) if feature in WHOLE_FAMILY else small(feature, seed, "round")
         asked = replace(problem, objective=Objective.of(GOALS[seed % len(GOALS)]))
         best = best_values(asked)
         for resource in RESOURCES if best is not None else ():

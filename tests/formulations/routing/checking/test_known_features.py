@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import WHOLE_FAMILY, varied
+from small_routing import WHOLE_FAMILY, few, varied
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
@@ -28,7 +28,7 @@ INFEASIBLE = (
 
 def drawn(feature, seed):
     """A problem at least cost, all sites required where they can be, so that there is as much to prove as may be."""
-    problem = varied(feature, seed, 3 if feature in ("reloads", "recharging", "initial-energy") else 4)
+    problem = varied(feature, seed, few(feature, 4))
     sites = problem.sites
     if not sites.groups and seed % 3:
         sites = replace(sites, required=~sites.depot)

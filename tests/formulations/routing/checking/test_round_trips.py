@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import WHOLE_FAMILY, varied
+from small_routing import WHOLE_FAMILY, few, varied
 
 from waybound.formulations.routing.checking.round_trips import check_farthest_round_trip
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost
@@ -22,7 +22,7 @@ TERMS = {"makespan": Makespan(), "longest-route": LongestRoute(), "latest-return
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_no_bound_exceeds_the_optimum(feature):
     for seed in range(2):
-        problem = varied(feature, seed, 3)
+        problem = varied(feature, seed, few(feature))
         for term in TERMS.values():
             asked = replace(problem, objective=Objective.of(term))
             best = best_values(asked)

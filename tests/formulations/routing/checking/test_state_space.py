@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import FEATURES, WHOLE_FAMILY, plane, small, varied
+from small_routing import FEATURES, WHOLE_FAMILY, few, plane, small, varied
 
 from waybound.formulations.routing.checking import state_space
 from waybound.formulations.routing.checking.state_space import RESOURCES, check_state_space
@@ -27,11 +27,7 @@ def excluded(problem, bound, best):
 def test_no_prices_however_wrong_exclude_the_optimum(feature):
     judged = 0
     for seed in range(3):
-        problem = (
-            varied(feature, seed, 2 if feature in ("recharging", "initial-energy") else 3)
-            if feature in WHOLE_FAMILY
-            else small(feature, seed, "round")
-        )
+        problem = varied(feature, seed, few(feature)) if feature in WHOLE_FAMILY else small(feature, seed, "round")
         optimum, rng = best_values(problem), np.random.default_rng(seed)
         if optimum is None:
             continue

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from small_routing import WHOLE_FAMILY, plane, varied
+from small_routing import WHOLE_FAMILY, few, plane, varied
 
 from waybound.formulations.routing.checking.vehicles_needed import check_vehicles_needed
 from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost, Vehicles
@@ -18,7 +18,7 @@ from waybound.reports.benchmarks.exact_routing import best_values
 def test_no_threshold_excludes_the_optimum(feature):
     for seed in range(2):
         goal = (Vehicles(), 5.0 * Vehicles() + TotalCost(), Vehicles() + Makespan())[seed % 3]
-        problem = replace(varied(feature, seed, 3), objective=Objective.of(goal))
+        problem = replace(varied(feature, seed, few(feature)), objective=Objective.of(goal))
         best = best_values(problem)
         for threshold in (-1.0, 0.0, 1.0, 3.0, 5.5, 100.0) if best is not None else ():
             assert check_vehicles_needed(problem, {"threshold": threshold}) <= float(best[0]) + 1e-9
