@@ -50,9 +50,10 @@ def test_forms_whose_linear_programs_go_to_the_interior_point_exist() -> None:
 
 def test_small_integer_programs_are_searched_without_presolve_unless_the_user_has_a_word() -> None:
     small = program(np.ones(4), [[1, 1, 1, 1]], 2, np.inf, 0, 1, integer=range(4))
+    endless = program([-1.0], [[1.0]], 0, np.inf, 0, np.inf, integer=[0])
     large = program(np.ones(80), np.ones((80, 80)), 2, np.inf, 0, 1, integer=range(80))
     assert sound(small, {}) == sound(small, {"presolve": "on"}) == {**SOUND, "presolve": "off"}  # the user's own overrule it
-    assert sound(small, {"presolve_rule_off": 0}) == sound(large, {}) == sound(lp(), {}) == SOUND
+    assert sound(small, {"presolve_rule_off": 0}) == sound(large, {}) == sound(endless, {}) == sound(lp(), {}) == SOUND
 
 
 def test_an_optimum_that_presolve_loses_is_found() -> None:
