@@ -204,6 +204,12 @@ WHOLE_FAMILY = (
 """What ``varied`` knows."""
 
 
+def _in_order(problem: RoutingProblem) -> RoutingProblem:
+    """Penalties before costs, where they are weighed against them."""
+    terms = {type(term) for level in problem.objective.levels() for _, term in level.terms}
+    return replace(problem, objective=Penalties().then(TotalCost())) if terms == {Penalties, TotalCost} else problem
+
+
 def _alone(problem: RoutingProblem) -> RoutingProblem:
     """One shipment, whose ends have no loads of their own."""
     s = problem.sites
@@ -233,7 +239,7 @@ def _required(problem: RoutingProblem) -> RoutingProblem:
 def simplified(problem: RoutingProblem, feature: str, missing: Callable[[RoutingProblem], frozenset[str]]) -> RoutingProblem | None:
     """The problem without what a solver lacks, as long as it has ``feature``; None where that cannot be."""
     steps: tuple[Callable[[RoutingProblem], RoutingProblem], ...] = (
-        _alone, _unpaused, lambda p: replace(p, objective=TotalCost()), _required, _unlimited,
+        _in_order, _alone, _unpaused, lambda p: replace(p, objective=TotalCost()), _required, _unlimited,
     )  # fmt: skip
     for step in (lambda p: p, *steps):
         if missing(problem):

@@ -15,6 +15,9 @@ start = time.process_time()
 made = vroom.Input()
 made.set_costs_matrix("car", (d["distance"] * d["unit"][0]).astype(np.uint32))
 made.set_durations_matrix("car", (d["duration"] if d["timed"] else np.zeros_like(d["duration"])).astype(np.uint32))
+limited = bool((d["max_distance"] < 2**32).any())
+if limited:
+    made.set_distances_matrix("car", d["distance"].astype(np.uint32))
 carried = int(d["demand"].sum() + d["pickup"].sum() + d["shipped"].sum())
 
 
@@ -31,8 +34,8 @@ def window(opens: int, closes: int) -> vroom.TimeWindow:
 others = {*d["depots"].tolist(), *d["shipments"].ravel().tolist()}
 made.add_job(
     [
-        vroom.Job(i, i, delivery=[int(d["demand"][i])], pickup=[int(d["pickup"][i])], **timed(i))
-        for i in range(len(d["demand"])) if i not in others
+        vroom.Job(i, i, delivery=[int(d["demand"][i])], pickup=[int(d["pickup"][i])], priority=int(d["prize"][i]), **timed(i))
+        for i in range(len(d["demand"])) if i not in others and (d["required"][i] or d["prize"][i])
     ]
 )  # fmt: skip
 for (first, last), amount in zip(d["shipments"].tolist(), d["shipped"].tolist(), strict=True):
@@ -44,6 +47,7 @@ made.add_vehicle(
         vroom.Vehicle(
             number, start=int(d["start"][k]), end=int(d["end"][k]), profile="car", costs=vroom.VehicleCosts(fixed=int(d["fixed"][k])),
             capacity=[int(min(d["capacity"][k], carried))], time_window=window(d["opens"][k], d["closes"][k]) if d["timed"] else None,
+            **({"max_distance": int(min(d["max_distance"][k], 2**32 - 1))} if limited else {}),
         )
         for number, k in enumerate(np.repeat(np.arange(len(d["vehicles"])), d["vehicles"]))
     ]

@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -106,12 +107,18 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
     from waybound.solvers.engines.pyvrp_model import load_factor
     from waybound.solvers.engines.routing_integers import integer_routing
     from waybound.solvers.engines.vroom import vroom_integers
+    from waybound.solvers.engines.vroom_priorities import Priorities, priorities
 
+    sites, fleet = problem.sites, problem.fleet
     timed = vroom_model.TIMED if engine == "vroom" else ortools_model.TIMED
-    data = vroom_integers(problem) if engine == "vroom" else integer_routing(problem)
+    asked = priorities(problem) if engine == "vroom" else None
+    if isinstance(asked, Priorities):
+        data = vroom_integers(asked.problem)
+        data = replace(data, prize=np.array([asked.of.get(site, 0) for site in range(len(sites))]))
+    else:
+        data = integer_routing(problem)
     if engine == "ortools":
         data = ortools_model.short_ways(problem, data)
-    sites, fleet = problem.sites, problem.fleet
     loads = load_factor(data) if engine == "pyvrp" else 1
     column: Callable[[Any], Any] = lambda values: loads * (values[:, 0] if values.shape[1] else np.zeros(len(values), np.int64))  # noqa: E731
     limited = bool((data.max_distance != UNLIMITED).any())

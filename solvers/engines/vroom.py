@@ -17,6 +17,7 @@ from .routing_integers import IntegerRouting, integer_routing
 from .routing_objective import awaited, claimed_objective, unscalable
 from .routing_shipments import entangled
 from .vroom_model import LARGEST, PRICED, STAYS, Model
+from .vroom_priorities import Priorities, priorities
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
@@ -53,16 +54,20 @@ class VROOM(Bisecting):
             "capacity", "time-windows", "depot-windows", "service-times", "max-distance", "limited-fleet", "heterogeneous-fleet",
             "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed",
             "energy:elapsed-fixed-start", "initial-energy", "max-duration", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel",
-            "several-loads", "pickups", "shipments", "several-windows", "skills", "objective:total-cost", "objective:total-duration",
-            "objective:vehicles", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
-            "objective:priorities",
+            "several-loads", "pickups", "shipments", "several-windows", "skills", "optional-sites", "objective:total-cost",
+            "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties", "objective:makespan",
+            "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
         }
     )  # fmt: skip
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
         """See ``Bisecting.beyond``."""
-        held = problem.features()
         lacking = unscalable(problem) | entangled(problem)
+        asked = priorities(problem)
+        if isinstance(asked, frozenset):
+            return lacking | asked
+        problem = asked.problem
+        held = problem.features()
         if awaited(problem):
             lacking |= {f"{name} with waiting" for name in held & (STAYS | PRICED)}
         if held & STAYS and "energy:travel" in held and problem.sites.service[problem.customers].any():
@@ -75,15 +80,21 @@ class VROOM(Bisecting):
         if not FIRST <= level <= DEEPEST:
             raise UsageError(f"vroom: exploration_level is a number from {FIRST} to {DEEPEST}, not {level}")
         ends = time.perf_counter() + options.time_limit
-        return _search(problem, vroom_integers(problem), level, options, control, ends)
+        asked = priorities(problem)
+        assert not isinstance(asked, frozenset)
+        return _search(problem, asked, vroom_integers(asked.problem), level, options, control, ends)
 
 
-def _search(problem: RoutingProblem, data: IntegerRouting, level: int, options: Options, control: Control, ends: float) -> RawResult:
+def _search(
+    problem: RoutingProblem, asked: Priorities, data: IntegerRouting, level: int, options: Options, control: Control, ends: float
+) -> RawResult:
     if not len(problem.customers):
         return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
+    if not asked.of:
+        return RawResult("feasible", answer=Routes(()), message="no site has to be visited, or earns anything")
     last = RawResult("unknown", message="VROOM leaves required sites out")
-    for most in _fleets(problem, data):
-        model = Model(problem, data, most)
+    for wanted, most in _attempts(asked, data):
+        model = Model(wanted, data, most)
         if not model.types:
             return RawResult("infeasible", message="no vehicle can leave its depot and return in time")
         if options.start is not None:
@@ -99,8 +110,9 @@ def _search(problem: RoutingProblem, data: IntegerRouting, level: int, options: 
                 statistics["start"] = "used" if model.routes else "refused"
             if answer is None:
                 continue
-            # What 32 bits make of fractions is too coarse a claim.
-            claim = claimed_objective(problem, cost / data.cost_factor) if data.scales["exact"] else problem.evaluate(answer).values[0]
+            # Costs tell nothing of rewards, and what 32 bits make of fractions is too coarse a claim.
+            told = data.scales["exact"] and asked.problem is problem
+            claim = claimed_objective(problem, cost / data.cost_factor) if told else problem.evaluate(answer).values[0]
             control.publish(answer, claim)
             limit = "time" if time.perf_counter() >= ends else "none"
             last = RawResult("feasible", limit, answer, claim, statistics=statistics, holds=holds, links=(data.link,))
@@ -117,8 +129,13 @@ def vroom_integers(problem: Any) -> IntegerRouting:
     return integer_routing(problem, largest=LARGEST, total=LARGEST, fine=FINE[-1])
 
 
-def _fleets(problem: RoutingProblem, data: IntegerRouting) -> list[int]:
-    """Vehicles of an unlimited type, in the order in which they are tried: each costs the library time, used or not."""
-    customers = len(problem.customers)
-    first = min(customers, max(25, 2 * data.fewest()))
-    return [first, customers] if first < customers and any(v.count is None for v in problem.fleet) else [first]
+def _attempts(asked: Priorities, data: IntegerRouting) -> list[tuple[Priorities, int]]:
+    """What is asked, and vehicles of an unlimited type, in the order in which they are tried until no required site is left out.
+
+    Each vehicle costs the library time, used or not. Priorities of many sites can outweigh that of a required one.
+    """
+    sites = len(asked.of)
+    first = min(sites, max(25, 2 * data.fewest()))
+    many = [first, sites] if first < sites and any(v.count is None for v in asked.problem.fleet) else [first]
+    made = [(asked, most) for most in many]
+    return [*made, (asked.without_choice(), many[-1])] if asked.required and asked.choosing else made

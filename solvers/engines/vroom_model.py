@@ -12,7 +12,7 @@ from .integer_scales import UNLIMITED, Integers
 from .routing_integers import IntegerRouting
 
 if TYPE_CHECKING:
-    from ...formulations.routing.problem import RoutingProblem
+    from .vroom_priorities import Priorities
 
 LARGEST = 2**32 - 1
 """VROOM reads costs, distances and times as 32 bits without a sign, and refuses costs whose sum along an answer could be larger."""
@@ -36,8 +36,9 @@ class Model:
 
     Parameters
     ----------
-    problem : RoutingProblem
+    asked : Priorities
     data : IntegerRouting
+        Of what is asked after the priorities.
     most : int
         Vehicles of each unlimited type.
 
@@ -49,13 +50,14 @@ class Model:
         Whether an answer of the problem may be too late for VROOM's clock.
     """
 
-    def __init__(self, problem: RoutingProblem, data: IntegerRouting, most: int) -> None:
-        self.problem, self.data = problem, data
+    def __init__(self, asked: Priorities, data: IntegerRouting, most: int) -> None:
+        self.asked, self.problem, self.data = asked, asked.problem, data
+        problem = asked.problem
         held = problem.features()
         self.timed = bool(TIMED & held)
         self.types = [
             k for k, v in enumerate(problem.fleet) if data.closes[k] >= data.opens[k]
-            for _ in range(most if v.count is None else min(v.count, len(problem.customers)))
+            for _ in range(most if v.count is None else min(v.count, len(asked.of)))
         ]  # fmt: skip
         # Without waiting, a route's duration is what its moves take if each begins with the service of where it starts.
         self.within = bool(STAYS & held)
@@ -67,7 +69,9 @@ class Model:
         self.routes: dict[int, tuple[int, ...]] = {}
 
     def begin(self, answer: Routes) -> None:
-        """Start from an answer, if it has no route too many and breaks no rule, which VROOM would refuse."""
+        """Start from an answer, if it has no site or route too many and breaks no rule, which VROOM would refuse."""
+        if not {site for route in answer for site in route.visits} <= self.asked.of.keys():
+            return
         free: dict[int, list[int]] = {}
         for vehicle, kind in enumerate(self.types):
             free.setdefault(kind, []).append(vehicle)
@@ -87,13 +91,13 @@ class Model:
             # It holds a site that is too far for a round trip of its own out of reach, whatever ways there are through others.
             self.routes = {}
             found = self._input().solve(**asked)
-        if found.unassigned:
-            return 0, None
         visits: dict[int, list[int]] = {}
         frame = found.routes
         for vehicle, kind, site in zip(frame["vehicle_id"], frame["type"], frame["location_index"], strict=True):
             if kind in ("job", "pickup", "delivery"):
                 visits.setdefault(int(vehicle), []).append(int(site))
+        if not self.asked.required <= {site for sites in visits.values() for site in sites}:
+            return 0, None
         return int(found.summary.cost), Routes.of(Route(tuple(sites), self.types[v]) for v, sites in sorted(visits.items()))
 
     def _input(self) -> Any:
@@ -111,12 +115,14 @@ class Model:
                 made.set_distances_matrix(str(k), _unsigned(moves.distance_up))
         shipments = self.problem.sites.shipments
         ends = {site for s in shipments for site in (s.pickup, s.delivery)}
-        made.add_job([self._job(vroom, site) for site in self.problem.customers.tolist() if site not in ends])
+        made.add_job([self._job(vroom, site) for site in self.asked.of if site not in ends])
         for k, shipment in enumerate(shipments):
             first, last = shipment.pickup, shipment.delivery
+            if first not in self.asked.of:
+                continue
             made.add_shipment(
                 self._step(vroom, first), self._step(vroom, last), vroom.Amount(data.shipped[k, data.limited].tolist()),
-                self._skills(first) | self._skills(last),
+                self._skills(first) | self._skills(last), self.asked.of[first],
             )  # fmt: skip
         made.add_vehicle([self._vehicle(vroom, number, k) for number, k in enumerate(self.types)])
         return made
@@ -135,7 +141,9 @@ class Model:
 
     def _job(self, vroom: Any, site: int) -> Any:
         delivery, pickup = (values[site, self.data.limited].tolist() for values in (self.data.demand, self.data.pickup))
-        return vroom.Job(site, site, delivery=delivery, pickup=pickup, skills=self._skills(site), **self._time(vroom, site))
+        return vroom.Job(
+            site, site, delivery=delivery, pickup=pickup, skills=self._skills(site), priority=self.asked.of[site], **self._time(vroom, site)
+        )  # fmt: skip
 
     def _vehicle(self, vroom: Any, number: int, k: int) -> Any:
         data, vehicle, limits = self.data, self.problem.fleet[k], {}

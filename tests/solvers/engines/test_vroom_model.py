@@ -12,12 +12,15 @@ from waybound.instances.routing.instance import VehicleType
 from waybound.solvers.backend import BACKENDS
 from waybound.solvers.engines.routing_integers import integer_routing
 from waybound.solvers.engines.vroom_model import LARGEST, Model
+from waybound.solvers.engines.vroom_priorities import Priorities, priorities
 
 pytestmark = pytest.mark.skipif(not BACKENDS["vroom"].installed(), reason="VROOM is not installed")
 
 
 def model(problem: RoutingProblem, most: int = 5) -> Model:
-    return Model(problem, integer_routing(problem, largest=LARGEST, total=LARGEST), most)
+    asked = priorities(problem)
+    assert isinstance(asked, Priorities)
+    return Model(asked, integer_routing(asked.problem, largest=LARGEST, total=LARGEST), most)
 
 
 def test_types_that_no_route_can_use_are_left_out() -> None:
