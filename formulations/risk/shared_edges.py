@@ -26,7 +26,7 @@ Integers = NDArray[np.int64]
 MOST_PATHS = 60
 """Of an exact comparison: the lattice loses its evenness in more dimensions."""
 
-POINTS, SHIFTS = 4093, 8
+POINTS, SHIFTS = 2039, 16
 """Points of the lattice, and random shifts of it: their spread tells the error."""
 
 CHUNK = 1 << 21
@@ -106,7 +106,7 @@ def joint_probabilities(mean: ArrayLike, covariance: ArrayLike, groups: ArrayLik
     if len(m) > MOST_PATHS:
         raise UsageError(f"{len(m)} paths are too many to compare exactly (at most {MOST_PATHS}); sample them")
     group = np.asarray(groups, dtype=np.int64)
-    chance, error = np.zeros(int(group.max()) + 1), np.zeros(int(group.max()) + 1)
+    chance = np.zeros((int(group.max()) + 1, SHIFTS))
     for i in range(len(m)):
         others = np.arange(len(m)) != i
         upper = (m - m[i])[others]
@@ -117,11 +117,8 @@ def joint_probabilities(mean: ArrayLike, covariance: ArrayLike, groups: ArrayLik
         equal = fixed & (np.abs(upper) <= 1e-12 * np.abs(m).max(initial=0.0))
         if (fixed & ~equal & (upper < 0)).any():
             continue
-        p, e = orthant_probability(upper[~fixed], spread[np.ix_(~fixed, ~fixed)])
-        share = 1 + int(equal.sum())
-        chance[group[i]] += p / share
-        error[group[i]] = math.hypot(error[group[i]], e / share)
-    return chance, error
+        chance[group[i]] += _by_shift(upper[~fixed], spread[np.ix_(~fixed, ~fixed)]) / (1 + int(equal.sum()))
+    return chance.mean(axis=1), chance.std(axis=1, ddof=1) / math.sqrt(SHIFTS)
 
 
 def orthant_probability(upper: Floats, covariance: Floats) -> tuple[float, float]:
@@ -133,14 +130,20 @@ def orthant_probability(upper: Floats, covariance: Floats) -> tuple[float, float
     covariance : array of shape (dimensions, dimensions)
         Positive semidefinite, of positive diagonal.
     """
+    found = _by_shift(upper, covariance)
+    return float(found.mean()), float(found.std(ddof=1) / math.sqrt(SHIFTS))
+
+
+def _by_shift(upper: Floats, covariance: Floats) -> Floats:
+    """P(Z <= upper) by each shift of the lattice, shape (SHIFTS,)."""
     from scipy.special import ndtr, ndtri
 
     n = len(upper)
     if n == 0:
-        return 1.0, 0.0
+        return np.ones(SHIFTS)
     factor, u = _pivoted(upper, covariance)
     if n == 1:
-        return float(ndtr(u[0] / factor[0, 0])), 0.0
+        return np.full(SHIFTS, ndtr(u[0] / factor[0, 0]))
     steps = np.sqrt(np.array(_primes(n - 1), dtype=np.float64))
     shifts = np.random.Generator(np.random.PCG64(1)).random((SHIFTS, 1, n - 1))
     points = (np.arange(1, POINTS + 1)[:, None] * steps + shifts) % 1.0
@@ -156,8 +159,7 @@ def orthant_probability(upper: Floats, covariance: Floats) -> tuple[float, float
         else:
             part = (left >= -1e-9 * (1.0 + abs(u[k]))).astype(np.float64)  # settled by those before
         whole *= part
-    means = whole.reshape(SHIFTS, POINTS).mean(axis=1)
-    return float(means.mean()), float(means.std(ddof=1) / math.sqrt(SHIFTS))
+    return np.asarray(whole.reshape(SHIFTS, POINTS).mean(axis=1))
 
 
 def _pivoted(upper: Floats, covariance: Floats) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ from ..errors import InputError, UsageError
 from ..generating import generate
 from ..generators import Draw
 from ..reading import read_instance
-from ..risk.generators.prm_graph import PRM
+from ..risk.generators.prm_graph import PRM, RASTER
 from ..risk.uncertain_graph import UncertainGraph
 from . import WORLDS, Setting, World, WorldKind
 
@@ -23,8 +23,8 @@ Floats = NDArray[np.float64]
 ROBOT = 0
 """The number of the only agent."""
 
-DRAWN = ("vertices", "size", "directed", "detour", "variance")
-"""Settings of the generator ``prm-graph`` that a run may choose."""
+ROADMAPS = {"prm-graph": PRM, "raster-graph": RASTER}
+"""Generators, and their settings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,15 +116,16 @@ class UncertainGraphWorld(World):
 
 
 @lru_cache(maxsize=32)
-def _drawn(seed: int, settings: tuple[tuple[str, Any], ...]) -> UncertainGraph:
-    made = generate("prm-graph", seed, **dict(settings))
+def _drawn(roadmap: str, seed: int, settings: tuple[tuple[str, Any], ...]) -> UncertainGraph:
+    made = generate(roadmap, seed, **dict(settings))
     assert isinstance(made, UncertainGraph)
     return made
 
 
 def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> UncertainGraphWorld:
     if values["file"] is None:
-        return UncertainGraphWorld(_drawn(values["graph"], tuple((key, values[key]) for key in DRAWN)), rng)
+        own = tuple((key, values[key]) for key in ROADMAPS[values["roadmap"]] if key != "name")
+        return UncertainGraphWorld(_drawn(values["roadmap"], values["graph"], own), rng)
     graph = read_instance(values["file"])
     if not isinstance(graph, UncertainGraph):
         raise UsageError(f"{values['file']} holds no graph of uncertain costs")
@@ -139,7 +140,8 @@ WORLDS.add(
         {
             "file": Setting(None, "a file with the graph; without it, one is drawn", str),
             "graph": Setting(1, "seed of the drawn graph: that of the run draws the costs", int, 0, 2**31),
-            **{key: PRM[key] for key in DRAWN},
+            "roadmap": Setting("prm-graph", "generator of the drawn graph, whose settings these are besides", choices=tuple(ROADMAPS)),
+            **{key: setting for key, setting in {**RASTER, **PRM}.items() if key != "name"},
         },
         _make,
     ),

@@ -40,7 +40,7 @@ class UncertainGraphMission(Mission):
     headline: ClassVar[str] = "cost"
     settings: ClassVar[Mapping[str, Setting]] = {
         **WORLDS["uncertain-graph"].settings,
-        "risk": Setting(0.5, RISK.help + "; of what solvers and heuristics plan", float),
+        "risk": Setting(0.5, RISK.help + "; of what solvers and heuristics plan", float, 0.0, 0.5),
         "rule": Setting("best", "of rags: the largest probability, or the champion of pairwise comparisons", choices=RULES),
         "observe": Setting(True, "whether rags uses the costs that it sees"),
         "comparison": Setting("independent", "of rags: paths as if they shared no edge, or jointly", choices=COMPARISONS),

@@ -12,6 +12,9 @@ import numpy as np
 from ....instances.risk.uncertain_graph import Floats, UncertainGraph
 from .policy import Policy
 
+LEAST = 1e-10
+"""Cost, in parts of the largest mean, that edges count with at least: circles of cost 0 would keep each other's distances low."""
+
 
 class DStarLite(Policy):
     """D* Lite of Koenig and Likhachev (2002), from the goal backwards, without a heuristic: costs may come true below every estimate.
@@ -26,7 +29,8 @@ class DStarLite(Policy):
         self._entering = np.argsort(graph.heads, kind="stable")
         self._starts = np.searchsorted(graph.heads[self._entering], np.arange(n + 1)).tolist()
         self._leaving = graph.indptr.tolist()
-        self._costs = graph.mean.copy()
+        self._least = LEAST * (float(graph.mean.max()) or 1.0)
+        self._costs = np.maximum(graph.mean, self._least)
         self._distance, self._ahead = np.full(n, np.inf), np.full(n, np.inf)  # g and rhs
         self._ahead[graph.goal] = 0.0
         self._queue: list[tuple[float, int]] = [(0.0, graph.goal)]
@@ -39,14 +43,16 @@ class DStarLite(Policy):
         return made
 
     def next_vertex(self, at: int, known: Floats) -> int:
-        changed = np.nonzero(~np.isnan(known) & (known != self._costs))[0]
+        costs = np.maximum(known, self._least)
+        changed = np.nonzero(~np.isnan(known) & (costs != self._costs))[0]
         if len(changed):
-            self._costs[changed] = known[changed]
+            self._costs[changed] = costs[changed]
             for vertex in np.unique(self.graph.tails[changed]).tolist():
                 self._update(vertex)
             self._search(at)
         here = slice(self._leaving[at], self._leaving[at + 1])
-        return int(self.graph.heads[here][np.argmin(self._costs[here] + self._distance[self.graph.heads[here]])])
+        heads = self.graph.heads[here]
+        return int(heads[np.argmin(self._costs[here] + self._distance[heads])])
 
     def _update(self, vertex: int) -> None:
         """Look ahead from a vertex anew, and queue it where it is inconsistent; what the queue holds of it besides is stale."""

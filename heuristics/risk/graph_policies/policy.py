@@ -11,6 +11,7 @@ import numpy as np
 from ....instances.errors import InputError
 from ....instances.risk.uncertain_graph import Floats, UncertainGraph
 from ....solvers.engines.path_search.non_dominated_paths import NonDominated
+from ....solvers.engines.path_search.supported_paths import shortest_path
 
 
 class Policy(ABC):
@@ -38,21 +39,19 @@ class Policy(ABC):
 class LeastMean(Policy):
     """The path of the least mean, whatever is observed: A* on means, and no replanning."""
 
-    def __init__(self, graph: UncertainGraph, costs: Floats | None = None) -> None:
+    def __init__(self, graph: UncertainGraph) -> None:
         self.graph = graph
-        self._costs = graph.mean if costs is None else costs
-        self._left = graph.costs_to(graph.goal, self._costs)
+        self._path = shortest_path(graph, (1.0, 0.0)).path
 
     def next_vertex(self, at: int, known: Floats) -> int:
-        here = slice(self.graph.indptr[at], self.graph.indptr[at + 1])
-        return int(self.graph.heads[here][np.argmin(self._costs[here] + self._left[self.graph.heads[here]])])
+        return self._path[self._path.index(at) + 1]
 
 
 class Hindsight(LeastMean):
     """The cheapest path of all, by one who knows all true costs from the start: what the others are compared with."""
 
     def __init__(self, graph: UncertainGraph, costs: Floats) -> None:
-        super().__init__(graph, costs)
+        super().__init__(graph.seen_from(graph.start, costs, graph.variance))
 
 
 class Following(Policy):

@@ -8,6 +8,7 @@ import numpy as np
 
 from ....formulations.risk.path_sets import FIRST_EDGES, PathSet, cheapest_set_probabilities
 from ....formulations.risk.shared_edges import JointCosts, joint_probabilities
+from ....formulations.tolerance import EQUAL
 from ....instances.errors import UsageError
 from ....instances.risk.uncertain_graph import Floats, UncertainGraph
 from ....solvers.engines.path_search.non_dominated_paths import NonDominated
@@ -103,9 +104,9 @@ class RiskAware(Following):
 
     def _best(self, sets: dict[int, PathSet], ways: dict[int, list[int]], known: Floats) -> tuple[int, dict[int, float]]:
         chances = self._probabilities(sets, ways, known)
-        order = _ascending(sets)
-        best = max(order, key=lambda vertex: chances[list(sets).index(vertex)])
-        return best, {vertex: float(1.0 - chance) for vertex, chance in zip(sets, chances, strict=True)}
+        chance = dict(zip(sets, chances.tolist(), strict=True))
+        best = next(vertex for vertex in _ascending(sets) if chance[vertex] >= chances.max() - EQUAL)
+        return best, {vertex: 1.0 - p for vertex, p in chance.items()}
 
     def _scan(self, sets: dict[int, PathSet], ways: dict[int, list[int]], known: Floats) -> tuple[int, dict[int, float]]:
         champion, *others = _ascending(sets)
