@@ -174,7 +174,7 @@ def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int,
     lines = [line for found, _ in parts for line in found]
     targets = (
         f"{RATE:,.0f} comparisons a second, within {ERRORS:g} standard errors",
-        "shared edges",
+        "the same where edges are shared",
         f"non-dominated sets in {SECONDS:g} s",
     )
     lines += [f"{what}: {'met' if met else 'MISSED'}" for what, met in zip(targets, verdicts, strict=False)]
@@ -182,9 +182,8 @@ def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int,
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        prog="python -m waybound.reports.benchmarks.uncertain_path", description=(__doc__ or "").split("\n")[0]
-    )
+    name = "python -m waybound.reports.benchmarks.uncertain_path"
+    parser = argparse.ArgumentParser(prog=name, description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--comparisons", type=int, default=2000)
     parser.add_argument("--samples", type=int, default=1_000_000)
     parser.add_argument("--graphs", type=int, default=100, help="roadmaps for the non-dominated sets")

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 COLOURS = {
-    "rags": "#332288", "rags-unobserved": "#8877CC", "a-star": "#DDAA33", "greedy": "#CC3377", "d-star-lite": "#117733", "hindsight": "#777777",
+    "rags": "#332288", "rags-unobserved": "#8877CC", "a-star": "#DDAA33", "greedy": "#CC3377", "d-star-lite": "#117733",
+    "hindsight": "#777777",
 }  # fmt: skip
 
 MOST = 99.0
@@ -25,7 +26,7 @@ MOST = 99.0
 
 
 def boxes(walks: pd.DataFrame, path: Path) -> None:
-    """Excess of each method at each level: quartiles, whiskers at 5 and 95 percent, means as diamonds; the axis is linear up to 1 percent."""
+    """Excess of each method: quartiles, whiskers at 5 and 95 percent, means as diamonds; the axis is linear up to 1 percent."""
     figure = _figure(11.0, 3.8)
     levels = list(dict.fromkeys(walks[LEVEL]))
     axes = np.atleast_1d(figure.subplots(1, len(levels), sharey=True))
