@@ -76,9 +76,6 @@ class UncertainPath(Problem):
     def size(self) -> int:
         return self.graph.num_vertices
 
-    def linear_entries(self) -> int:
-        return 2 * self.graph.num_edges
-
     def facts(self) -> dict[str, Any]:
         return {"objective": f"mean + {self.z:.6g} x standard deviation", "risk": self.risk, "graph": self.graph.facts()}
 

@@ -230,17 +230,12 @@ class UncertainGraph:
         return self.tails.astype(np.int64) * self.num_vertices + self.heads
 
     def costs_to(self, vertex: int, costs: Floats) -> Floats:
-        """Least sum of ``costs`` >= 0, one an edge, from each vertex to ``vertex``; infinite where no path leads there (Bellman 1958)."""
-        distance = np.full(self.num_vertices, np.inf)
-        distance[vertex] = 0.0
-        first = self.indptr[:-1][np.diff(self.indptr) > 0]
-        leaving = self.tails[first]
-        for _ in range(self.num_vertices):
-            nearer = np.minimum(distance[leaving], np.minimum.reduceat(costs + distance[self.heads], first)) if len(first) else distance[:0]
-            if (nearer == distance[leaving]).all():
-                break
-            distance[leaving] = nearer
-        return distance
+        """Least sum of ``costs`` >= 0, one an edge, from each vertex to ``vertex``; infinite where no path leads there (Dijkstra 1959)."""
+        from scipy.sparse import csr_matrix
+        from scipy.sparse.csgraph import dijkstra
+
+        backwards = csr_matrix((costs, self.heads, self.indptr), shape=(self.num_vertices,) * 2).T.tocsr()
+        return np.asarray(dijkstra(backwards, indices=vertex))
 
     def seen_from(self, start: int, mean: Floats, variance: Floats) -> UncertainGraph:
         """The same graph from another start, with what is known of its costs now."""

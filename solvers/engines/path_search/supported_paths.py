@@ -104,6 +104,8 @@ def supported_paths(problem: UncertainPath, stop: Stop) -> SupportedPaths:
         if value(*_corner(by_left, by_right)) >= value(best.mean, best.variance) * (1.0 - SAME):
             continue
         less, more = left.variance - right.variance, right.mean - left.mean
+        if less <= 0.0 or more <= 0.0:  # but for rounding, one is no worse than the other
+            continue
         most = max(less, more)
         middle = shortest_path(graph, (less / most, more / most))
         found.append(middle)

@@ -61,7 +61,7 @@ def test_what_cannot_be_is_refused_in_one_line(changes, message):
         made(**changes)
 
 
-def test_least_costs_to_a_vertex_are_bellmans():
+def test_least_costs_to_a_vertex_are_those_of_shortest_paths():
     g = graph_of(WORKED)
     costs = {g.vertex_name(v): cost for v, cost in enumerate(g.costs_to(g.goal, g.mean).tolist())}
     assert costs == {"S": 150.0, "A": 75.0, "G": 0.0, "B": 101.0, "C": 61.0, "D": 33.0, "E": 24.0}
