@@ -41,6 +41,9 @@ POINTS = 16
 HALVINGS = 8
 """Of steps or pieces at most."""
 
+_CUTS = np.array([-REACH, -4.0, -2.0, 0.0, 2.0, 4.0, REACH])
+"""Ends of pieces about a cost, in its standard deviations."""
+
 _TINY, _ROOT = 1e-300, math.sqrt(2.0 * math.pi)
 
 
@@ -177,12 +180,15 @@ def _set_curves(s: PathSet, x: Floats) -> tuple[Floats, Floats]:
     some = variance > 0
     m, d = mean[some], np.sqrt(variance[some])
     fixed = float(mean[~some].min(initial=math.inf))
-    pieces = np.linspace(0.0, 1.0, 1 + math.ceil(2.0 * REACH * spread / (8.0 * min([spread, *d.tolist()]))))
-    nodes, weights = _rule(pieces)
-    low = np.clip(x - fixed, s.first_mean - REACH * spread, s.first_mean + REACH * spread)[:, None]
-    wide = s.first_mean + REACH * spread - low
-    first = low + wide * nodes
-    weights = weights * wide * np.exp(-0.5 * ((first - s.first_mean) / spread) ** 2) / (spread * _ROOT)
+    low, high = s.first_mean - REACH * spread, s.first_mean + REACH * spread
+    cuts = [x[:, None] - about for about in (m[:, None] + d[:, None] * _CUTS[::2]).ravel()]  # where what follows the first edge changes
+    cuts += [np.full((len(x), 1), end) for end in s.first_mean + spread * _CUTS]
+    ends = np.sort(np.clip(np.hstack(cuts), np.clip(x - fixed, low, high)[:, None], high), axis=1)
+    nodes, weights = _gauss(POINTS)
+    half = np.diff(ends, axis=1)[:, :, None] / 2.0
+    first = (ends[:, :-1, None] + half + half * nodes).reshape(len(x), -1)
+    weights = (half * weights).reshape(first.shape)
+    weights = weights * np.exp(-0.5 * ((first - s.first_mean) / spread) ** 2) / (spread * _ROOT)
     survival, density = _curves(m, d, (x[:, None] - first).ravel())
     whole = survival.prod(axis=0)
     changing = (density / np.maximum(survival, _TINY)).sum(axis=0) * whole
@@ -230,7 +236,7 @@ def _nodes(mean: Floats, deviation: Floats, low: float, high: float, end: float,
         step = (high - low) / count
         return low + step * np.arange(count + 1), step
     last = min(high, end)
-    ends = (mean + deviation * np.array([-REACH, -4.0, -2.0, 0.0, 2.0, 4.0, REACH])[:, None]).ravel()
+    ends = (mean + deviation * _CUTS[:, None]).ravel()
     pieces = np.unique(np.clip(np.append(ends, [low, last]), low, last))
     for _ in range(halvings):
         pieces = np.append(np.column_stack([pieces[:-1], (pieces[:-1] + pieces[1:]) / 2.0]).ravel(), pieces[-1])

@@ -177,6 +177,12 @@ def test_first_edges_agree_with_sampling(first_edges, seed):
     assert (np.abs(found - sampled) <= 4.0 * np.sqrt(found * (1 - found) / 200_000) + 1e-9).all()
 
 
+def test_a_narrow_path_beyond_a_shared_first_edge_is_not_missed():
+    first, other = (0.0, 4.0), PathSet.of([(0.3, 2.0)])
+    narrow, known = (cheaper_probability(PathSet.of([(0.0, v), (0.1, 1.0)], first), other, "shared") for v in (1e-12, 0.0))
+    assert narrow == pytest.approx(known, abs=1e-6)
+
+
 def test_sets_that_are_none_are_refused():
     for pairs in ([], [(1, -1)], [(math.nan, 1)]):
         with pytest.raises(InputError, match="a set of paths needs pairs"):
