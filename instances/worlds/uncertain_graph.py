@@ -111,7 +111,8 @@ class UncertainGraphWorld(World):
         arrived = self.path[-1] == self.graph.goal
         excess = np.nan
         if arrived:
-            excess = 100.0 * (self.cost - self.hindsight) / self.hindsight if self.hindsight > 0 else 0.0 if self.cost == 0 else np.inf
+            above = max(self.cost - self.hindsight, 0.0)  # sums in another order
+            excess = 100.0 * above / self.hindsight if self.hindsight > 0 else 0.0 if self.cost == 0 else np.inf
         return {"cost": self.cost, "arrived": float(arrived), "hindsight": self.hindsight, "excess": float(excess)}
 
 

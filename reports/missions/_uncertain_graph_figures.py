@@ -30,6 +30,7 @@ def boxes(walks: pd.DataFrame, path: Path) -> None:
     figure = _figure(11.0, 3.8)
     levels = list(dict.fromkeys(walks[LEVEL]))
     axes = np.atleast_1d(figure.subplots(1, len(levels), sharey=True))
+    most = float(walks.groupby([LEVEL, "method"])["excess"].quantile(0.95).max())
     for ax, level in zip(axes, levels, strict=True):
         own = [walks[(walks[LEVEL] == level) & (walks["method"] == method)]["excess"].to_numpy() for method in METHODS]
         drawn = ax.boxplot(own, whis=(5, 95), showfliers=False, showmeans=True, patch_artist=True, medianprops={"color": "white"})
@@ -37,7 +38,7 @@ def boxes(walks: pd.DataFrame, path: Path) -> None:
             box.set(facecolor=COLOURS[method], edgecolor=COLOURS[method])
             mean.set(marker="D", markersize=4, markerfacecolor="white", markeredgecolor="#222222")
         ax.set_yscale("symlog", linthresh=1.0)
-        ax.set_ylim(bottom=0.0)
+        ax.set_ylim(0.0, max(1.5 * most, 1.0))
         ax.set_xticks(range(1, len(METHODS) + 1), list(METHODS), rotation=30, ha="right")
         _plain(ax, _name(level))
     axes[0].set_ylabel("percent above the cheapest path in hindsight", fontsize=9)
@@ -57,10 +58,10 @@ def histograms(walks: pd.DataFrame, path: Path) -> None:
                 np.minimum(values, most), bins=30, range=(0.0, most), weights=np.full(len(values), 1.0 / len(values)), color=COLOURS[method]
             )
             ax.axvline(values.mean(), color="#222222", linewidth=0.9)
-            _plain(ax, f"{method}, {_name(level)}")
+            _plain(ax, method)
+        row[0].set_ylabel(f"share of walks,\n{_name(level)}", fontsize=9)
     for ax in axes[-1]:
         ax.set_xlabel("excess, percent", fontsize=9)
-    axes[0, 0].set_ylabel("share of walks", fontsize=9)
     _save(figure, path)
 
 

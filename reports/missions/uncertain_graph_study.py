@@ -135,7 +135,9 @@ def study(folder: Path, size: Size) -> str:
         atomic_write(folder / f"walks_{name}.csv", walks.to_csv(index=False))
         figures.boxes(walks, folder / f"{name}.png")
         figures.histograms(walks, folder / f"histograms_{name}.png")
-    figures.walks(folder / "walks.png", variance=size.variances[-1])
+    last = roadmaps[(roadmaps[LEVEL] == size.variances[-1]) & (roadmaps["method"] == "a-star")]
+    worst = last.loc[last["excess"].idxmax()]
+    figures.walks(folder / "walks.png", int(worst["graph"]), int(worst["draw"]), variance=size.variances[-1])
     atomic_write(folder / "summary.md", text)
     return text
 
