@@ -96,8 +96,9 @@ def _least(z: float, planes: list[tuple[float, float, float]]) -> float:
     corners = _corners(sorted([(0.0, 0.0), *lines]))
     cuts = np.array([least, *(v for v in corners if v > least)])
     slopes, sides = np.array([(0.0, 0.0), *lines]).T[:, :, None]
-    terms = sides, slopes * cuts, z * np.sqrt(cuts)
-    worth = terms[0] - terms[1] + terms[2] - 16.0 * _EPS * sum(terms)  # of each half-plane at each cut
+    with np.errstate(over="ignore"):
+        terms = sides, slopes * cuts, z * np.sqrt(cuts)
+        worth = terms[0] - terms[1] + terms[2] - 16.0 * _EPS * sum(terms)  # of each half-plane at each cut
     pieces = np.minimum(worth[:, :-1], worth[:, 1:]).max(axis=0)
     beyond = worth[slopes[:, 0] == 0, -1].max()  # the value only grows where the mean has a floor
     return max(0.0, float(min(pieces.min(initial=math.inf), beyond)))
