@@ -77,10 +77,10 @@ def compare(comparisons: int, samples: int, seed: int) -> tuple[list[str], bool]
     return lines, met and worst <= ERRORS
 
 
-def share(samples: int, seed: int) -> tuple[list[str], bool]:
-    """The first choice on roadmaps, all its paths at once."""
+def share(samples: int, graphs: int, seed: int) -> tuple[list[str], bool]:
+    """The first choice on roadmaps where there is one, all its paths at once."""
     worst, seconds, apart = 0.0, [], []
-    for graph in range(1, 11):
+    for graph in range(1, graphs + 1):
         g = _roadmap(graph, 20.0)
         paths = non_dominated_paths(g).paths
         heads = sorted({path[1] for path in paths})
@@ -169,7 +169,7 @@ def _roadmap(seed: int, variance: float) -> UncertainGraph:
 
 def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int, seed: int) -> tuple[str, bool]:
     """Measure, and say what came out and whether the targets are met."""
-    parts = [compare(comparisons, samples, seed), share(samples, seed), sets(graphs), (policies(walked, draws), True)]
+    parts = [compare(comparisons, samples, seed), share(samples, min(graphs, 10), seed), sets(graphs), (policies(walked, draws), True)]
     verdicts = [met for _, met in parts]
     lines = [line for found, _ in parts for line in found]
     targets = (

@@ -136,7 +136,7 @@ def study(folder: Path, size: Size) -> str:
         figures.boxes(walks, folder / f"{name}.png")
         figures.histograms(walks, folder / f"histograms_{name}.png")
     last = roadmaps[(roadmaps[LEVEL] == size.variances[-1]) & (roadmaps["method"] == "a-star")]
-    worst = last.loc[last["excess"].idxmax()]
+    worst = last.nlargest(1, "excess").iloc[0]
     figures.walks(folder / "walks.png", int(worst["graph"]), int(worst["draw"]), variance=size.variances[-1])
     atomic_write(folder / "summary.md", text)
     return text
