@@ -79,11 +79,6 @@ class UncertainPath(Problem):
     def facts(self) -> dict[str, Any]:
         return {"objective": f"mean + {self.z:.6g} x standard deviation", "risk": self.risk, "graph": self.graph.facts()}
 
-    def moments(self, path: Path) -> tuple[float, float]:
-        """Mean and variance of the cost of a path."""
-        edges = self.graph.edges_of(path)
-        return math.fsum(self.graph.mean[edges]), math.fsum(self.graph.variance[edges])
-
     def value(self, mean: float, variance: float) -> float:
         """The cost at risk of a normal cost."""
         return mean + self.z * math.sqrt(variance)
