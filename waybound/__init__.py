@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
+    from .formulations.risk.uncertain_path import UncertainPath
     from .formulations.routing.members import (
         cvrp,
         makespan_orienteering,
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
         UsageError,
         WayboundError,
     )
+    from .instances.risk.uncertain_graph import UncertainGraph
     from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
     from .instances.routing.travel import Travel
     from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -82,6 +84,7 @@ _MODULES = {
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
     "formulations.programs.exactness": ("Exactness",),
+    "formulations.risk.uncertain_path": ("UncertainPath",),
     "formulations.routing.members": (
         "cvrp",
         "makespan_orienteering",
@@ -127,6 +130,7 @@ _MODULES = {
         "UsageError",
         "WayboundError",
     ),
+    "instances.risk.uncertain_graph": ("UncertainGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
     "instances.selection.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
     "instances.selection.functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
@@ -188,6 +192,8 @@ __all__ = [
     "TotalCost",
     "TotalDuration",
     "Travel",
+    "UncertainGraph",
+    "UncertainPath",
     "UnsupportedError",
     "UsageError",
     "UserFunction",

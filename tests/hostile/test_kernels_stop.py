@@ -14,7 +14,7 @@ import pytest
 from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problem import Problem
+from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -22,6 +22,7 @@ from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAll
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import WayboundError
+from waybound.instances.generating import generate
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -112,6 +113,8 @@ def large(kind: str) -> Problem:
             return routing(200, capacity=200)
         case "distances":
             return routing(6_000, max_distance=6e4)
+        case "roadmap":
+            return problem_from_instance(generate("prm-graph", 1, vertices=3_000))
         case _:
             return routing(1_200, capacity=100)
 
@@ -133,6 +136,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("insertion", "distances", {}),
     ("insertion", "tour", {}),
     ("knapsack-greedy", "knapsack", {"enumerate": 3}),
+    ("least-mean", "roadmap", {}),
     ("knapsack-greedy", "user-knapsack", {}),
     ("lazy-greedy", "winner-takes-all", {}),
     ("local", "bottleneck-lp", {"h": 1000}),
@@ -140,6 +144,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),
     ("lp-rounding", "cardinality", {}),
     ("pure-greedy", "outing", {}),
+    ("rags", "roadmap", {}),
     ("random", "winner-takes-all", {}),
     ("savings", "tsp", {}),
     ("savings", "distances", {}),
@@ -191,7 +196,7 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
         tally["heuristics that were asked to stop"] += 1
 
 
-@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp"])
+@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp", "roadmap"])
 @pytest.mark.parametrize("name", sorted(BOUNDS))
 def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: Any) -> None:
     problem, method, rng = large(kind), BOUNDS[name], np.random.default_rng(8)

@@ -308,5 +308,5 @@ def test_checkers_in_other_units(share: Callable[[int, int], int], tally: Any) -
             found += wrong
             tally["evidence checked in other units"] += len(some)
     assert not found, f"{len(found)}: {found[:5]}"
-    met = set(CHECKERS) - {"quadratic-duals"}  # no family of these has squares
+    met = set(CHECKERS) - {"quadratic-duals", "path-potentials"}  # no family of these has squares, or paths of uncertain cost
     assert share(0, 1) == 0 or kinds >= met, f"never met: {met - kinds}"

@@ -38,6 +38,7 @@ from waybound.solving.bounding import find_bounds
 from .. import random_sensing, sata_cases, selection_problems
 from ..programs import program
 from ..small_routing import small
+from ..uncertain_graphs import WORKED, all_paths, graph_of
 
 NEAR = 1e-6
 """Relative difference up to which a number counts as the true one."""
@@ -164,9 +165,18 @@ def _arrays() -> list[Case]:
     return cases + _cases_of(bent, -3.0, [np.array([1.0, 2.0]), np.array([0.5, 0.0])], proof)
 
 
+def _uncertain_paths() -> list[Case]:
+    cases = []
+    for risk in (0.5, 1e-6):
+        problem = wb.UncertainPath(graph_of(WORKED), risk)
+        best = min(problem.value(*moments) for moments in all_paths(problem.graph).values())
+        cases += _cases_of(problem, best, [problem.answer_of(["S", "A", "G"]), problem.answer_of(["S", "C", "G"])])
+    return cases
+
+
 @cache
 def pool() -> list[Case]:
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *_uncertain_paths()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name
