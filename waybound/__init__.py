@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
+    from .formulations.risk.risky_path import RiskyPath
     from .formulations.routing.members import (
         cvrp,
         makespan_orienteering,
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
         UsageError,
         WayboundError,
     )
+    from .instances.risk.risky_graph import RiskyGraph
     from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
     from .instances.routing.travel import Travel
     from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -109,6 +111,7 @@ _MODULES = {
     "formulations.problem": ("Problem",),
     "formulations.max_min.bottleneck_sata": ("BottleneckSATA",),
     "formulations.max_min.max_min_lp": ("MaxMinLP",),
+    "formulations.risk.risky_path": ("RiskyPath",),
     "formulations.routing.problem": ("RoutingProblem",),
     "formulations.selection.submodular_selection": ("SubmodularSelection",),
     "formulations.selection.winner_takes_all_sata": ("WinnerTakesAllSATA",),
@@ -127,6 +130,7 @@ _MODULES = {
         "UsageError",
         "WayboundError",
     ),
+    "instances.risk.risky_graph": ("RiskyGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
     "instances.selection.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
     "instances.selection.functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
@@ -173,6 +177,8 @@ __all__ = [
     "Problem",
     "Program",
     "Reward",
+    "RiskyGraph",
+    "RiskyPath",
     "Route",
     "Routes",
     "RoutingInstance",
