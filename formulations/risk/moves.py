@@ -110,11 +110,29 @@ class MoveGraph:
         return sp.csr_matrix((np.concatenate([self.hazard, self.begin_hazard]), (rows, columns)), shape=(m + 1, m + 1))
 
     @cached_property
-    def to_moves(self) -> Floats:
-        """Least hazard of a walk from the start that ends with each move, that of the start included: shape (moves + 1,), the start last."""
+    def _reach(self) -> Floats:
         from scipy.sparse.csgraph import dijkstra
 
-        return np.asarray(dijkstra(self._matrix, indices=self.num_moves)) + self.start_hazard
+        return np.asarray(dijkstra(self._matrix, indices=self.num_moves))
+
+    @property
+    def to_moves(self) -> Floats:
+        """Least hazard of a walk from the start that ends with each move, that of the start included: shape (moves + 1,), the start last."""
+        return self._reach + self.start_hazard
+
+    def priced(self, prices: Floats) -> Floats:
+        """Least hazard of a walk from the start that ends with each move, where each state that it comes to costs ``prices`` more.
+
+        Parameters
+        ----------
+        prices : array, shape (states,)
+            Not negative.
+        """
+        from scipy.sparse.csgraph import dijkstra
+
+        dearer = self._matrix.copy()
+        dearer.data = dearer.data + prices[self.graph.head[dearer.indices]]
+        return np.asarray(dijkstra(dearer, indices=self.num_moves))[:-1] + self.start_hazard
 
     def to_states(self) -> Floats:
         """Least hazard of a walk from the start to each state: shape (states,)."""
@@ -150,7 +168,7 @@ class MoveGraph:
         import scipy.sparse as sp
         from scipy.sparse.csgraph import breadth_first_order
 
-        m, reach = self.num_moves, self.to_moves - self.start_hazard
+        m, reach = self.num_moves, self._reach
         entries = self._matrix.tocoo()
         tight = np.isfinite(reach[entries.row]) & (reach[entries.row] + entries.data == reach[entries.col])
         among = sp.csr_matrix((np.ones(int(tight.sum())), (entries.row[tight], entries.col[tight])), shape=(m + 1, m + 1))
@@ -161,10 +179,10 @@ class MoveGraph:
         if state == self.graph.start:
             return (state,)
         into = np.nonzero(self.graph.head == state)[0]
-        into = into[np.isfinite(self.to_moves[into])]
+        into = into[np.isfinite(self._reach[into])]
         if not len(into):
             return None
-        best = into[self.to_moves[into] == self.to_moves[into].min()]
+        best = into[self._reach[into] == self._reach[into].min()]
         return min((self._walk_of(int(move)) for move in best), key=len)
 
     def _walk_of(self, move: int) -> tuple[int, ...]:

@@ -32,6 +32,7 @@ class RiskLabels(Engine):
     one_thread = True
     honours = frozenset({"iterations"})
     options: ClassVar[Mapping[str, Any]] = {}
+    order = 5
     family = "risky-path"
     features = FEATURES
 
@@ -48,9 +49,10 @@ class RiskLabels(Engine):
             return most_reward(problem, stop, options, control)
         found = least_hazard(problem, problem.graph.goals, stop, labels=options.iterations)
         bound = found.hazard if problem.objective == "hazard" else -math.expm1(-found.hazard)
-        statistics = {"labels": found.labels}
+        statistics = {"labels": found.labels, "guarded_states": len(found.guarded)}
         if found.path is not None:
-            return RawResult("optimal", "none", found.path, bound, bound, statistics=statistics)
+            evidence = (found.evidence(),) if found.labels else (problem.moves.evidence(bound),)
+            return RawResult("optimal", "none", found.path, bound, bound, statistics=statistics, evidence=evidence)
         if found.limit == "none":
             return RawResult("infeasible", statistics=statistics, message="no goal can be reached at a risk below 1")
         return RawResult("unknown", found.limit, None, None, bound, statistics=statistics)

@@ -14,6 +14,7 @@ from ...evidence import CHECKERS
 from .following_moves import FollowingMoves, following_moves
 
 if TYPE_CHECKING:
+    from ....instances.risk.risky_graph import RiskyGraph
     from ..risky_path import RiskyPath
 
 Floats = NDArray[np.float64]
@@ -28,7 +29,8 @@ _EPS = float(np.finfo(np.float64).eps)
 def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     """The bound that any potentials prove: what a pair of moves exceeds its hazard by is paid at every move of a path.
 
-    ``potentials`` holds one number a move, null for infinity. Least risk or hazard: the least potential of a move into a goal, or that there
+    ``potentials`` holds one number a move, null for infinity; ``prices``, optional, one number of at least 0 a state, which a path pays once
+    at most, so that hazards may be the larger by them and the bound is the smaller by their sum. Least risk or hazard: the least potential of a move into a goal, or that there
     is no answer where all are infinite. Reward per risk: for each hazard t the rewards of all states that can be reached within it, as many
     as their least hazards leave room for, over the risk of the larger of t and what they take.
 
@@ -46,7 +48,10 @@ def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     pairs = following_moves(graph)
     if pairs is None:
         return nothing
-    reached = _reached(graph.num_states, graph.head, potentials, pairs)
+    prices = np.array(data.get("prices", [0.0] * graph.num_states), dtype=np.float64)
+    if prices.shape != (graph.num_states,) or not (np.isfinite(prices) & (prices >= 0.0)).all():
+        raise InputError("prices must be finite and not negative, one a state", expected=str(graph.num_states), found=str(prices.shape))
+    reached = _reached(graph, potentials, pairs, prices)
     if reached is None:
         return nothing
     reached[graph.start] = pairs.start_hazard
@@ -59,18 +64,20 @@ def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     return _ratio(problem, reached, pairs, float(reached[goals].min()) if goals else 0.0)
 
 
-def _reached(states: int, head: NDArray[np.int32], potentials: Floats, pairs: FollowingMoves) -> Floats | None:
+def _reached(graph: RiskyGraph, potentials: Floats, pairs: FollowingMoves, prices: Floats) -> Floats | None:
     """A lower bound on the hazard of paths to each state; None where the potentials prove none."""
+    head = graph.head
     before = np.where(pairs.earlier >= 0, potentials[pairs.earlier] if len(head) else 0.0, pairs.start_hazard)
     with np.errstate(invalid="ignore"):
-        excess = float(np.nan_to_num(potentials[pairs.later] - (before + pairs.hazard), nan=0.0, posinf=math.inf).max(initial=0.0))
+        excess = float(np.nan_to_num(potentials[pairs.later] - (before + pairs.hazard + prices[head[pairs.later]]), nan=0.0, posinf=math.inf).max(initial=0.0))
     if excess == math.inf:
         return None
     finite = potentials[np.isfinite(potentials)]
     size = float(np.abs(finite).max(initial=pairs.start_hazard if pairs.start_hazard < math.inf else 0.0))
-    low = np.full(states, math.inf)
+    low = np.full(graph.num_states, math.inf)
     np.minimum.at(low, head, potentials)
-    return np.maximum(low - states * (excess + 4.0 * _EPS * size), 0.0)
+    paid = math.fsum(prices.tolist())
+    return np.maximum(low - paid - graph.num_states * (excess + 4.0 * _EPS * (size + paid)), 0.0)
 
 
 def _ratio(problem: RiskyPath, reached: Floats, pairs: FollowingMoves, least: float) -> float:

@@ -15,6 +15,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ....formulations.evidence import Evidence
 from ....formulations.risk.risky_path import Path, RiskyPath
 from ....formulations.stop import Stop
 from .memories import Memories
@@ -37,12 +38,20 @@ class Found:
         Labels that were grown.
     limit : str
         What cut the search short, or ``none``.
+    guarded : frozenset of int
+        States that no walk was let come to twice; of all other walks none has less than ``hazard``.
     """
 
     path: Path | None
     hazard: float
     labels: int
     limit: str = "none"
+    guarded: frozenset[int] = frozenset()
+
+    def evidence(self) -> Evidence:
+        """What proves ``hazard``: the states that walks must not repeat to have no less."""
+        most = self.hazard if math.isfinite(self.hazard) else None
+        return Evidence("guarded-walks", "walks with memory", self.hazard, {"guarded": sorted(self.guarded), "most": most})
 
 
 def least_hazard(
@@ -80,7 +89,7 @@ def least_hazard(
         walk, hazard, limit = search.run(guarded)
         twice = frozenset(state for state in walk if walk.count(state) > 1) if walk is not None else frozenset()
         if walk is None or not twice:
-            return Found(walk, hazard, search.grown, limit)
+            return Found(walk, hazard, search.grown, limit, guarded)
         guarded |= twice
 
 
