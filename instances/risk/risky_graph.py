@@ -113,11 +113,11 @@ class RiskyGraph:
             boxes = boxes_of(self.obstacles)
             put("obstacles", boxes.reshape(len(boxes), -1) if len(boxes) else None)
         put("elements", tuple(self.elements))
-        labels = [element.label for element in self.elements]
-        for k, element in enumerate(self.elements):
+        labels: set[str] = set()
+        for element in self.elements:
             if not isinstance(element, RiskElement):
                 raise InputError("elements must be risk elements", found=type(element).__name__)
-            if element.label in labels[:k]:
+            if element.label in labels or labels.add(element.label):  # type: ignore[func-returns-value]
                 raise InputError(f"two risk elements are labelled {shown(element.label)}", expected="different labels")
             element.check(self)
         if not self.conditional:

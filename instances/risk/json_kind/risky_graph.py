@@ -154,9 +154,9 @@ def _decoded(data: Any, path: str, states: int) -> RiskElement:
     given = {key: read(data[key], f"{path}.{key}", states) for key, read in readers.items() if key in data}
     if "label" in data:
         given["label"] = string(data["label"], f"{path}.label")
-    if tethered:
-        given["tether"] = Tether(**{key: read(data[key], f"{path}.{key}", states) for key, read in tethered.items() if key in data})
     try:
+        if tethered:
+            given["tether"] = Tether(**{key: read(data[key], f"{path}.{key}", states) for key, read in tethered.items() if key in data})
         return make(**given)
     except TypeError as fault:
         raise InputError(f"{path} is incomplete: {str(fault).partition('__init__() ')[2]}") from None
