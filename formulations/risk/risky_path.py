@@ -142,12 +142,13 @@ class RiskyPath(Problem):
             checklist.test("moves", there not in g.neighbours(here), f"no move leads from {name(here)} to {name(there)}")
         for k, state in enumerate(path):
             checklist.test("simple", state in path[:k], f"the path comes to {name(state)} again")
-        risks = self.risks(path) if not checklist.violations else {}
+        walkable = all(violation.check != "moves" for violation in checklist.violations)
+        risks = self.risks(path) if walkable else {}
         hazards = {label: hazard_of(values) for label, values in risks.items()}
-        hazard = math.fsum(hazards.values())
-        checklist.test("passable", hazard == math.inf, "no path gets through alive: a risk on it is 1")
+        hazard = math.fsum(hazards.values()) if walkable else math.inf
+        checklist.test("passable", walkable and hazard == math.inf, "nobody gets through alive: a risk on the path is 1")
         risk, reward = -math.expm1(-hazard), self._reward(path)
-        if self.objective == "reward-per-risk" and risks:
+        if self.objective == "reward-per-risk":
             worth = "0/0" if reward == 0.0 else f"{reward:.9g}/0"
             checklist.test("ratio", risk == 0.0, f"the path has no risk, so that its reward per risk, {worth}, is not a number")
         each = [r for values in risks.values() for r in values]
