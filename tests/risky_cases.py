@@ -36,7 +36,13 @@ def hazardous(cost: float) -> float:
 
 
 def graph(
-    arcs: Sequence[tuple[int, int]], elements: Iterable[RiskElement], *, states: int = 0, start: int = 0, conditional: bool = True, **given: Any
+    arcs: Sequence[tuple[int, int]],
+    elements: Iterable[RiskElement],
+    *,
+    states: int = 0,
+    start: int = 0,
+    conditional: bool = True,
+    **given: Any,
 ) -> RiskyGraph:
     """A graph of a list of moves."""
     tail, head = np.array(arcs, dtype=np.int64).reshape(-1, 2).T
@@ -64,7 +70,7 @@ def table_3_1() -> RiskyPath:
 
 
 def ring(goal: tuple[int, int] = (0, 2), objective: str = "risk") -> RiskyPath:
-    """Nine cells (x, y) without (0, 1): the way to a corner passes a cell by another way than the best one there. Hazards are twentieths."""
+    """Nine cells (x, y) without (0, 1): the way to a corner passes a cell by another way than the best one there. Hazards in twentieths."""
     cells = [(x, y) for x in range(3) for y in range(3) if (x, y) != (0, 1)]
     arcs = [(a, b) for a, p in enumerate(cells) for b, q in enumerate(cells) if abs(p[0] - q[0]) + abs(p[1] - q[1]) == 1]
     locale = np.zeros(8)
@@ -72,8 +78,8 @@ def ring(goal: tuple[int, int] = (0, 2), objective: str = "risk") -> RiskyPath:
     elements = (LocaleRisk(locale), LengthRisk(1 / 20), TurnRisk(hazardous(2 / 20) / 2, "angle"))
     return RiskyPath(
         graph(
-            arcs, elements, start=cells.index((0, 0)), goals=(cells.index(goal),), objective=objective, positions=np.array(cells, dtype=float),
-            state_names=tuple(f"{x}{y}" for x, y in cells),
+            arcs, elements, start=cells.index((0, 0)), goals=(cells.index(goal),), objective=objective,
+            positions=np.array(cells, dtype=float), state_names=tuple(f"{x}{y}" for x, y in cells),
         )
     )  # fmt: skip
 
@@ -87,7 +93,9 @@ def _lettered(letters: str, moves: Sequence[str], elements: Callable[[dict[str, 
               goal: str, objective: str) -> RiskyPath:  # fmt: skip
     at = {letter: k for k, letter in enumerate(letters)}
     tail, head = [at[m[0]] for m in moves], [at[m[1]] for m in moves]
-    made = graph(list(zip(tail, head, strict=True)), elements(at, tail, head), goals=(at[goal],), objective=objective, state_names=tuple(letters))
+    made = graph(
+        list(zip(tail, head, strict=True)), elements(at, tail, head), goals=(at[goal],), objective=objective, state_names=tuple(letters)
+    )
     return RiskyPath(made)
 
 
@@ -152,9 +160,9 @@ def random_map(rng: np.random.Generator, side: int = 3, *, muddy: bool = False, 
     grid = OccupancyGrid(np.zeros((side, side), dtype=bool))
     n = side * side
     tail, head = grid.arcs(4)
-    elements: list[RiskElement] = [
-        LocaleRisk(rng.choice([0, 0.01, 0.02, 0.04, 0.1, 0.2], n)), LengthRisk(0.03, "linear"), TurnRisk(0.1, "norm"),
-    ]  # fmt: skip
+    risks = rng.choice([0, 0.01, 0.02, 0.04, 0.1, 0.2], n)
+    risks[0] = 0.01
+    elements: list[RiskElement] = [LocaleRisk(risks), LengthRisk(0.03, "linear"), TurnRisk(0.1, "norm")]
     if muddy:
         wet = rng.random(n) < 0.4
         elements.append(CollectedRisk(wet, np.array([np.zeros(n), np.where(wet, 0.4, 0.0)]), "mud"))

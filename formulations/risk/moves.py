@@ -117,7 +117,7 @@ class MoveGraph:
 
     @property
     def to_moves(self) -> Floats:
-        """Least hazard of a walk from the start that ends with each move, that of the start included: shape (moves + 1,), the start last."""
+        """Least hazard of a walk from the start that ends with each move, that of the start included; the start last."""
         return self._reach + self.start_hazard
 
     def priced(self, prices: Floats) -> Floats:
@@ -192,11 +192,14 @@ class MoveGraph:
             move = int(self._walks[move])
         return (self.graph.start, *reversed(states))
 
-    def free_path(self, states: Indices) -> tuple[int, ...] | None:
+    def free_path(self, states: Sequence[int]) -> tuple[int, ...] | None:
         """A path without repetition to one of ``states`` at no risk, if the walks of least hazard hold one."""
         if self.start_hazard > 0.0 or self.graph.traverse:
             return None
-        for state in states[self.to_states()[states] == 0.0].tolist():
+        reach = self.to_states()
+        for state in states:
+            if reach[state] > 0.0:
+                continue
             walk = self.walk(state)
             if walk is not None and len(set(walk)) == len(walk):
                 return walk

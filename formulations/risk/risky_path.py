@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -34,20 +35,21 @@ CHECKS = ("start", "end", "moves", "simple", "passable", "ratio")
 class RiskyPath(Problem):
     """A path without repetition from a start, at the least risk of not being finished, or with the most reward per risk.
 
-    The risk of a path is ``1 - prod (1 - r)`` over its states and the risk elements, each conditional on what came before. An answer is a tuple
-    of state numbers.
+    The risk of a path is ``1 - prod (1 - r)`` over its states and the risk elements, each conditional on what came before. An answer is a
+    tuple of state numbers.
 
     Parameters
     ----------
     graph : RiskyGraph
     objective : str, optional
-        ``risk``: least risk at a goal. ``hazard``: the same order, as ``-ln(1 - risk)``, which adds up along a path. ``reward-per-risk``: most
-        reward collected per risk, at a goal or, without goals, anywhere. That of the graph by default.
+        ``risk``: least risk at a goal. ``hazard``: the same order, as ``-ln(1 - risk)``, which adds up along a path. ``reward-per-risk``:
+        most reward collected per risk, at a goal or, without goals, anywhere. That of the graph by default.
 
     Raises
     ------
     InputError
-        If the least risk of no goal is asked for, or there is nothing to reward, or a reward without any risk: then no ratio is the largest.
+        If the least risk of no goal is asked for, or there is nothing to reward, or a reward without any risk, so that no ratio is the
+        largest.
 
     Notes
     -----
@@ -71,7 +73,7 @@ class RiskyPath(Problem):
     def _check_ratio(self) -> None:
         if not self.rewards.any():
             raise InputError("reward per risk needs a state with a reward: without one it is 0, or 0/0, wherever a path leads")
-        free = self.moves.free_path(np.nonzero(self.rewards)[0])
+        free = self.moves.free_path(self.graph.goals or np.nonzero(self.rewards)[0].tolist())
         if free is not None and self._reward(free) > 0.0:
             way = " ".join(map(self.graph.state_name, free[-5:]))
             raise InputError(f"reward per risk has no maximum: a reward is reached without risk, by {'... ' if len(free) > 5 else ''}{way}")
@@ -126,7 +128,7 @@ class RiskyPath(Problem):
             return made
         memory, risk = element.begin(self.graph, after[0])
         risks = [risk]
-        for here, there in zip(after, after[1:], strict=False):
+        for here, there in itertools.pairwise(after):
             memory, risk = element.step(self.graph, memory, here, there)
             risks.append(risk)
         return risks
@@ -138,7 +140,7 @@ class RiskyPath(Problem):
         checklist.test("start", path[0] != g.start, f"the path begins at {name(path[0])}, not at {name(g.start)}")
         if g.goals:
             checklist.test("end", path[-1] not in g.goals, f"the path ends at {name(path[-1])}, which is no goal")
-        for here, there in zip(path, path[1:], strict=False):
+        for here, there in itertools.pairwise(path):
             checklist.test("moves", there not in g.neighbours(here), f"no move leads from {name(here)} to {name(there)}")
         for k, state in enumerate(path):
             checklist.test("simple", state in path[:k], f"the path comes to {name(state)} again")
@@ -157,7 +159,7 @@ class RiskyPath(Problem):
         if self.rewards.any():
             quantities |= {"reward": reward, "reward per risk": ratio}
         if g.positions is not None:
-            quantities["length"] = math.fsum(math.dist(g.positions[a], g.positions[b]) for a, b in zip(path, path[1:], strict=False))
+            quantities["length"] = math.fsum(math.dist(g.positions[a], g.positions[b]) for a, b in itertools.pairwise(path))
         quantities |= {f"risk of {label}": -math.expm1(-value) for label, value in hazards.items()}
         value = {"risk": risk, "hazard": hazard, "reward-per-risk": ratio}[self.objective]
         return Evaluation((value,), self._checks(checklist), tuple(checklist.violations), quantities)
@@ -180,7 +182,9 @@ class RiskyPath(Problem):
             raise InputError("an answer is a tuple of one or more states", found=shown(str(answer)))
         for state in answer:
             if not 0 <= state < self.graph.num_states:
-                raise InputError("the path names a state that does not exist", expected=f"0 to {self.graph.num_states - 1}", found=str(state))
+                raise InputError(
+                    "the path names a state that does not exist", expected=f"0 to {self.graph.num_states - 1}", found=str(state)
+                )
         return tuple(int(s) for s in answer)
 
     # -- no answer -----------------------------------------------------------------------------------------------------------

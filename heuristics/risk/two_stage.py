@@ -28,8 +28,8 @@ def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     -------
     Outcome
         A path, with a guarantee where risks are of locale and action elements alone and no walk of least risk comes to a state twice: the
-        optimum where the last reward alone counts; where all count and the end is free, the total reward over the least that is collected on
-        the way to any state with one.
+        optimum where the last reward alone counts; where all count and the end is free, the total reward over the least that is collected
+        on the way to any state with one.
 
     Raises
     ------
@@ -80,6 +80,6 @@ HEURISTICS.add(
         features=frozenset({"objective:reward-per-risk", "goals", "any-end", "locale-risk", "action-risk", "traverse-risk"}),
         run=run,
         summary="best reward per risk among the least risky paths to all states",
-        stated="the total reward over the least on a least risky path to a reward (1 where the last reward alone counts), without traverse risks",
+        stated="all rewards over the least on a least risky path to one (1 where the last alone counts), without traverse risks",
     ),
 )

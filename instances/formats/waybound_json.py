@@ -53,8 +53,8 @@ FORMATS.add(
     "json",
     Format(
         "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",), "",
-        ("tsp", "cvrp", "vrptw", "min-cost-vrp", "bottleneck", "bottleneck-lp", "winner-takes-all", "selection", "max-min-lp", "risky-path"),
-        "exact",
+        ("tsp", "cvrp", "vrptw", "min-cost-vrp", "bottleneck", "bottleneck-lp", "winner-takes-all", "selection", "max-min-lp",
+         "risky-path"), "exact",
         sense="of the problem", answer="of the problem", kinds=("routing", "sensing", "selection", "max-min", "risky-graph"),
     ),
 )  # fmt: skip

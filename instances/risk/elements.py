@@ -366,7 +366,7 @@ class CollectedRisk(TraverseElement):
         return min(memory + bool(self.collects[after]), len(self.risk) - 1), float(self.risk[memory, after])
 
     def no_worse(self, memory: int, other: int) -> bool:
-        return memory <= other if self._grows else memory == other  # type: ignore[attr-defined, no-any-return]
+        return memory <= other if self._grows else memory == other  # type: ignore[attr-defined]
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         return np.asarray(self.risk.min(axis=0)[after])
@@ -461,7 +461,7 @@ class TetherRisk(TraverseElement):
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         straight = np.linalg.norm(_placed(self, space)[after] - self.tether.reel, axis=-1)
-        return np.minimum(1.0, self.length_rate * straight * (1.0 - 1e-12))
+        return np.asarray(np.minimum(1.0, self.length_rate * straight * (1.0 - 1e-12)))
 
 
 class FunctionRisk(TraverseElement):

@@ -58,7 +58,7 @@ def blocked(start: ArrayLike, end: ArrayLike, boxes: Floats) -> Flags:
     enter = np.where(flat, np.where(inside, -np.inf, np.inf), np.minimum(low, high))
     leave = np.where(flat, np.where(inside, np.inf, -np.inf), np.maximum(low, high))
     first, last = np.maximum(enter.max(axis=2), 0.0), np.minimum(leave.min(axis=2), 1.0)
-    through = (last - first > _GRAZE).any(axis=1)
+    through: Flags = (last - first > _GRAZE).any(axis=1)
     for k in np.nonzero(~through & flat[:, 0].any(axis=1) & ~(flat[:, 0].all(axis=1)))[0].tolist():
         through[k] = _along_a_seam(a[k], b[k], boxes)
     return through

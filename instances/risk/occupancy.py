@@ -39,7 +39,7 @@ def faded(values: ArrayLike, low: float, high: float, most: float) -> Floats:
         raise InputError("risks fade from a smaller to a larger value", found=f"{low:g} to {high:g}")
     if not 0.0 <= most <= 1.0:
         raise InputError("a risk must lie in [0, 1]", found=f"{most:g}")
-    return most * np.clip((high - np.asarray(values, dtype=np.float64)) / (high - low), 0.0, 1.0)
+    return np.asarray(most * np.clip((high - np.asarray(values, dtype=np.float64)) / (high - low), 0.0, 1.0))
 
 
 def classed(values: ArrayLike, granular: float, restricted: float, habitable: float = 0.0) -> Floats:
@@ -51,7 +51,7 @@ def classed(values: ArrayLike, granular: float, restricted: float, habitable: fl
 def elevation(reel: ArrayLike, positions: ArrayLike) -> Floats:
     """Degrees above the horizon at which a reel sees each position, of which the last coordinate is the height; 90 is the singularity."""
     way = np.asarray(positions, dtype=np.float64) - np.asarray(reel, dtype=np.float64)
-    return np.degrees(np.arctan2(way[:, -1], np.linalg.norm(way[:, :-1], axis=1)))
+    return np.asarray(np.degrees(np.arctan2(way[:, -1], np.linalg.norm(way[:, :-1], axis=1))), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class OccupancyGrid:
     @property
     def positions(self) -> Floats:
         """Centres of the free cells: shape (states, dimensions), x first."""
-        return (self.cells[:, ::-1] + 0.5) * self.cell
+        return np.asarray((self.cells[:, ::-1] + 0.5) * self.cell, dtype=np.float64)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -128,7 +128,7 @@ class OccupancyGrid:
         if free.all():
             return np.full(len(self.cells), math.inf)
         far = np.asarray(distance_transform_edt(free, sampling=self.cell))
-        return far[tuple((self.cells + int(edges)).T)]
+        return np.asarray(far[tuple((self.cells + int(edges)).T)])
 
     def scale(self, size: float) -> Floats:
         """Width of the narrowest way through each state along an axis, in sizes of the vehicle: shape (states,).
@@ -144,10 +144,10 @@ class OccupancyGrid:
             below = np.maximum.accumulate(np.where(grid, at, -1), axis=-1)
             above = np.flip(np.minimum.accumulate(np.flip(np.where(grid, at, grid.shape[-1]), -1), axis=-1), -1)
             least = np.minimum(least, np.moveaxis(above - below - 1, -1, axis))
-        return least[tuple(self.cells.T)] * self.cell / size
+        return np.asarray(least[tuple(self.cells.T)] * self.cell / size)
 
     def visibility(self, rays: int = 16) -> Floats:
-        """Mean length of ``rays`` isovists of each state, evenly spread from the direction of x: shape (states,). Maps in the plane only."""
+        """Mean length of ``rays`` isovists of each state of a map in the plane, evenly spread from the direction of x: shape (states,)."""
         if self.occupied.ndim != 2:
             raise InputError("isovists are drawn in the plane", found=f"shape {self.occupied.shape}")
         if not 1 <= rays <= 3600:

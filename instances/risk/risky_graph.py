@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import networkx as nx
 
 Floats = NDArray[np.float64]
-Indices = NDArray[np.int32]
+Indices = NDArray[np.integer[Any]]
 
 OBJECTIVES = ("risk", "hazard", "reward-per-risk")
 
@@ -39,8 +39,8 @@ class RiskyGraph:
     start : int
         The first state; its risk counts.
     conditional : bool
-        Whether risks are given as probabilities under the condition that nothing failed before, whose product is exact; else the product holds
-        for independent failures only, and answers are told so.
+        Whether risks are given as probabilities under the condition that nothing failed before, whose product is exact; else the product
+        holds for independent failures only, and answers are told so.
     goals : sequence of int
         Where a path may end; none stands for anywhere, the start alone included.
     rewards : array-like, shape (states,), optional
@@ -77,7 +77,9 @@ class RiskyGraph:
     notes: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
-        put = lambda key, value: object.__setattr__(self, key, value)  # noqa: E731
+        def put(key: str, value: Any) -> None:
+            object.__setattr__(self, key, value)
+
         n = arrays.size("states", self.num_states)
         if n == 0:
             raise InputError("there must be at least one state")

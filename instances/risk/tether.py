@@ -5,6 +5,7 @@ Source: Xiao (2019), algorithm 4 with its gaps filled; docs/formulations/risky-p
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -88,7 +89,7 @@ class Tether:
         if contacts is None:
             raise InputError("the first waypoint cannot be seen from the reel", found=str(tuple(waypoints[0])))
         made = [(contacts, self.length(contacts, waypoints[0]))]
-        for before, after in zip(waypoints, waypoints[1:], strict=False):
+        for before, after in itertools.pairwise(waypoints):
             contacts = self.moved(contacts, before, after)
             if contacts is None:
                 raise InputError(f"no tether can follow the move to {tuple(after)}: it leads through an obstacle")

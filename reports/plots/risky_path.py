@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,7 +72,7 @@ def _map(ax: Any, problem: RiskyPath, path: Any, risk: Any) -> None:
         ax.scatter(*at[rewarding].T, s=sizes, facecolors="none", edgecolors=COLOURS[2], linewidths=1.2, zorder=3)
     route = at[list(path)]
     if len(route) > 1:
-        lines = LineCollection(list(zip(route, route[1:], strict=False)), cmap="viridis_r", linewidths=3.0, zorder=4, capstyle="round")
+        lines = LineCollection(list(itertools.pairwise(route)), cmap="viridis_r", linewidths=3.0, zorder=4, capstyle="round")
         lines.set_array(risk[1:])
         ax.add_collection(lines)
         ax.figure.colorbar(lines, ax=ax, shrink=0.7, label="risk until then")

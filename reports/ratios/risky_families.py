@@ -34,9 +34,7 @@ def random_map(rng: Rng, name: str, *, rewards: bool, discount: float = 1.0) -> 
     goals = () if rewards else (int(rng.integers(1, n)),)
     while goals and not np.isin(head, goals).any():
         goals = (int(rng.integers(1, n)),)
-    return RiskyPath(
-        RiskyGraph(n, tail, head, elements, 0, True, goals, given, discount, positions=grid.positions, name=name)  # type: ignore[arg-type]
-    )
+    return RiskyPath(RiskyGraph(n, tail, head, elements, 0, True, goals, given, discount, positions=grid.positions, name=name))
 
 
 def enumerated(problem: RiskyPath) -> Case:
@@ -72,7 +70,7 @@ def rewarded(discount: float) -> Family:
 def _decoy(share: float) -> Case:
     """Two ways to an end, the one with the reward at a little more risk: two stages see the other one alone."""
     elements = (LocaleRisk(np.array([0.0, 0.1, 0.1 + 1e-6, 0.0])),)
-    graph = RiskyGraph(4, [0, 0, 1, 2], [1, 2, 3, 3], elements, 0, True, rewards=[0.0, 0.0, 1.0, share], name=f"decoy-{share:g}")  # type: ignore[arg-type]
+    graph = RiskyGraph(4, [0, 0, 1, 2], [1, 2, 3, 3], elements, 0, True, rewards=[0.0, 0.0, 1.0, share], name=f"decoy-{share:g}")
     return enumerated(RiskyPath(graph))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from ...formulations.problem import Problem
-from ...formulations.risk.risky_path import RiskyPath
+from ...formulations.risk.risky_path import RiskyPath, unreachable
 from ...formulations.stop import Stop
 from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
@@ -54,5 +54,7 @@ class RiskLabels(Engine):
             evidence = (found.evidence(),) if found.labels else (problem.moves.evidence(bound),)
             return RawResult("optimal", "none", found.path, bound, bound, statistics=statistics, evidence=evidence)
         if found.limit == "none":
-            return RawResult("infeasible", statistics=statistics, message="no goal can be reached at a risk below 1")
+            proof = unreachable(problem) or found.evidence()
+            message = "no goal can be reached at a risk below 1"
+            return RawResult("infeasible", statistics=statistics, message=message, evidence=(proof,))
         return RawResult("unknown", found.limit, None, None, bound, statistics=statistics)

@@ -1,7 +1,7 @@
 """Evidence ``guarded-walks``: the least hazard of walks that come to some states once at most, found again by the checker.
 
-Paths without repetition are such walks, whatever states are guarded. What traverse elements remember of a walk is kept beside its last move,
-so that their risks count in full.
+Paths without repetition are such walks, whatever states are guarded. What traverse elements remember of a walk is kept beside its last
+move, so that their risks count in full.
 """
 
 from __future__ import annotations

@@ -29,10 +29,11 @@ _EPS = float(np.finfo(np.float64).eps)
 def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     """The bound that any potentials prove: what a pair of moves exceeds its hazard by is paid at every move of a path.
 
-    ``potentials`` holds one number a move, null for infinity; ``prices``, optional, one number of at least 0 a state, which a path pays once
-    at most, so that hazards may be the larger by them and the bound is the smaller by their sum. Least risk or hazard: the least potential of a move into a goal, or that there
-    is no answer where all are infinite. Reward per risk: for each hazard t the rewards of all states that can be reached within it, as many
-    as their least hazards leave room for, over the risk of the larger of t and what they take.
+    ``potentials`` holds one number a move, null for infinity; ``prices``, optional, one number of at least 0 a state, which a path pays
+    once at most, so that hazards may be the larger by them and the bound is the smaller by their sum. Least risk or hazard: the least
+    potential of a move into a goal, or that there is no answer where all are infinite. Reward per risk: for each hazard t the rewards of
+    all states that can be reached within it, as many as their least hazards leave room for, over the risk of the larger of t and what they
+    take.
 
     Notes
     -----
@@ -69,7 +70,11 @@ def _reached(graph: RiskyGraph, potentials: Floats, pairs: FollowingMoves, price
     head = graph.head
     before = np.where(pairs.earlier >= 0, potentials[pairs.earlier] if len(head) else 0.0, pairs.start_hazard)
     with np.errstate(invalid="ignore"):
-        excess = float(np.nan_to_num(potentials[pairs.later] - (before + pairs.hazard + prices[head[pairs.later]]), nan=0.0, posinf=math.inf).max(initial=0.0))
+        excess = float(
+            np.nan_to_num(potentials[pairs.later] - (before + pairs.hazard + prices[head[pairs.later]]), nan=0.0, posinf=math.inf).max(
+                initial=0.0
+            )
+        )
     if excess == math.inf:
         return None
     finite = potentials[np.isfinite(potentials)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -68,10 +69,10 @@ def build(problem: RiskyPath) -> Compiled:
     def encode(answer: Any) -> Floats:
         numbers = {ends: k for k, ends in enumerate(zip(graph.tail.tolist(), graph.head.tolist(), strict=True))}
         try:
-            taken = [numbers[pair] for pair in zip(answer, answer[1:], strict=False)]
+            taken = [numbers[pair] for pair in itertools.pairwise(answer)]
         except KeyError as fault:
             raise InputError(f"no move leads along {fault}") from None
-        pairs = set(zip(taken, taken[1:], strict=False))
+        pairs = set(itertools.pairwise(taken))
         x = np.zeros(place)
         x[begin] = moves.begin == taken[0] if taken else 0.0
         x[follow] = [pair in pairs for pair in zip(moves.first.tolist(), moves.second.tolist(), strict=True)]

@@ -68,7 +68,7 @@ def elements_of(settings: Settings, obstacles: Any, spacing: float | None) -> li
         made.append(at_line(settings, "turn", lambda: TurnRisk(turn, measure or "angle")))
     if "travelled" in settings:
         way, _ = numbers_of(settings, "travelled", 1, 2)
-        made.append(at_line(settings, "travelled", lambda: TravelledRisk(*way)))
+        made.append(at_line(settings, "travelled", lambda: TravelledRisk(way[0], way[1] if len(way) > 1 else 0.0)))
     if "tether" in settings:
         (x, y, long, contact), _ = numbers_of(settings, "tether", 4, 4)
         made.append(at_line(settings, "tether", lambda: TetherRisk(Tether((x, y), obstacles, spacing), long, contact)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...formats import FORMATS, Format
@@ -31,8 +32,8 @@ def read(text: str, path: Path) -> RiskyGraph:
     """The instance; see ``Format.read``."""
     settings, first = settings_of(text, KEYS, ("a map",))
     drawn, lines = _cells(text, first)
-    cell = at_line(settings, "cell", lambda: OccupancyGrid(drawn == "@", numbers_of(settings, "cell", 1, 1)[0][0])).cell if "cell" in settings else 1.0  # fmt: skip
-    grid = OccupancyGrid(drawn == "@", cell)
+    occupied, cell = drawn == "@", numbers_of(settings, "cell", 1, 1)[0][0] if "cell" in settings else 1.0
+    grid = at_line(settings, "cell", lambda: OccupancyGrid(occupied, cell)) if "cell" in settings else OccupancyGrid(occupied)
     marks = drawn[tuple(grid.cells.T)]
     (start,) = _one(np.nonzero(marks == "S")[0].tolist(), lines)
     neighbours = int(numbers_of(settings, "connectivity", 1, 1)[0][0]) if "connectivity" in settings else 8
@@ -45,13 +46,13 @@ def read(text: str, path: Path) -> RiskyGraph:
         elements.append(at_line(settings, "mud", lambda: CollectedRisk(muddy, table, "mud")))
     rewards = np.array([float(mark) if mark.isdigit() else 0.0 for mark in marks.tolist()])
     return RiskyGraph(
-        len(marks), tail, head, tuple(elements), start, goals=tuple(np.nonzero(marks == "G")[0].tolist()), rewards=rewards,  # type: ignore[arg-type]
+        len(marks), tail, head, tuple(elements), start, goals=tuple(np.nonzero(marks == "G")[0].tolist()), rewards=rewards,
         positions=grid.positions, obstacles=grid.boxes, state_names=grid.names, format="risk-map",
         name=label(settings["name"][1] if "name" in settings else path.stem), **graph_settings(settings),
     )  # fmt: skip
 
 
-def _cells(text: str, first: int) -> tuple[np.ndarray, int]:  # type: ignore[type-arg]
+def _cells(text: str, first: int) -> tuple[NDArray[np.str_], int]:
     """Characters of the map, the lowest row first, and the line in which it begins."""
     rows = [line.rstrip() for line in text.split("\n")[first:]]
     while rows and not rows[-1]:

@@ -7,8 +7,10 @@ column.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...formats import FORMATS, Format
@@ -17,6 +19,9 @@ from ...text import label, number, shown
 from ..elements import LocaleRisk
 from ..risky_graph import RiskyGraph, named_states
 from ._settings import COMMON, elements_of, graph_settings, numbers_of
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.integer[Any]]
 
 KEYS = (*COMMON, "reach", "start", "goals")
 AXES = ("easting", "northing", "height")
@@ -57,18 +62,18 @@ def read(text: str, path: Path) -> RiskyGraph:
     if len(ends["start"]) != 1:
         raise InputError("there must be one start", line=settings["start"][0], found=str(len(ends["start"])))
     return RiskyGraph(
-        len(names), tail, head, (*elements, *elements_of(settings, [], None)), ends["start"][0],  # type: ignore[arg-type]
+        len(names), tail, head, (*elements, *elements_of(settings, [], None)), ends["start"][0],
         goals=ends.get("goals", ()), rewards=_numbers(table, "reward") if table.column("reward") is not None else None,
         positions=positions, state_names=tuple(names), format="risk-states",
         name=label(settings["name"][1] if "name" in settings else path.stem), **graph_settings(settings),
     )  # fmt: skip
 
 
-def _numbers(table: Table, title: str) -> np.ndarray:  # type: ignore[type-arg]
+def _numbers(table: Table, title: str) -> Floats:
     return np.array([number(cell, line, title) for cell, line in zip(table.column(title) or [], table.at, strict=True)])
 
 
-def _probabilities(table: Table, title: str) -> np.ndarray:  # type: ignore[type-arg]
+def _probabilities(table: Table, title: str) -> Floats:
     risk = _numbers(table, title)
     wrong = ~((risk >= 0.0) & (risk <= 1.0))
     if wrong.any():
@@ -77,7 +82,7 @@ def _probabilities(table: Table, title: str) -> np.ndarray:  # type: ignore[type
     return risk
 
 
-def _within(positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]
+def _within(positions: Floats, reach: float) -> tuple[Indices, Indices]:
     """Pairs of states no farther apart than ``reach``, both ways."""
     from scipy.spatial import cKDTree
 

@@ -70,7 +70,7 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> Instance:
         n, tail, head, tuple(elements), start, True, () if settings["rewards"] else (goal,), rewards, settings["discount"],
         positions=grid.positions, obstacles=grid.boxes, state_names=grid.names, format="generated",
         name=settings["name"] or f"risky-grid-{rows}x{columns}-s{settings['seed']}",
-    )  # type: ignore[arg-type]  # fmt: skip
+    )  # fmt: skip
 
 
 def _blocks(draw: Draw, rows: int, columns: int, share: float, block: int, connectivity: int) -> Any:

@@ -132,7 +132,7 @@ def decode(data: dict[str, Any]) -> RiskyGraph:
     if not isinstance(data["conditional"], bool):
         raise InputError("conditional must be true or false", found=kind_of(data["conditional"]))
     return RiskyGraph(
-        count, tail, wholes(moves["head"], "moves.head", len(tail)),  # type: ignore[arg-type]
+        count, tail, wholes(moves["head"], "moves.head", len(tail)),
         tuple(_decoded(item, f"elements[{k}]", count) for k, item in enumerate(array(data["elements"], "elements"))),
         integer(data["start"], "start", 0), data["conditional"], tuple(wholes(data.get("goals", []), "goals").tolist()),
         reals(states["reward"], "states.reward", count) if "reward" in states else None, real(data.get("discount", 1), "discount"),

@@ -14,6 +14,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from ....formulations.evidence import Evidence
 from ....formulations.risk.risky_path import Path, RiskyPath
@@ -55,7 +56,12 @@ class Found:
 
 
 def least_hazard(
-    problem: RiskyPath, goals: Sequence[int], stop: Stop, memories: Memories | None = None, most: float = math.inf, labels: int | None = None
+    problem: RiskyPath,
+    goals: Sequence[int],
+    stop: Stop,
+    memories: Memories | None = None,
+    most: float = math.inf,
+    labels: int | None = None,
 ) -> Found:
     """A path without repetition of least hazard to one of ``goals``.
 
@@ -108,7 +114,9 @@ class _Search:
         bit = {state: 1 << k for k, state in enumerate(sorted(guarded))}
         serial = itertools.count()
         # (hazard at least, moves, serial number, hazard, move, memory, guarded states behind, label before)
-        heap = [(moves.start_hazard + left[begin], 0, next(serial), moves.start_hazard, begin, memories.begin, 0, None)]
+        heap: list[tuple[Any, ...]] = [
+            (moves.start_hazard + left[begin], 0, next(serial), moves.start_hazard, begin, memories.begin, 0, None)
+        ]
         settled: dict[int, list[tuple[float, int, int]]] = {}
         while heap:
             label = heapq.heappop(heap)
@@ -139,12 +147,9 @@ class _Search:
                     heapq.heappush(heap, entry)
         return None, math.inf, "none"
 
-    def _path(self, label: tuple[object, ...]) -> Path:
+    def _path(self, label: tuple[Any, ...] | None) -> Path:
         states: list[int] = []
-        at: tuple[object, ...] | None = label
-        while at is not None:
-            move = at[4]
-            assert isinstance(move, int)
-            states.append(self.start if move == len(self.head) else self.head[move])
-            at = at[7]  # type: ignore[assignment]
+        while label is not None:
+            states.append(self.start if label[4] == len(self.head) else self.head[label[4]])
+            label = label[7]
         return tuple(reversed(states))

@@ -57,7 +57,7 @@ def look_back(problem: RiskyPath, steps: int, stop: Stop, *, revisits: bool = Tr
 
     first = _Label(moves.start_hazard, 0, begin, memories.begin, None)
     best: dict[Path, tuple[float, int]] = {(graph.start,): (first.hazard, 0)}
-    heap = [(first.hazard, 0, next(serial), (graph.start,), first)]
+    heap: list[tuple[float, int, int, Path, _Label]] = [(first.hazard, 0, next(serial), (graph.start,), first)]
     closed: set[Path] = set()
     found: dict[int, tuple[float, Path]] = {}
     while heap:

@@ -66,8 +66,8 @@ def test_prices_are_paid_at_every_state():
 
 def test_a_reward_without_risk_is_found():
     graph = cases.graph([(0, 1), (1, 2)], [LocaleRisk([0, 0, 0.1])], rewards=[0, 0, 1])
-    assert MoveGraph(graph).free_path(np.array([2])) is None
-    assert MoveGraph(graph).free_path(np.array([1, 2])) == (0, 1)
+    assert MoveGraph(graph).free_path([2]) is None
+    assert MoveGraph(graph).free_path([2, 1]) == (0, 1)
 
 
 def test_evidence_proves_the_least_hazard():

@@ -62,12 +62,21 @@ def test_no_risk_makes_no_ratio():
             lambda: RiskyPath(cases.graph([(0, 1), (1, 2)], [LocaleRisk([0, 0, 0.5])], rewards=[0, 1, 1])),
             "reward per risk has no maximum: a reward is reached without risk, by 1 2",
         ),
+        (
+            lambda: cases.two_ways((1, 1, 1, 1)),
+            "reward per risk has no maximum: a reward is reached without risk, by 1",
+        ),
         (lambda: RiskyPath(cases.two_ways().graph, "luck"), "objective must be one of risk, hazard, reward-per-risk"),
     ],
 )
 def test_what_has_no_best_answer_is_refused(make, message):
     with pytest.raises((InputError, UsageError), match=message):
         make()
+
+
+def test_a_free_reward_on_the_way_to_a_risky_goal_is_no_fault():
+    graph = cases.graph([(0, 1), (1, 2)], [LocaleRisk([0, 0, 0.5])], rewards=[0, 1, 1], goals=(2,), objective="reward-per-risk")
+    assert wb.solve(RiskyPath(graph)).objective == pytest.approx(4.0)
 
 
 def test_hazard_orders_paths_as_risk_does():
@@ -83,7 +92,8 @@ def test_sums_of_risks_are_told_beside_products():
 
 
 @pytest.mark.parametrize(
-    ("risks", "arcs", "why"), [([0, 0, 0], [(0, 1), (2, 1)], "no moves lead there"), ([0, 1, 0], [(0, 1), (1, 2)], "a risk of 1 is on every way")]
+    ("risks", "arcs", "why"),
+    [([0, 0, 0], [(0, 1), (2, 1)], "no moves lead there"), ([0, 1, 0], [(0, 1), (1, 2)], "a risk of 1 is on every way")],
 )
 def test_a_goal_out_of_reach_is_told_with_proof(risks, arcs, why):
     problem = RiskyPath(cases.graph(arcs, [LocaleRisk(risks)], goals=(2,)))

@@ -35,7 +35,12 @@ def test_loops_are_repaired_by_the_better_of_two_ways():
 
 
 def test_what_makes_it_exact():
-    assert exact_for(cases.ring(), 2) and not exact_for(cases.ring(), 1) and not exact_for(cases.mud(), 3) and exact_for(cases.lattice(2, 2), 1)
+    assert (
+        exact_for(cases.ring(), 2)
+        and not exact_for(cases.ring(), 1)
+        and not exact_for(cases.mud(), 3)
+        and exact_for(cases.lattice(2, 2), 1)
+    )
 
 
 def test_no_goal_is_told_and_steps_are_checked():

@@ -60,7 +60,11 @@ def test_occupied_cells_become_few_boxes_of_the_same_area():
 
 @pytest.mark.parametrize(
     ("boxes", "message"),
-    [([[1, 2, 3]], "must be boxes of 4 numbers"), ([[2, 2, 1, 3]], "obstacle 0 must have finite corners"), ([[0, 0, 1, float("nan")]], "finite")],
+    [
+        ([[1, 2, 3]], "must be boxes of 4 numbers"),
+        ([[2, 2, 1, 3]], "obstacle 0 must have finite corners"),
+        ([[0, 0, 1, float("nan")]], "finite"),
+    ],
 )
 def test_what_is_no_box_is_refused(boxes, message):
     with pytest.raises(InputError, match=message):

@@ -18,7 +18,9 @@ def run(problem, **options):
 def test_the_best_of_all_paths(make):
     problem = make()
     result = run(problem)
-    assert result.status == "optimal" and problem.evaluate(result.answer).values[0] == pytest.approx(cases.best(problem)) == pytest.approx(result.bound)
+    assert result.status == "optimal" and problem.evaluate(result.answer).values[0] == pytest.approx(cases.best(problem)) == pytest.approx(
+        result.bound
+    )
 
 
 def test_limits_are_named_and_no_optimum_claimed():

@@ -10,8 +10,8 @@ import risky_cases as cases
 
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.risk.checking import guarded_walks as module
-from waybound.formulations.risk.checking.guarded_walks import Remembered, least_left
 from waybound.formulations.risk.checking.following_moves import following_moves
+from waybound.formulations.risk.checking.guarded_walks import Remembered, least_left
 from waybound.instances.errors import InputError
 
 check = CHECKERS["guarded-walks"]
@@ -30,7 +30,9 @@ def test_whatever_is_guarded_the_bound_is_below_all_paths_and_with_all_guarded_i
         assert check(problem, {"guarded": list(range(9)), "most": None}) == pytest.approx(best)
 
 
-@pytest.mark.parametrize(("make", "guarded", "bound"), [(cases.loop, [], 5), (cases.loop, [1], 12), (cases.refusal, [1], 6), (cases.mud_costs, [], 5)])
+@pytest.mark.parametrize(
+    ("make", "guarded", "bound"), [(cases.loop, [], 5), (cases.loop, [1], 12), (cases.refusal, [1], 6), (cases.mud_costs, [], 5)]
+)
 def test_examples(make, guarded, bound):
     assert check(make(), {"guarded": guarded, "most": None}) == pytest.approx(bound)
     assert check(make(), {"guarded": guarded, "most": 4.0}) == pytest.approx(4.0)

@@ -27,7 +27,12 @@ def test_no_evidence_proves_more_than_the_optimum(seed):
     rng = np.random.default_rng(seed)
     for problem in problems(seed):
         best, true = cases.best(problem), problem.moves.evidence(0.0).data["potentials"]
-        wild = [[p if p is None else p * rng.uniform(0, 3) for p in true], rng.uniform(-1, 3, len(true)).tolist(), [None] * len(true), [0.0] * len(true)]
+        wild = [
+            [p if p is None else p * rng.uniform(0, 3) for p in true],
+            rng.uniform(-1, 3, len(true)).tolist(),
+            [None] * len(true),
+            [0.0] * len(true),
+        ]
         for potentials in (true, *wild):
             for prices in ({}, {"prices": rng.uniform(0, 0.2, 9).tolist()}):
                 bound = check(problem, {"potentials": potentials, **prices})
