@@ -40,7 +40,8 @@ def random_map(rng: Rng, name: str, *, rewards: bool, discount: float = 1.0) -> 
 def enumerated(problem: RiskyPath) -> Case:
     """With the best of all its paths."""
     graph = problem.graph
-    ahead, best = [(graph.start,)], None
+    ahead: list[tuple[int, ...]] = [(graph.start,)]
+    best: tuple[float, tuple[int, ...]] | None = None
     while ahead:
         path = ahead.pop()
         verdict = problem.evaluate(path)
@@ -70,7 +71,8 @@ def rewarded(discount: float) -> Family:
 def _decoy(share: float) -> Case:
     """Two ways to an end, the one with the reward at a little more risk: two stages see the other one alone."""
     elements = (LocaleRisk(np.array([0.0, 0.1, 0.1 + 1e-6, 0.0])),)
-    graph = RiskyGraph(4, [0, 0, 1, 2], [1, 2, 3, 3], elements, 0, True, rewards=[0.0, 0.0, 1.0, share], name=f"decoy-{share:g}")
+    tail, head, rewards = np.array([0, 0, 1, 2]), np.array([1, 2, 3, 3]), np.array([0.0, 0.0, 1.0, share])
+    graph = RiskyGraph(4, tail, head, elements, 0, True, rewards=rewards, name=f"decoy-{share:g}")
     return enumerated(RiskyPath(graph))
 
 

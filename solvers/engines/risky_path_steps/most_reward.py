@@ -10,6 +10,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,7 +87,9 @@ class _Search:
         graph, moves, memories = self.graph, self.moves, self.memories
         head, rewards, discount = graph.head.tolist(), self.problem.rewards.tolist(), graph.discount
         begin, serial, hopes = len(head), itertools.count(), _Hopes(self.problem, self.reach)
-        heap = [(-math.inf, next(serial), moves.start_hazard, 0.0, begin, memories.begin, 1 << graph.start, (graph.start,))]
+        heap: list[tuple[Any, ...]] = [
+            (-math.inf, next(serial), moves.start_hazard, 0.0, begin, memories.begin, 1 << graph.start, (graph.start,))
+        ]
         settled: dict[int, list[tuple[float, float, int, int]]] = {}
         while heap:
             hope, _, hazard, reward, move, memory, behind, path = heapq.heappop(heap)
