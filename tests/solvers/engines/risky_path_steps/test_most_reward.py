@@ -30,7 +30,7 @@ def test_the_best_of_all_paths_is_found(seed, discount, goals):
 
 
 def test_a_limit_leaves_the_best_so_far_and_a_bound():
-    problem = cases.random_map(np.random.default_rng(1), rewards=np.ones(9))
+    problem = cases.random_map(np.random.default_rng(1), rewards=1.0 - np.eye(9)[0])
     result = most_reward(problem, NEVER, Options(iterations=3), Control())
     assert (result.status, result.limit) == ("feasible", "iterations")
     assert result.objective <= cases.best(problem) <= result.bound * (1 + 1e-9)
