@@ -14,7 +14,7 @@ import pytest
 from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problem import Problem
+from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -22,6 +22,7 @@ from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAll
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import WayboundError
+from waybound.instances.generating import generate
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -108,6 +109,10 @@ def large(kind: str) -> Problem:
             made = routing(4_000, count=20, max_distance=1e5)
             sites = replace(made.sites, required=np.zeros(4_000, dtype=bool), reward=np.ones(4_000))
             return replace(made, sites=sites, objective=Objective.of(Reward()))
+        case "map":
+            return problem_from_instance(generate("risky-grid", 1, rows=60, columns=60, mud=0.3, tether=True))
+        case "rewards":
+            return problem_from_instance(generate("risky-grid", 1, rows=30, columns=30, mud=0.3, rewards=300))
         case "routes":
             return routing(200, capacity=200)
         case "distances":
@@ -117,6 +122,7 @@ def large(kind: str) -> Problem:
 
 
 LONG: list[tuple[str, str, dict[str, Any]]] = [
+    ("additive-risk", "map", {}),
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),
     ("christofides", "tour", {}),
@@ -138,6 +144,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("local", "bottleneck-lp", {"h": 1000}),
     ("local", "bottleneck", {"h": 100, "search": "step", "step": 1e-6}),
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),
+    ("look-back", "map", {"steps": 3}),
     ("lp-rounding", "cardinality", {}),
     ("pure-greedy", "outing", {}),
     ("random", "winner-takes-all", {}),
@@ -151,6 +158,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("stochastic-greedy", "user", {}),
     ("tour-partitioning", "routing", {}),
     ("tour-splitting", "even", {}),
+    ("two-stage", "rewards", {"steps": 3}),
 ]
 
 

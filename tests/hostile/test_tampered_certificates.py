@@ -35,7 +35,7 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
-from .. import random_sensing, sata_cases, selection_problems
+from .. import random_sensing, risky_cases, sata_cases, selection_problems
 from ..programs import program
 from ..small_routing import small
 
@@ -164,9 +164,18 @@ def _arrays() -> list[Case]:
     return cases + _cases_of(bent, -3.0, [np.array([1.0, 2.0]), np.array([0.5, 0.0])], proof)
 
 
+def _risky() -> list[Case]:
+    cases = []
+    for problem in (risky_cases.mud(), risky_cases.refusal(), risky_cases.two_ways()):
+        found = risky_cases.best(problem)
+        answers = [path for path in risky_cases.all_paths(problem) if problem.evaluate(path).feasible][:2]
+        cases += _cases_of(problem, found, [*answers, (problem.graph.start,)])
+    return cases
+
+
 @cache
 def pool() -> list[Case]:
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *_risky()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name

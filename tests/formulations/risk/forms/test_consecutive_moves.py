@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import risky_cases as cases
+from program_text import expected, written
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
@@ -63,3 +64,40 @@ def test_what_it_cannot_express_is_refused():
     with pytest.raises(UnsupportedError):
         cases.ring().compile("consecutive-moves")
     assert cases.ring((0, 0), "hazard").forms() == []
+
+
+SQUARE = """
+    # conditional: yes
+    # objective: hazard
+    # reach: 1.2
+    # start: a
+    # goals: d
+    state,easting,northing,risk
+    a,0,0,0
+    b,1,0,0.5
+    c,0,1,0.2
+    d,1,1,0
+"""
+
+
+def test_consecutive_moves_from_text_to_text(tmp_path):
+    assert written(SQUARE, "consecutive-moves", tmp_path) == expected(
+        """
+        consecutive-moves, exact
+        min 0.693147 begin[a b] + 0.223144 begin[a c] + 0.223144 follow[b d,d c] + 0.693147 follow[c d,d b]
+        start: begin[a b] + begin[a c] = 1
+        flow[a b]: begin[a b] - follow[a b,b d] = 0
+        flow[a c]: begin[a c] - follow[a c,c d] = 0
+        flow[b a]: 0 = 0
+        flow[b d]: follow[a b,b d] - follow[b d,d c] - end[b d] = 0
+        flow[c a]: 0 = 0
+        flow[c d]: follow[a c,c d] - follow[c d,d b] - end[c d] = 0
+        flow[d b]: follow[c d,d b] = 0
+        flow[d c]: follow[b d,d c] = 0
+        visit[a]: 0 <= 1
+        visit[b]: begin[a b] + follow[c d,d b] <= 1
+        visit[c]: begin[a c] + follow[b d,d c] <= 1
+        visit[d]: follow[a b,b d] + follow[a c,c d] <= 1
+        begin[a b], begin[a c], follow[a b,b d], follow[a c,c d], follow[b d,d c], follow[c d,d b], end[b d], end[c d] binary
+        """
+    )
