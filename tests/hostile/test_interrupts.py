@@ -69,7 +69,8 @@ SOLVED = {
 }  # fmt: skip
 
 APPROXIMATED = {
-    "additive-risk": "map.json", "look-back": "map.json", "two-stage": "rewards.json", "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",
+    "additive-risk": "map.json", "look-back": "map.json", "two-stage": "rewards.json",
+    "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",
     "greedy-assignment": "tour.json", "greedy-orienteering": "outing.json", "insertion": "large.vrp",
     "knapsack-greedy": "knapsack.json", "lazy-greedy": "cardinality.json", "local": "sensing.json", "lp-rounding": "crowd.json",
     "pure-greedy": "tour.json", "random": "crowd.json", "savings": "large.vrp", "sequential-greedy": "partition.json",
