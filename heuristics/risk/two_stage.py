@@ -40,7 +40,9 @@ def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     try:
         paths, looped = least_risky_paths(problem, steps, stop)
     except Stopped:
-        return Outcome((problem.graph.start,), message="cut short before any other state was reached", limit=stop.reached() or "none")
+        alone = (problem.graph.start,)
+        answer = alone if problem.evaluate(alone).feasible else None
+        return Outcome(answer, message="cut short before any other state was reached", limit=stop.reached() or "none")
     ends = problem.graph.goals or tuple(range(problem.graph.num_states))
     judged = [(problem.evaluate(paths[end]), paths[end]) for end in ends if end in paths]
     able = [(verdict.values[0], path) for verdict, path in judged if verdict.feasible]
