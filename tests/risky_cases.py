@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.risk.elements import CollectedRisk, LengthRisk, LocaleRisk, MoveRisk, RiskElement, TurnRisk
+from waybound.instances.risk.elements import LengthRisk, LocaleRisk, MoveRisk, RiskElement, TurnRisk
 from waybound.instances.risk.occupancy import OccupancyGrid
 from waybound.instances.risk.risky_graph import RiskyGraph
+from waybound.instances.risk.traverse_elements import CollectedRisk
 
 TABLE_3_1_CELLS = [(2, 2), (3, 3), (4, 4), (5, 4), (6, 4), (7, 4), (7, 5), (7, 6), (7, 7), (7, 8), (8, 9), (9, 10)]
 TABLE_3_1_DISTANCE = [0.01, 0, 0, 0.02, 0.04, 0.02, 0.04, 0.02, 0, 0, 0.01, 0.04]

@@ -8,9 +8,10 @@ from typing import Any
 from ...errors import InputError
 from ...formats.table import Settings
 from ...text import is_number, shown
-from ..elements import GROWTHS, MEASURES, LengthRisk, RiskElement, TetherRisk, TravelledRisk, TurnRisk
+from ..elements import GROWTHS, MEASURES, LengthRisk, RiskElement, TurnRisk
 from ..risky_graph import OBJECTIVES
 from ..tether import Tether
+from ..traverse_elements import TetherRisk, TravelledRisk
 
 COMMON = ("name", "objective", "conditional", "discount", "length", "turn", "travelled", "tether")
 """Settings of both formats."""

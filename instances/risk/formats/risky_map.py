@@ -14,9 +14,10 @@ from ...errors import InputError
 from ...formats import FORMATS, Format
 from ...formats.table import Settings, settings_of
 from ...text import label, shown
-from ..elements import CollectedRisk, LocaleRisk, RiskElement
+from ..elements import LocaleRisk, RiskElement
 from ..occupancy import OccupancyGrid, classed, faded
 from ..risky_graph import RiskyGraph
+from ..traverse_elements import CollectedRisk
 from ._settings import COMMON, at_line, elements_of, graph_settings, numbers_of
 
 KEYS = (*COMMON, "cell", "connectivity", "clearance", "visibility", "scale", "mud")

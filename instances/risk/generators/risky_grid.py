@@ -11,10 +11,11 @@ from ...errors import UsageError
 from ...generators import GENERATORS, Draw, Generator
 from ...generators.settings import Setting
 from ...instance import Instance
-from ..elements import CollectedRisk, LengthRisk, LocaleRisk, RiskElement, TetherRisk, TurnRisk
+from ..elements import LengthRisk, LocaleRisk, RiskElement, TurnRisk
 from ..occupancy import OccupancyGrid, faded
 from ..risky_graph import RiskyGraph
 from ..tether import Tether
+from ..traverse_elements import CollectedRisk, TetherRisk
 
 SETTINGS = {
     "rows": Setting(12, "rows of cells", least=2, most=1000),

@@ -11,10 +11,10 @@ import risky_cases as cases
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.stop import NEVER, Stop
-from waybound.instances.risk.elements import FunctionRisk, TetherRisk, TravelledRisk
 from waybound.instances.risk.occupancy import OccupancyGrid
 from waybound.instances.risk.risky_graph import RiskyGraph
 from waybound.instances.risk.tether import Tether
+from waybound.instances.risk.traverse_elements import FunctionRisk, TetherRisk, TravelledRisk
 from waybound.solvers.engines.risky_path_steps.least_hazard import least_hazard
 
 

@@ -9,8 +9,8 @@ import pytest
 import risky_cases as cases
 
 from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.risk.elements import CollectedRisk, TetherRisk
 from waybound.instances.risk.tether import Tether
+from waybound.instances.risk.traverse_elements import CollectedRisk, TetherRisk
 from waybound.solvers.engines.risky_path_steps.memories import Memories
 
 
