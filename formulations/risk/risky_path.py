@@ -222,8 +222,9 @@ class RiskyPath(Problem):
         """A tuple or list of states, by number or name."""
         if isinstance(given, str | bytes) or not isinstance(given, Sequence | np.ndarray):
             raise UsageError(f"an answer to {self.problem} is a sequence of states")
-        index = {self.graph.state_name(k): k for k in range(self.graph.num_states)}
-        return tuple(indices_of(given, index, "state")) if any(isinstance(s, str) for s in given) else tuple(int(s) for s in given)
+        if all(isinstance(s, int | np.integer) and not isinstance(s, bool) for s in given):
+            return tuple(int(s) for s in given)
+        return tuple(indices_of(given, {self.graph.state_name(k): k for k in range(self.graph.num_states)}, "state"))
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """One row a state: its name, place, reward, the risk of each element, and the risk of the path until then."""

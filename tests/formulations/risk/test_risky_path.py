@@ -112,8 +112,9 @@ def test_answers_as_json_by_name_and_as_a_table():
     for wrong in ({"kind": "path", "path": []}, {"kind": "path", "path": ["zz"]}, {"kind": "routes"}, [0]):
         with pytest.raises(InputError):
             problem.answer_from_json(wrong)
-    with pytest.raises(UsageError):
-        problem.answer_of("sab")
+    for unclear in ("sab", [None], [True], ["zz"]):
+        with pytest.raises(UsageError):
+            problem.answer_of(unclear)
     frame = cases.two_ways().answer_to_frame((0, 2, 3))
     assert list(frame.columns) == ["state", "reward", "locale", "risk"] and frame["risk"].tolist() == pytest.approx([0, 0.11, 0.11])
 
