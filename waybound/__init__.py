@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
     from .formulations.risk.uncertain_path import UncertainPath
+    from .formulations.risk.risky_path import RiskyPath
     from .formulations.routing.members import (
         cvrp,
         makespan_orienteering,
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
         WayboundError,
     )
     from .instances.risk.uncertain_graph import UncertainGraph
+    from .instances.risk.risky_graph import RiskyGraph
     from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
     from .instances.routing.travel import Travel
     from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -112,6 +114,7 @@ _MODULES = {
     "formulations.problem": ("Problem",),
     "formulations.max_min.bottleneck_sata": ("BottleneckSATA",),
     "formulations.max_min.max_min_lp": ("MaxMinLP",),
+    "formulations.risk.risky_path": ("RiskyPath",),
     "formulations.routing.problem": ("RoutingProblem",),
     "formulations.selection.submodular_selection": ("SubmodularSelection",),
     "formulations.selection.winner_takes_all_sata": ("WinnerTakesAllSATA",),
@@ -131,6 +134,7 @@ _MODULES = {
         "WayboundError",
     ),
     "instances.risk.uncertain_graph": ("UncertainGraph",),
+    "instances.risk.risky_graph": ("RiskyGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
     "instances.selection.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
     "instances.selection.functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
@@ -177,6 +181,8 @@ __all__ = [
     "Problem",
     "Program",
     "Reward",
+    "RiskyGraph",
+    "RiskyPath",
     "Route",
     "Routes",
     "RoutingInstance",

@@ -109,6 +109,10 @@ def large(kind: str) -> Problem:
             made = routing(4_000, count=20, max_distance=1e5)
             sites = replace(made.sites, required=np.zeros(4_000, dtype=bool), reward=np.ones(4_000))
             return replace(made, sites=sites, objective=Objective.of(Reward()))
+        case "map":
+            return problem_from_instance(generate("risky-grid", 1, rows=60, columns=60, mud=0.3, tether=True))
+        case "rewards":
+            return problem_from_instance(generate("risky-grid", 1, rows=30, columns=30, mud=0.3, rewards=300))
         case "routes":
             return routing(200, capacity=200)
         case "distances":
@@ -120,6 +124,7 @@ def large(kind: str) -> Problem:
 
 
 LONG: list[tuple[str, str, dict[str, Any]]] = [
+    ("additive-risk", "map", {}),
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),
     ("christofides", "tour", {}),
@@ -142,6 +147,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("local", "bottleneck-lp", {"h": 1000}),
     ("local", "bottleneck", {"h": 100, "search": "step", "step": 1e-6}),
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),
+    ("look-back", "map", {"steps": 3}),
     ("lp-rounding", "cardinality", {}),
     ("pure-greedy", "outing", {}),
     ("rags", "roadmap", {}),
@@ -156,6 +162,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("stochastic-greedy", "user", {}),
     ("tour-partitioning", "routing", {}),
     ("tour-splitting", "even", {}),
+    ("two-stage", "rewards", {"steps": 3}),
 ]
 
 

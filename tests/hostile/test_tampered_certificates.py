@@ -35,7 +35,7 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
-from .. import random_sensing, sata_cases, selection_problems
+from .. import random_sensing, risky_cases, sata_cases, selection_problems
 from ..programs import program
 from ..small_routing import small
 from ..uncertain_graphs import WORKED, all_paths, graph_of
@@ -174,9 +174,18 @@ def _uncertain_paths() -> list[Case]:
     return cases
 
 
+def _risky() -> list[Case]:
+    cases = []
+    for problem in (risky_cases.mud(), risky_cases.refusal(), risky_cases.two_ways()):
+        found = risky_cases.best(problem)
+        answers = [path for path in risky_cases.all_paths(problem) if problem.evaluate(path).feasible][:2]
+        cases += _cases_of(problem, found, [*answers, (problem.graph.start,)])
+    return cases
+
+
 @cache
 def pool() -> list[Case]:
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *_uncertain_paths()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *_uncertain_paths(), *_risky()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name

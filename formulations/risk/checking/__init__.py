@@ -1,3 +1,3 @@
-"""Checkers of evidence for problems under risk, in plain code of their own."""
+"""Checkers of evidence on problems under risk, in plain code of their own."""
 
 from .... import _guard as _guard
