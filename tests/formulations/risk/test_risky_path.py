@@ -107,9 +107,9 @@ def test_a_goal_out_of_reach_is_told_with_proof(risks, arcs, why):
 
 def test_answers_as_json_by_name_and_as_a_table():
     problem = cases.mud()
-    assert problem.answer_to_json((0, 2, 3)) == {"kind": "path", "path": ["s", "a", "b"]}
-    assert problem.answer_from_json({"kind": "path", "path": ["s", "a", "b"]}) == (0, 2, 3) == problem.answer_of(["s", "a", "b"])
-    for wrong in ({"kind": "path", "path": []}, {"kind": "path", "path": ["zz"]}, {"kind": "routes"}, [0]):
+    assert problem.answer_to_json((0, 2, 3)) == {"kind": "path", "vertices": ["s", "a", "b"]}
+    assert problem.answer_from_json({"kind": "path", "vertices": ["s", "a", "b"]}) == (0, 2, 3) == problem.answer_of(["s", "a", "b"])
+    for wrong in ({"kind": "path", "vertices": []}, {"kind": "path", "vertices": ["zz"]}, {"kind": "routes"}, [0]):
         with pytest.raises(InputError):
             problem.answer_from_json(wrong)
     for unclear in ("sab", [None], [True], ["zz"]):

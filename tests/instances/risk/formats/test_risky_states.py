@@ -47,7 +47,7 @@ def test_heights_and_one_column_of_risk():
 def test_it_is_recognised_and_solved(tmp_path):
     (tmp_path / "states.csv").write_text(TABLE)
     problem = wb.read(tmp_path / "states.csv")
-    assert problem.answer_to_json(wb.solve(problem).answer) == {"kind": "path", "path": ["a", "c"]}
+    assert problem.answer_to_json(wb.solve(problem).answer) == {"kind": "path", "vertices": ["a", "c"]}
 
 
 @pytest.mark.parametrize(
