@@ -1,0 +1,3 @@
+"""Problems of risk."""
+
+from ... import _guard as _guard

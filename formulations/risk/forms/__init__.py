@@ -1,0 +1,3 @@
+"""Forms of problems of risk."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Approximations for problems of risk."""
+
+from ... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Problems of risk as data."""
+
+from ... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Seeded recipes for problems of risk."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Kinds of risk data in waybound's JSON."""
+
+from .... import _guard as _guard
