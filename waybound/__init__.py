@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
+    from .formulations.risk.allocations import Allocation
+    from .formulations.risk.risk_allocation import RiskAllocation
     from .formulations.routing.members import (
         cvrp,
         makespan_orienteering,
@@ -82,6 +84,8 @@ _MODULES = {
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
     "formulations.programs.exactness": ("Exactness",),
+    "formulations.risk.allocations": ("Allocation",),
+    "formulations.risk.risk_allocation": ("RiskAllocation",),
     "formulations.routing.members": (
         "cvrp",
         "makespan_orienteering",
@@ -143,6 +147,7 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 """Names that are a package and, called, a table of what it holds: ``wb.solvers(problem)``."""
 
 __all__ = [
+    "Allocation",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",
@@ -173,6 +178,7 @@ __all__ = [
     "Problem",
     "Program",
     "Reward",
+    "RiskAllocation",
     "Route",
     "Routes",
     "RoutingInstance",

@@ -1,6 +1,6 @@
 """The probability that any of many jointly Gaussian constraints fails, with limits between which it lies.
 
-One constraint: the normal tail. More: the integral over the cube of Genz (1992), the constraints in the order of their risk, over a lattice
+One constraint: the normal tail. Two: Plackett's integral. More: that over the cube of Genz (1992), the constraints in the order of their risk, over a lattice
 rule with random shifts (Richtmyer's, Cranley and Patterson 1976), whose spread gives the interval. What is summed up are probabilities to
 fail, first at the first, then at the second after the first held: so that small ones keep their digits, where one minus a probability to
 hold loses them. Alternatives, of which any suffices, are sampled.
@@ -18,8 +18,8 @@ from scipy.special import ndtr, ndtri
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SHIFTS, POINTS = 12, 2039
-"""Random shifts of the lattice, and its points: a prime."""
+SHIFTS, POINTS, MORE_POINTS = 12, 2039, 8191
+"""Random shifts of the lattice, and its points: primes; more where an answer is judged by them."""
 
 WORK = 4e8
 """Multiplications that a probability may take: of more constraints fewer points are looked at."""
@@ -45,7 +45,7 @@ class Probability:
     exact: bool = False
 
 
-def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None, *, seed: int = 1) -> Probability:
+def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None, *, seed: int = 1, points: int = POINTS) -> Probability:
     """Probability that a centred Gaussian vector with ``covariance`` exceeds ``slack`` anywhere.
 
     Parameters
@@ -57,6 +57,8 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
         The constraint of each row: one fails where all of its rows do. By default each row is one.
     seed : int
         Of the shifts, or samples.
+    points : int
+        Of the lattice, at most.
     """
     deviation = np.sqrt(np.diag(covariance))
     if constraint is not None and len(np.unique(constraint)) < len(constraint):
@@ -74,14 +76,52 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
     correlation = (covariance[np.ix_(kept, kept)] / np.outer(deviation[kept], deviation[kept]))[np.ix_(felt, felt)]
     if len(z) == 1:
         return Probability(float(tails[0]), float(tails[0]), float(tails[0]), True)
+    if len(z) == 2:
+        either = total - _both(float(z[0]), float(z[1]), float(correlation[0, 1]))
+        value = min(max(either, float(tails.max())), total)
+        return Probability(value, value, value, True)
     order = np.argsort(z, kind="stable")
-    return _integral(z[order], correlation[np.ix_(order, order)], float(tails.max()), total, seed)
+    return _integral(z[order], correlation[np.ix_(order, order)], float(tails.max()), total, seed, points)
 
 
-def _integral(z: Floats, correlation: Floats, least: float, most: float, seed: int) -> Probability:
+def gradient(slack: Floats, covariance: Floats, *, points: int = 251) -> Floats:
+    """How the probability that any fails falls with each entry of ``slack``, all of them with noise.
+
+    By the density of a constraint at its limit, times the probability that the others hold there.
+    """
+    deviation = np.sqrt(np.diag(covariance))
+    density = np.exp(-0.5 * (slack / deviation) ** 2) / (deviation * math.sqrt(2.0 * math.pi))
+    made = np.zeros(len(slack))
+    for k in np.nonzero(density * deviation > 1e-12)[0].tolist():
+        others = np.arange(len(slack)) != k
+        along = covariance[others, k] / covariance[k, k]
+        left = covariance[np.ix_(others, others)] - np.outer(along, covariance[k, others])
+        variance = np.diag(left).copy()
+        variance[variance < (SINGULAR * deviation[others]) ** 2] = 0.0
+        keep = (variance > 0.0).astype(float)
+        left = left * np.outer(keep, keep)
+        np.fill_diagonal(left, variance)
+        made[k] = -density[k] * (1.0 - any_fails(slack[others] - along * slack[k], left, points=points).value)
+    return made
+
+
+def _both(a: float, b: float, correlation: float) -> float:
+    """Probability that two standard normal numbers exceed a and b: Plackett's (1954) integral over the correlation."""
+    from scipy.integrate import quad
+
+    def along(angle: float) -> float:
+        sine, cosine = math.sin(angle), math.cos(angle)
+        power = (a * a + b * b - 2.0 * a * b * sine) / (2.0 * cosine * cosine) if cosine > 1e-9 else math.inf
+        return math.exp(-power)
+
+    found = quad(along, 0.0, math.asin(min(1.0, max(-1.0, correlation))), epsabs=1e-300, epsrel=1e-11, limit=200)[0]
+    return max(0.0, float(ndtr(-a) * ndtr(-b)) + found / (2.0 * math.pi))
+
+
+def _integral(z: Floats, correlation: Floats, least: float, most: float, seed: int, points: int) -> Probability:
     """By the lattice; between the largest single risk and the sum of all, where it lies for certain (Frechet, Boole)."""
     factor, size = _factor(correlation), len(z)
-    points = int(min(POINTS, max(31, WORK / (SHIFTS * size * size))))
+    points = int(min(points, max(31, WORK / (SHIFTS * size * size))))
     rng = np.random.default_rng(seed)
     roots = np.sqrt(_primes(size))
     base = np.arange(1, points + 1)[:, None] * (roots - np.floor(roots))

@@ -10,18 +10,19 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
+from ...instances.printable import printable
 from ...instances.risk.allocation import RISKS, Risk, RiskAllocationInstance
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..evidence import Evidence
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Decision, Problem
 from ..tolerance import LIMIT, ROUNDING, VECTOR
 from .allocations import Allocation
-from .joint_normal import Probability, any_fails
+from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,6 +34,9 @@ SETTINGS = {
     "risk": Setting(None, "how risk is counted: allocated (Boole) or joint", type=str, choices=RISKS),
     "total": Setting(None, "risk of all constraints together", type=float),
 }
+
+SHOWN_NAMES = 6
+"""Constraints that are named where they cannot be kept."""
 
 SMALLEST_RISK = 1e-300
 """Of a constraint, as far as its quantile is concerned: 37 standard deviations."""
@@ -62,6 +66,8 @@ class RiskAllocation(Problem):
         The constraint of each row.
     caps : array of shape (constraints,)
         The most risk that each can have under all budgets.
+    open : array of shape (rows,)
+        Whether a row may be the safest of its constraint; all of them, but where the problem is restricted.
 
     Notes
     -----
@@ -88,7 +94,62 @@ class RiskAllocation(Problem):
         self.deviation = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         self.constraint, self.names, self.caps = chance.constraint, chance.names, instance.risk.caps()
         self.budgets = instance.risk.all_budgets()
+        self.places: dict[str, tuple[int, tuple[int, ...]]] = {}
+        self.open = np.ones(len(self.limits), dtype=bool)
         self._joint: tuple[bytes, dict[str, Probability]] = (b"", {})
+
+    @classmethod
+    def from_cvxpy(
+        cls, model: Any, quantities: Any, covariance: ArrayLike, limits: ArrayLike, *, total: float | None = None,
+        each: ArrayLike | None = None, risk: str = "allocated", name: str = "risk-allocation", names: Sequence[str] | None = None,
+    ) -> RiskAllocation:  # fmt: skip
+        """A problem declared with CVXPY: ``quantities`` plus noise must not exceed ``limits``.
+
+        Parameters
+        ----------
+        model : cvxpy.Problem
+            Cost and deterministic constraints: linear, quadratic, and second-order cones.
+        quantities : cvxpy expression with q entries
+            Affine in the model's variables.
+        covariance : array of shape (q, q)
+            Of the noise.
+        limits : array of shape (q,)
+        total : float, optional
+            Risk of all of them together.
+        each : float or array of shape (q,), optional
+            The most risk of one, at most 1/2.
+        risk : str
+            ``allocated`` or ``joint``.
+        name : str
+        names : sequence of str, optional
+            Of the quantities.
+
+        Returns
+        -------
+        RiskAllocation
+            ``values(answer)`` tells the variables' values by name. Its other decisions are CVXPY's own auxiliary variables.
+
+        Raises
+        ------
+        InputError
+            If the model is not convex, the quantities not affine, or the risks out of range.
+        UnsupportedError
+            If it has integers, or exponential, power or semidefinite cones.
+        """
+        from .cvxpy_declarations import declared_instance
+
+        instance, places = declared_instance(
+            model, quantities, covariance, limits, total=total, each=each, risk=risk, name=name, names=names
+        )
+        made = cls(instance)
+        made.places = places
+        return made
+
+    def values(self, answer: Any) -> dict[str, Floats]:
+        """The values of the variables of ``from_cvxpy``, by name and in their shapes."""
+        x = self.answer_of(answer).decision
+        found = {name: x[at : at + math.prod(shape)] for name, (at, shape) in self.places.items()}
+        return {name: part.reshape(self.places[name][1], order="F") for name, part in found.items()}
 
     # -- what it is --------------------------------------------------------------------------------------------------
 
@@ -162,12 +223,13 @@ class RiskAllocation(Problem):
         key = x.tobytes()
         if self._joint[0] != key:
             slack, made = self.limits - self.chance @ x, {}
+            points = MORE_POINTS if self.risk.kind == "joint" else POINTS
             every = [(b.name, b.constraints) for b in self.budgets]
             if self.risk.total is None:
                 every.insert(0, ("total", np.arange(len(self.names))))
             for name, constraints in every if self.risk.kind == "joint" else every[:1]:
                 at = np.isin(self.constraint, constraints)
-                made[name] = any_fails(slack[at], self.covariance[np.ix_(at, at)], self.constraint[at])
+                made[name] = any_fails(slack[at], self.covariance[np.ix_(at, at)], self.constraint[at], points=points)
             self._joint = (key, made)
         return self._joint[1]
 
@@ -255,8 +317,9 @@ class RiskAllocation(Problem):
         return judge("budgets", spent - most, lambda k: self._over(k, spent[k]), LIMIT * most)
 
     def _judge_joint(self, x: Floats, known: bool) -> tuple[Check, list[Violation]]:
+        """Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer."""
         found = self.joint_risk(x) if known else {}
-        spent = np.array([found[b.name].value if known else math.nan for b in self.budgets])
+        spent = np.array([found[b.name].high if known else math.nan for b in self.budgets])
         most = np.array([b.risk for b in self.budgets])
         return judge("joint-risk", spent - most, lambda k: self._over(k, spent[k]), VECTOR * most)
 
@@ -274,7 +337,7 @@ class RiskAllocation(Problem):
 
     def widened(self, residual: Mapping[str, float]) -> RiskAllocation:
         """The same with limits wider by so much, by the names of the checks."""
-        made = RiskAllocation(self.instance)
+        made = copy.copy(self)
         wider = residual.get("constraints", 0.0)
         made.row_lower, made.row_upper = made.row_lower - wider, made.row_upper + wider
         made.limits = made.limits + residual.get("chance", 0.0)
@@ -289,7 +352,7 @@ class RiskAllocation(Problem):
         made = copy.copy(self)
         kept, constraint = np.unique(self.constraint[rows], return_inverse=True)
         made.chance, made.limits, made.deviation = self.chance[rows], self.limits[rows], self.deviation[rows]
-        made.covariance, made.constraint = self.covariance[np.ix_(rows, rows)], constraint
+        made.covariance, made.constraint, made.open = self.covariance[np.ix_(rows, rows)], constraint, np.ones(len(rows), dtype=bool)
         made.names, made.caps = tuple(self.names[k] for k in kept.tolist()), self.caps[kept]
         made.risk = Risk(self.risk.kind, self.risk.total, self.risk.each[kept])
         made.budgets = tuple(
@@ -298,14 +361,63 @@ class RiskAllocation(Problem):
         made._joint = (b"", {})
         return made
 
+    def by_allocation(self) -> RiskAllocation:
+        """The same with allocated risk: a restriction where risk is joint."""
+        made = copy.copy(self)
+        made.risk = replace(self.risk, kind="allocated", budgets=())
+        made._joint = (b"", {})
+        return made
+
     def convex_part(self) -> tuple[RiskAllocation, Ints]:
-        """A relaxation that is convex, and the chance rows in it: without alternatives; joint risk, which is that of each constraint at least,
-        as a limit of each."""
-        rows = np.nonzero(np.bincount(self.constraint)[self.constraint] == 1)[0]
+        """A relaxation that is convex, and the chance rows in it: without alternatives that are undecided; joint risk, which is that of each
+        constraint at least, as a limit of each."""
+        left = np.bincount(self.constraint, weights=self.open)
+        rows = np.nonzero(self.open & (left[self.constraint] == 1))[0]
         made = self.choosing(rows) if self.disjunctive else copy.copy(self)
         if self.risk.kind == "joint":
             made.risk, made.budgets = Risk("allocated", None, made.caps), ()
         return made, rows
+
+    # -- parts of all answers ----------------------------------------------------------------------------------------
+
+    def check_statement(self, statement: Any) -> None:
+        """``{"safest": row}``: of the rows of its constraint, this chance row has the least risk, or is the first that does."""
+        row = statement.get("safest") if isinstance(statement, Mapping) and len(statement) == 1 else None
+        if type(row) is not int or not 0 <= row < len(self.limits):
+            expected = f'{{"safest": row}}, a chance row from 0 to {len(self.limits) - 1}'
+            raise InputError("not a statement on the rows of a chance constraint", expected=expected, found=printable(str(statement), 80))
+
+    def restricted(self, decisions: Sequence[Decision]) -> RiskAllocation:
+        """The same with fewer rows open."""
+        made = copy.copy(self)
+        made.open = self.open.copy()
+        for statement, holds in decisions:
+            self.check_statement(statement)
+            row = statement["safest"]
+            if holds:
+                kept = made.open[row]
+                made.open[self.constraint == self.constraint[row]] = False
+                made.open[row] = kept
+            else:
+                made.open[row] = False
+        return made
+
+    def in_words(self, statement: Any, holds: bool) -> str:
+        row = statement["safest"]
+        place = int(np.count_nonzero(self.constraint[:row] == self.constraint[row])) + 1
+        return f"alternative {place} of {self.names[self.constraint[row]]} is {'' if holds else 'not '}the safest"
+
+    def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
+        if kind != "risk-allocation-duals":
+            return super().why_none(kind, data)
+        given = data["chance"]
+        priced = dict(zip(given["at"], given["values"], strict=True)) if isinstance(given, Mapping) else dict(enumerate(given))
+        worst = sorted((row for row, price in priced.items() if price > 0.0), key=lambda row: -priced[row])
+        names = [self.names[self.constraint[row]] for row in worst]
+        shown = ", ".join(names[:SHOWN_NAMES]) + (f" and {len(names) - SHOWN_NAMES} more" if len(names) > SHOWN_NAMES else "")
+        if not names:
+            return "the deterministic constraints contradict each other"
+        return f"no decision keeps the risk of {shown}, however it is allocated"
 
     # -- answers -----------------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 from ...formulations.risk.allocations import Allocation
-from ...formulations.risk.forms._fixed_risks import fixed_risks_program
+from ...formulations.risk.forms._fixed_risks import fixed_margins_program, margins
 from ...formulations.risk.forms.uniform import uniform_risks
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
@@ -66,9 +66,9 @@ def iterative(
         raise UsageError("iterative: alpha must lie between 0 and 1, decay above 0 up to 1, epsilon at 0 or more, rounds at 1 or more")
     stop, p = context.begin(), problem
     risks, budget = uniform_risks(p), _shared(p)
-    program = fixed_risks_program(p, "fixed-risks", -ndtri(risks))
+    program = fixed_margins_program(p, "fixed-risks", margins(p, -ndtri(risks)))
     session, first = open_session(program, context.linear.seed), sum(block.size for block in program.rows[:-1])
-    deviation = p.deviation
+    noisy = p.deviation > 0.0
     answer: Allocation | None = None
     values: list[float] = []
     end, keep = "rounds", alpha
@@ -77,7 +77,7 @@ def iterative(
             end = "stopped"
             break
         if values:
-            session.change_upper(first, p.limits - np.where(deviation == 0.0, 0.0, -deviation * ndtri(risks)))
+            session.change_upper(first, p.limits - margins(p, -ndtri(risks)))
         made = session.solve(stop)
         if made.status != "optimal":
             end = "stopped" if stop.reached() else made.status if answer is None else "solver"
@@ -94,7 +94,7 @@ def iterative(
             end = "small gain"
             break
         slack = p.limits - p.chance @ decision
-        z = np.where(deviation > 0.0, slack / np.where(deviation > 0.0, deviation, 1.0), math.inf)
+        z = np.where(noisy, slack / np.where(noisy, p.deviation, 1.0), math.inf)
         used, active = ndtr(-z), z + ndtri(risks) <= ACTIVE
         if not active.any() or active.all():
             end = "all active" if active.any() else "none active"

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from ...formulations.problem import Problem
+from ...formulations.programs.exactness import Exactness
+from ...formulations.risk.allocations import Allocation
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...formulations.stop import Stop
 from ...instances.errors import UnsupportedError
@@ -14,7 +17,10 @@ from ..backend import BACKENDS, Control, Engine, Options, RawResult
 
 @BACKENDS.register("convex-allocation")
 class ConvexAllocation(Engine):
-    """Blackmore and Ono's (2009) joint program of decisions and risks: HiGHS for linear costs, Clarabel for cones and squares."""
+    """Blackmore and Ono's (2009) joint program of decisions and risks: HiGHS for linear costs, Clarabel for cones and squares.
+
+    Where risk is joint it finds the best allocation, which is an answer (Boole), and bounds nothing.
+    """
 
     name = "convex-allocation"
     package = "highspy"
@@ -24,8 +30,8 @@ class ConvexAllocation(Engine):
     one_thread = bounds_itself = True
     honours = frozenset({"gap"})
     family = "risk-allocation"
-    features = frozenset({"allocated-risk", "quadratic-cost", "cones"})
-    order: ClassVar[int] = 1
+    features = frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"})
+    order: ClassVar[int] = 2
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
@@ -43,8 +49,14 @@ class ConvexAllocation(Engine):
             if found.answer is not None:
                 control.publish(found.answer, problem.sign * found.value)
 
-        found = SuccessiveTangents(problem, options.seed, publish).run(stop, options.gap)
-        return _result(problem, found, stop, options)
+        joint = problem.risk.kind == "joint"
+        part = problem.by_allocation() if joint else problem
+        found = SuccessiveTangents(part, options.seed, publish).run(stop, options.gap)
+        result = _result(problem, found, stop, options)
+        if not joint:
+            return result
+        answer = None if result.answer is None else Allocation(result.answer.decision)
+        return replace(result, answer=answer, holds=Exactness.RESTRICTION, evidence=())
 
 
 def _result(problem: RiskAllocation, found: Any, stop: Stop, options: Options) -> RawResult:

@@ -72,7 +72,10 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     }  # fmt: skip
     rows, chance, budgets, terms, cones = (numbers(data, key, size) for key, size in sizes.items())
     infeasible = data.get("infeasible") is True
-    single = np.bincount(problem.constraint, minlength=len(problem.names))[problem.constraint] == 1
+    left = np.bincount(problem.constraint, weights=problem.open, minlength=len(problem.names))
+    if (left == 0.0).any():
+        return float(problem.sign * math.inf)
+    single = problem.open & (left[problem.constraint] == 1.0)
     chance = np.where(single, np.maximum(chance, 0.0), 0.0)
     budgets = np.maximum(budgets, 0.0) if problem.risk.kind == "allocated" else np.zeros(len(budgets))
     terms, constant = _allowed_terms(problem, np.zeros(len(terms)) if infeasible else terms)
@@ -147,8 +150,13 @@ def _program(problem: Any, single: NDArray[np.bool_]) -> Any:
         matrix[known:, n:] = np.eye(extra)
     row, column = np.nonzero(matrix)
     free = np.full(extra, math.inf)
+    least = -free
+    start = sum(len(t[3]) for t in problem.terms)
+    for _, constant, _, _ in problem.cones:
+        least[start] = 0.0  # the limit of a norm
+        start += 1 + len(constant)
     return SimpleNamespace(
-        lower=np.concatenate([problem.lower, -free]), upper=np.concatenate([problem.upper, free]),
+        lower=np.concatenate([problem.lower, least]), upper=np.concatenate([problem.upper, free]),
         row_lower=np.concatenate([problem.row_lower, np.full(len(problem.limits), -math.inf), constants]),
         row_upper=np.concatenate([problem.row_upper, np.where(single, problem.limits, math.inf), constants]),
         num_rows=known + extra, indptr=np.concatenate([[0], np.cumsum(np.bincount(row, minlength=known + extra))]), indices=column,

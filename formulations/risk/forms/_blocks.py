@@ -19,6 +19,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+SHORTENED = 1e-9
+"""Part by which prices of cones are made smaller, so that what is left of the cost of a variable that only a cone bounds has its sign."""
+
+
 def dense_rows(
     name: str, matrix: Floats, lower: Any, upper: Any, extra: Any = (), keys: tuple[Ints, ...] = (), labels: Any = ()
 ) -> Rows:
@@ -133,7 +137,7 @@ def prices(problem: RiskAllocation, program: Program, x: Floats, duals: Floats, 
             at += 1 + len(constant)
     for _, constant, _, _ in problem.cones:
         assert cone_duals is not None
-        cones.append(cone_duals[at : at + 1 + len(constant)])
+        cones.append(cone_duals[at : at + 1 + len(constant)] * (1.0 - SHORTENED))
         at += 1 + len(constant)
     chance = y[starts["chance"]]
     return {

@@ -51,10 +51,14 @@ def add_choices(blocks: Blocks) -> int:
     return start
 
 
-def fixed_risks_program(problem: RiskAllocation, name: str, quantile: Floats) -> Program:
-    """``a_i x + s_i z_i <= b_i`` with numbers z, shape (constraints,); rows that are alternatives by binaries and large numbers."""
+def margins(problem: RiskAllocation, quantile: Floats) -> Floats:
+    """``s_i z_i`` of each chance row, from the quantile of each constraint."""
+    return np.asarray(np.where(problem.deviation == 0.0, 0.0, problem.deviation * quantile[problem.constraint]))
+
+
+def fixed_margins_program(problem: RiskAllocation, name: str, margin: Floats) -> Program:
+    """``a_i x + margin_i <= b_i``, one margin a chance row; rows that are alternatives by binaries and large numbers."""
     blocks = Blocks(problem)
-    margin = np.where(problem.deviation == 0.0, 0.0, problem.deviation * quantile[problem.constraint])
     limits, extra = problem.limits - margin, []
     if problem.disjunctive:
         choice, each = add_choices(blocks), np.arange(len(limits))
@@ -68,7 +72,7 @@ def fixed_risks_program(problem: RiskAllocation, name: str, quantile: Floats) ->
 
 def compiled(problem: RiskAllocation, name: str, quantile: Floats, risks: Floats) -> Compiled:
     """The program with the way back: its decisions, each with the given risks."""
-    program, n = fixed_risks_program(problem, name, quantile), len(problem.lower)
+    program, n = fixed_margins_program(problem, name, margins(problem, quantile)), len(problem.lower)
 
     def decode(vector: Floats) -> Allocation:
         return Allocation(np.array(vector[:n]), risks if problem.risk.kind == "allocated" else None)

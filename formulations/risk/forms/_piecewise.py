@@ -113,7 +113,7 @@ def piecewise_program(problem: RiskAllocation, name: str, at: Floats, *, above: 
 def mean_risk(problem: RiskAllocation) -> float:
     """The unit of risks: of the largest budget, the part of one of its constraints."""
     parts = [b.risk / len(b.constraints) for b in problem.budgets if len(b.constraints)]
-    return max(parts, default=float(problem.caps.max()))
+    return max(parts, default=float(problem.caps.max(initial=0.0)) or 1.0)
 
 
 def tangents(at: Floats, unit: float) -> tuple[Floats, Floats]:

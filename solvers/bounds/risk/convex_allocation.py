@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
-from ....formulations.risk.risk_allocation import RiskAllocation
+from ....formulations.risk.risk_allocation import Ints, RiskAllocation
 from ....formulations.stop import Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
+
+if TYPE_CHECKING:
+    from ...engines.convex_allocation_steps.successive_tangents import Interval
 
 
 def missing(problem: Any) -> frozenset[str]:
@@ -23,16 +27,20 @@ def compute(problem: RiskAllocation, stop: Stop, linear: LinearPrograms) -> Evid
     from ...engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
 
     part, rows = problem.convex_part()
-    if not len(rows):
-        return None
-    found = SuccessiveTangents(part, linear.seed).run(stop)
-    if found.prices is not None:
-        every = np.zeros(len(problem.limits))
-        every[rows] = found.prices["chance"]
-        found.prices["chance"] = every
-        if len(part.budgets) != len(problem.budgets):
-            found.prices["budgets"] = np.zeros(len(problem.budgets))
-    return next(iter(found.evidence(problem.sign)), None)
+    return next(iter(part_evidence(problem, rows, SuccessiveTangents(part, linear.seed).run(stop))), None)
+
+
+def part_evidence(problem: RiskAllocation, rows: Ints, found: Interval) -> tuple[Evidence, ...]:
+    """What an interval of ``problem.convex_part()``, which holds ``rows``, proves of the problem."""
+    if found.prices is None:
+        return ()
+    chance, budgets = np.zeros(len(problem.limits)), np.zeros(len(problem.budgets))
+    chance[rows] = found.prices["chance"]
+    if problem.risk.kind == "allocated":
+        kept = np.unique(problem.constraint[rows])
+        there = [bool(np.isin(kept, b.constraints).any()) for b in problem.budgets]
+        budgets[there] = found.prices["budgets"]
+    return replace(found, prices={**found.prices, "chance": chance, "budgets": budgets}).evidence(problem.sign)
 
 
 BOUNDS.add(

@@ -24,6 +24,7 @@ from ....formulations.risk.forms._piecewise import density, mean_risk, piece_row
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
 from .session import Solved, open_session
+from .units import Units
 
 Floats = NDArray[np.float64]
 
@@ -100,7 +101,8 @@ class SuccessiveTangents:
     """
 
     def __init__(self, problem: RiskAllocation, seed: int = 1, publish: Callable[[Interval], None] = lambda interval: None) -> None:
-        self.problem, self.publish = problem, publish
+        self.original, self.units, self.publish = problem, Units.of(problem), publish
+        self.problem = problem = self.units.problem
         at = points(problem, mean_risk(problem), FIRST_POINTS, FIRST_LEAST)
         self.pieces = piecewise_program(problem, "tangents", at, above=False)
         self.session = open_session(self.pieces.program, seed)
@@ -170,9 +172,10 @@ class SuccessiveTangents:
         spent = np.zeros(len(z))
         for budget, own in zip(p.budgets, price["budgets"].tolist(), strict=True):
             spent[budget.constraints] += own
-        bound = p.sign * made.value + float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.pieces.unit).sum())
+        more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.pieces.unit).sum())
+        bound = (p.sign * made.value + more) / self.units.cost
         if bound > found.bound:
-            found.bound, found.prices = bound, price
+            found.bound, found.prices = bound, self.units.prices(price)
         own = self._risks(made.x[: p.size])
         excess = self._excess(own)
         if excess <= 0.0:
@@ -209,7 +212,8 @@ class SuccessiveTangents:
 
     def _take(self, x: Floats) -> None:
         """A decision, where it is better than what is known and keeps its risks in the judge's arithmetic."""
-        p, decision = self.problem, np.clip(x, self.problem.lower, self.problem.upper)
+        p = self.original
+        decision = np.clip(x * self.units.columns, p.lower, p.upper)
         value = p.sign * p.value(decision)[0]
         if value >= self.found.value:
             return
@@ -240,8 +244,8 @@ class SuccessiveTangents:
         size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
         nowhere = Solved("infeasible", x=np.zeros(self.pieces.program.num_variables), cone_duals=made.cone_duals / size)
         for turn in (1.0, -1.0):
-            found.prices = self._prices(nowhere, turn * sign * made.ray / size)
-            if verified_bound(self.problem, found.evidence(sign)[0]) == sign * math.inf:
+            found.prices = self.units.prices(self._prices(nowhere, turn * sign * made.ray / size))
+            if verified_bound(self.original, found.evidence(sign)[0]) == sign * math.inf:
                 return
         found.prices = None
 
