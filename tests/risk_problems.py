@@ -58,9 +58,12 @@ def margins(weights: list[float], total: float, **changes: Any) -> RiskAllocatio
 def around_a_box(**changes: Any) -> RiskAllocation:
     """One decision of the plane, near the origin, outside of a box that holds it."""
     data = changed(
-        sense="min", decisions=2, lower=-3, upper=3, cost={"terms": [{"kind": "absolute", "decisions": [[1, 0], [0, 1.5]]}]}, constraints=None,
+        sense="min", decisions=2, lower=-3, upper=3, constraints=None,
+        cost={"terms": [{"kind": "absolute", "decisions": [[1, 0], [0, 1.5]]}]},
         quantities={"map": [[1, 0], [0, 1]], "covariance": [0.04, 0.01]},
-        chance={"quantities": [[1, 0], [-1, 0], [0, 1], [0, -1]], "limits": [-1, -1.2, -1, -0.9], "constraint": [0, 0, 0, 0], "names": ["box"]},
+        chance={
+            "quantities": [[1, 0], [-1, 0], [0, 1], [0, -1]], "limits": [-1, -1.2, -1, -0.9], "constraint": [0] * 4, "names": ["box"],
+        },
         risk={"total": 0.05},
     )  # fmt: skip
     return problem(data, **changes)

@@ -69,8 +69,8 @@ def declared_instance(
     caps = min(MOST_RISK, total if total is not None else MOST_RISK) if each is None else each
     instance = RiskAllocationInstance(
         _bound(data.get("lower_bounds"), n, -math.inf), _bound(data.get("upper_bounds"), n, math.inf),
-        _names([*own.values(), mean], columns, n), Quantities(selection, np.zeros(q), np.asarray(covariance, dtype=np.float64), _numbered("y", q)),
-        Affine(linear[None], np.zeros((1, q)), np.array([offset])),
+        _names([*own.values(), mean], columns, n), Quantities(selection, np.zeros(q), np.asarray(covariance, dtype=np.float64),
+        _numbered("y", q)), Affine(linear[None], np.zeros((1, q)), np.array([offset])),
         ChanceConstraints(Affine(np.zeros((q, n)), np.eye(q), np.zeros(q)), np.broadcast_to(np.asarray(limits, dtype=np.float64), q).copy(),
                           constraint_names, np.arange(q)),
         Risk(risk, total, np.broadcast_to(np.asarray(caps, dtype=np.float64), q).copy()),

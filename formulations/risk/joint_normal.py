@@ -1,9 +1,9 @@
 """The probability that any of many jointly Gaussian constraints fails, with limits between which it lies.
 
-One constraint: the normal tail. Two: Plackett's integral. More: that over the cube of Genz (1992), the constraints in the order of their risk, over a lattice
-rule with random shifts (Richtmyer's, Cranley and Patterson 1976), whose spread gives the interval. What is summed up are probabilities to
-fail, first at the first, then at the second after the first held: so that small ones keep their digits, where one minus a probability to
-hold loses them. Alternatives, of which any suffices, are sampled.
+One constraint: the normal tail. Two: Plackett's integral. More: that over the cube of Genz (1992), the constraints in the order of their
+risk, over a lattice rule with random shifts (Richtmyer's, Cranley and Patterson 1976), whose spread gives the interval. What is summed up
+are probabilities to fail, first at the first, then at the second after the first held: so that small ones keep their digits, where one
+minus a probability to hold loses them. Alternatives, of which any suffices, are sampled.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -270,9 +269,7 @@ class RiskAllocation(Problem):
         if not known:
             return {}
         joint = next(iter(self.joint_risk(x).values()))
-        told = {
-            "sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high
-        }
+        told = {"sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high}
         if self.risk.total is not None:
             told["unused_share_of_risk"] = 1.0 - joint.value / self.risk.total
         return told
@@ -309,7 +306,9 @@ class RiskAllocation(Problem):
         most = self.risk.each
         excess = np.where(risks < 0.0, -risks, risks - most)
         allowed = np.where(risks < 0.0, 0.0, VECTOR * most)
-        return judge("risks", excess, lambda k: f"chance constraint {self.names[k]} has the risk {risks[k]:.9g}, at most {most[k]:.9g}", allowed)
+        return judge(
+            "risks", excess, lambda k: f"chance constraint {self.names[k]} has the risk {risks[k]:.9g}, at most {most[k]:.9g}", allowed
+        )
 
     def _judge_budgets(self, risks: Floats) -> tuple[Check, list[Violation]]:
         spent = np.array([math.fsum(risks[b.constraints].tolist()) for b in self.budgets])
@@ -369,8 +368,7 @@ class RiskAllocation(Problem):
         return made
 
     def convex_part(self) -> tuple[RiskAllocation, Ints]:
-        """A relaxation that is convex, and the chance rows in it: without alternatives that are undecided; joint risk, which is that of each
-        constraint at least, as a limit of each."""
+        """A convex relaxation, and the chance rows in it: no undecided alternatives, and joint risk as a limit of each constraint."""
         left = np.bincount(self.constraint, weights=self.open)
         rows = np.nonzero(self.open & (left[self.constraint] == 1))[0]
         made = self.choosing(rows) if self.disjunctive else copy.copy(self)

@@ -28,8 +28,8 @@ TRIES = 6
 def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> Outcome:
     """The best plan whose worst constraint, in deviations beyond its limit, has a conditional value at risk of 0 or less over samples.
 
-    The mean of the worst share of samples, the total's, bounds their quantile, so that on the samples the risk is kept. They are finitely many:
-    the plan is validated by its true probability to fail, and the share halved until that is allowed.
+    The mean of the worst share of samples, the total's, bounds their quantile, so that on the samples the risk is kept. They are finitely
+    many: the plan is validated by its true probability to fail, and the share halved until that is allowed.
 
     Parameters
     ----------
@@ -52,8 +52,8 @@ def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> O
 
     Notes
     -----
-    Source: Rockafellar and Uryasev (2000), "Optimization of conditional value-at-risk"; Nemirovski and Shapiro (2006), "Convex approximations
-    of chance constrained programs"; docs/formulations/risk-allocation.md#samples.
+    Source: Rockafellar and Uryasev (2000), "Optimization of conditional value-at-risk"; Nemirovski and Shapiro (2006), "Convex
+    approximations of chance constrained programs"; docs/formulations/risk-allocation.md#samples.
     """
     noisy = np.nonzero(problem.deviation > 0.0)[0]
     if samples < 10 or 3 * samples * max(1, len(noisy)) > MOST_ENTRIES:

@@ -29,8 +29,8 @@ def iterative(
     """Iterative risk allocation (Ono and Williams 2008), from equal risks.
 
     Each round plans for fixed risks. Constraints that are not active keep ``alpha`` of the risk that they do not use; what they give
-    is shared evenly among the active ones. The plan of a round stays allowed in the next, so that the cost never grows, and the risks always
-    keep the budgets.
+    is shared evenly among the active ones. The plan of a round stays allowed in the next, so that the cost never grows, and the risks
+    always keep the budgets.
 
     Parameters
     ----------
@@ -50,7 +50,8 @@ def iterative(
     -------
     Outcome
         ``statistics["end"]``: ``small gain``; ``all active`` (it stalls: no constraint has risk to give, however unequal its worth, so that
-        the allocation may be far from the best); ``none active``; ``rounds``; or ``infeasible`` where equal risks allow no plan. No guarantee.
+        the allocation may be far from the best); ``none active``; ``rounds``; or ``infeasible`` where equal risks allow no plan. No
+        guarantee.
 
     Raises
     ------

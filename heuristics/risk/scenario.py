@@ -63,7 +63,8 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
     Returns
     -------
     Outcome
-        ``statistics``: ``samples``, ``confidence`` (NaN for fewer samples than it takes), ``support``. The judge computes what is true of the plan.
+        ``statistics``: ``samples``, ``confidence`` (NaN for fewer samples than it takes), ``support``. The judge computes what is true of
+        the plan.
 
     Raises
     ------

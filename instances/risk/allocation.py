@@ -73,7 +73,9 @@ class CostTerm:
         if self.kind not in TERMS:
             raise InputError("the kind of a cost term is unknown", expected=", ".join(TERMS), found=self.kind)
         if not (math.isfinite(self.weight) and self.weight >= 0):
-            raise InputError("the weight of a cost term must be finite and not negative, else the cost is not convex", found=f"{self.weight:g}")
+            raise InputError(
+                "the weight of a cost term must be finite and not negative, else the cost is not convex", found=f"{self.weight:g}"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +106,8 @@ class ChanceConstraints:
     names : tuple of str
         One a constraint.
     constraint : array of shape (rows,)
-        The constraint that each row belongs to, from 0. One of several rows holds where any of them does: alternatives, such as the sides of
-        an obstacle.
+        The constraint that each row belongs to, from 0. One of several rows holds where any of them does: alternatives, such as the sides
+        of an obstacle.
     """
 
     rows: Affine

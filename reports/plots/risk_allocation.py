@@ -44,7 +44,8 @@ def plot_risk_allocation(
         Instead of the one made.
     view : str, optional
         ``trajectory`` (the default where the quantities are states of dynamics): the means, the spread of 95 %, and the limits.
-        ``risks``: what each constraint is allowed, and what it has, as bars. ``violations``: how many constraints fail at once, out of samples.
+        ``risks``: what each constraint is allowed, and what it has, as bars. ``violations``: how many constraints fail at once, out of
+        samples.
 
     Returns
     -------
@@ -84,7 +85,9 @@ def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
             values, vectors = np.linalg.eigh(_spread(given, np.array([t * states + x, t * states + y])))
             size = 2.0 * ELLIPSE * np.sqrt(np.maximum(values, 0.0))
             angle = math.degrees(math.atan2(vectors[1, 1], vectors[0, 1]))
-            ax.add_patch(Ellipse(mean[t, [x, y]], size[1], size[0], angle=angle, facecolor=COLOURS[4], edgecolor="none", alpha=0.45, zorder=2))
+            ax.add_patch(
+                Ellipse(mean[t, [x, y]], size[1], size[0], angle=angle, facecolor=COLOURS[4], edgecolor="none", alpha=0.45, zorder=2)
+            )
         start = dynamics.start[[x, y]]
         ax.plot(*np.vstack([start, mean[:, [x, y]]]).T, color=COLOURS[0], linewidth=1.2, marker="o", markersize=3, zorder=3)
         _limits(ax, problem, {x: mean[:, y], y: mean[:, x]}, y, x)

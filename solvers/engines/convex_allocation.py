@@ -67,4 +67,7 @@ def _result(problem: RiskAllocation, found: Any, stop: Stop, options: Options) -
     status = "feasible" if found.status == "optimal" and limit == "gap" else found.status
     if options.start is not None:
         statistics["start"] = "ignored"
-    return RawResult(status, limit, found.answer, objective, bound, statistics=statistics, evidence=found.evidence(problem.sign))
+    evidence = found.evidence(problem.sign)
+    none = found.status == "infeasible" and evidence
+    message = problem.why_none(evidence[0].kind, evidence[0].data) if none else ""
+    return RawResult(status, limit, found.answer, objective, bound, statistics=statistics, message=message, evidence=evidence)

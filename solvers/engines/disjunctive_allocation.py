@@ -1,4 +1,4 @@
-"""Disjunctive allocation: chance constraints with alternatives, such as the sides of obstacles, by branch and bound over convex allocations."""
+"""Disjunctive allocation: chance constraints with alternatives, such as sides of obstacles, by branch and bound over convex ones."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ DIVE_EVERY = 8
 class DisjunctiveAllocation(Engine):
     """Branch and bound (Blackmore, Ono and Williams 2011): a node leaves out the constraints whose alternative is undecided.
 
-    Its convex allocation is bounded by verified prices, and all nodes together are evidence ``branching-tree``. Where risk is joint the best
-    allocation is an answer (Boole), and bounds nothing. ``iterations`` counts nodes.
+    Its convex allocation is bounded by verified prices, and all nodes together are evidence ``branching-tree``. Where risk is joint the
+    best allocation is an answer (Boole), and bounds nothing. ``iterations`` counts nodes.
     """
 
     name = "disjunctive-allocation"
@@ -98,7 +98,7 @@ class _Tree(ProofTree[_Node]):
         self.looked = 0
 
     def reached(self, bound: float) -> bool:
-        return math.isfinite(self.value) and self.value - bound <= self.aim * abs(self.value) or bound == math.inf
+        return (math.isfinite(self.value) and self.value - bound <= self.aim * abs(self.value)) or bound == math.inf
 
     def grow(self) -> None:
         most = self.options.iterations
@@ -127,8 +127,13 @@ class _Tree(ProofTree[_Node]):
         part, rows = problem.convex_part()
         parent = node.parent
         if (left == 0).any():  # the checker sees it
-            nothing = {"rows": [0.0] * len(problem.row_lower), "chance": [0.0] * len(problem.limits), "budgets": [0.0] * len(problem.budgets),
-                       "terms": [0.0] * sum(len(t[3]) for t in problem.terms), "cones": [0.0] * sum(1 + len(c[1]) for c in problem.cones)}
+            nothing = {
+                "rows": [0.0] * len(problem.row_lower),
+                "chance": [0.0] * len(problem.limits),
+                "budgets": [0.0] * len(problem.budgets),
+                "terms": [0.0] * sum(len(t[3]) for t in problem.terms),
+                "cones": [0.0] * sum(1 + len(c[1]) for c in problem.cones),
+            }
             self.prove(node, problem, [Evidence("risk-allocation-duals", "no alternative is left", math.inf, nothing)])
             self.close(node)
             return True
@@ -167,7 +172,7 @@ class _Tree(ProofTree[_Node]):
         return True
 
     def _undecided(self, problem: RiskAllocation, node: _Node) -> list[int]:
-        """The safest open row of the constraint, among those with several, that the node's decision breaks most; none where all are decided."""
+        """The safest open row of the undecided constraint that the node's decision breaks most; none where all are decided."""
         left = np.bincount(problem.constraint, weights=problem.open)
         several = np.nonzero(left > 1)[0]
         if not len(several) or node.decision_vector is None:

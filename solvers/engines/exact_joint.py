@@ -25,16 +25,16 @@ MOST_ROWS = 60
 
 CLOSED = 1e-6
 MOST_PLANES = 200
-HALVINGS = 16
-"""Of the way to the boundary."""
+NEAR, MOST_LOOKS = 1e-5, 30
+"""Part of the way to the boundary to which it is known, and looks at most."""
 
 
 @BACKENDS.register("exact-joint")
 class ExactJoint(Engine):
     """Outer search over the multivariate normal probability, which is logarithmically concave in the decision (Prekopa 1971).
 
-    A program with planes that support ``log P(nothing fails)`` bounds the cost; from its decision the way to a plan that is known to be allowed
-    crosses the boundary, where the next plane is laid (Veinott 1967). The integrals' errors count against the plan, whose bound is
+    A program with planes that support ``log P(nothing fails)`` bounds the cost; from its decision the way to a plan that is known to be
+    allowed crosses the boundary, where the next plane is laid (Veinott 1967). The integrals' errors count against the plan, whose bound is
     claimed: it is as good as they are.
     """
 
@@ -125,9 +125,10 @@ class _Planes:
         found = SuccessiveTangents(self.problem.by_allocation(), self.options.seed).run(stop, 1e-6).answer
         return None if found is None else found.decision
 
-    def _allowed(self, x: Floats) -> bool:
+    def _excess(self, x: Floats) -> float:
+        """By which part the upper limits of the probabilities exceed a budget at most."""
         found = self.problem.joint_risk(x)
-        return all(found[b.name].high <= b.risk for b in self.problem.budgets)
+        return max(found[b.name].high / b.risk - 1.0 for b in self.problem.budgets)
 
     def _take(self, x: Floats) -> None:
         p, decision = self.problem, np.clip(x, self.problem.lower, self.problem.upper)
@@ -137,14 +138,18 @@ class _Planes:
             self.control.publish(self.answer, p.sign * value)
 
     def _edge(self, inside: Floats, outside: Floats) -> Floats:
-        """The last allowed point on the way from ``inside`` to ``outside``."""
-        if self._allowed(outside):
+        """About the last allowed point on the way from ``inside`` to ``outside``."""
+        from scipy.optimize import brentq
+
+        if self._excess(outside) <= 0.0:
             return outside
-        low, high = 0.0, 1.0
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._allowed(inside + middle * (outside - inside)) else (low, middle)
-        return np.asarray(inside + low * (outside - inside))
+        if self._excess(inside) >= 0.0:
+            return inside
+        way = outside - inside
+        part = brentq(lambda t: self._excess(inside + t * way), 0.0, 1.0, xtol=NEAR, maxiter=MOST_LOOKS, disp=False)
+        while part > 0.0 and self._excess(inside + part * way) > 0.0:
+            part -= NEAR
+        return np.asarray(inside + max(part, 0.0) * way)
 
     def _support(self, edge: Floats, outside: Floats) -> bool:
         """Lay planes at the edge; whether one of them is in the way of ``outside``."""

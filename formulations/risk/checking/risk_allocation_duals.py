@@ -46,9 +46,10 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     problem : RiskAllocation
         Where risk is ``joint``, budgets have no price: no constraint may have more risk than all of its budgets.
     data : dict
-        ``rows``: one number each, positive where the lower side counts. ``chance``: one a chance row, ``budgets``: one a budget; negative ones
-        count as 0, and those of alternatives, of which any suffices. ``terms``: one a row of the convex terms. ``cones``: of each cone one for its limit
-        and one a row. ``infeasible``, true: the cost counts as 0, and prices of a positive value prove that there is no answer.
+        ``rows``: one number each, positive where the lower side counts. ``chance``: one a chance row, ``budgets``: one a budget; negative
+        ones count as 0, and those of alternatives, of which any suffices. ``terms``: one a row of the convex terms. ``cones``: of each
+        cone one for its limit and one a row. ``infeasible``, true: the cost counts as 0, and prices of a positive value prove that there
+        is no answer.
 
     Returns
     -------
@@ -102,7 +103,7 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _allowed_terms(problem: Any, given: Floats) -> tuple[Floats, float]:
-    """Vectors v with ``term(r) >= v r + constant`` for every r: the given ones, cut to what the term's weight allows; the sum of the constants."""
+    """Vectors v with ``term(r) >= v r + constant``: the given ones, cut to what the weights allow; and the sum of the constants."""
     made, constants, start = given.copy(), [], 0
     for kind, weight, _, constant in problem.terms:
         part = slice(start, start + len(constant))
@@ -136,7 +137,7 @@ def _shortened(vector: Floats, length: float) -> Floats:
 
 
 def _program(problem: Any, single: NDArray[np.bool_]) -> Any:
-    """Rows and bounds of x, the chance rows without margins, and definitions of the rows of terms and cones, as arrays of a linear program."""
+    """Rows and bounds of x, chance rows without margins, definitions of the rows of terms and cones: the arrays of a linear program."""
     n, defined = len(problem.linear), [(t[2], t[3]) for t in problem.terms]
     for matrix, constant, limit, most in problem.cones:
         defined += [(limit[None], np.array([most])), (matrix, constant)]

@@ -23,9 +23,7 @@ SHORTENED = 1e-9
 """Part by which prices of cones are made smaller, so that what is left of the cost of a variable that only a cone bounds has its sign."""
 
 
-def dense_rows(
-    name: str, matrix: Floats, lower: Any, upper: Any, extra: Any = (), keys: tuple[Ints, ...] = (), labels: Any = ()
-) -> Rows:
+def dense_rows(name: str, matrix: Floats, lower: Any, upper: Any, extra: Any = (), keys: tuple[Ints, ...] = (), labels: Any = ()) -> Rows:
     """A block of rows from a matrix over the first columns, and further parts."""
     row, column = np.nonzero(matrix)
     return rows(name, len(matrix), [(row, column, matrix[row, column]), *extra], lower, upper, keys, labels)
@@ -105,9 +103,7 @@ class Blocks:
                 dense += 2.0 * weight * (matrix.T @ matrix)
             part = sp.coo_matrix(dense)
             quadratic = sp.csr_matrix((part.data, (part.row, part.col)), shape=(self.columns, self.columns))
-        return Program(
-            name, self.problem.senses[0], tuple(self.variables), tuple(self.rows), self.offset, quadratic, tuple(self.cones)
-        )
+        return Program(name, self.problem.senses[0], tuple(self.variables), tuple(self.rows), self.offset, quadratic, tuple(self.cones))
 
 
 def prices(problem: RiskAllocation, program: Program, x: Floats, duals: Floats, cone_duals: Floats | None = None) -> dict[str, Floats]:

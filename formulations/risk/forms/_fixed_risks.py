@@ -44,7 +44,9 @@ def add_choices(blocks: Blocks) -> int:
     p = blocks.problem
     size = len(p.constraint)
     alone = np.bincount(p.constraint)[p.constraint] == 1
-    choice = Variables("choice", (p.constraint, np.arange(size)), (p.names,), alone.astype(float), np.ones(size), np.zeros(size), integer=True)
+    choice = Variables(
+        "choice", (p.constraint, np.arange(size)), (p.names,), alone.astype(float), np.ones(size), np.zeros(size), integer=True
+    )
     start = blocks.add(choice)
     blocks.rows.append(rows("choose", len(p.names), [(p.constraint, start + np.arange(size), 1.0)], 1.0, keys=(np.arange(len(p.names)),),
                             labels=(p.names,)))  # fmt: skip

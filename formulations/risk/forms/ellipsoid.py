@@ -2,8 +2,8 @@
 
     a_i x + s_i rho <= b_i,      rho^2 = the number that a chi-square variable of d degrees of freedom exceeds with the total risk
 
-where d is the rank of the covariance. Whatever the constraints, none of them fails as long as the noise is in the ellipsoid: a restriction of
-the joint problem, and of the allocated one where N constraints of risk tail(rho) keep within the total.
+where d is the rank of the covariance. Whatever the constraints, none of them fails as long as the noise is in the ellipsoid: a restriction
+of the joint problem, and of the allocated one where N constraints of risk tail(rho) keep within the total.
 Source: van Hessem and Bosgra (2002), "A conic reformulation of model predictive control including bounded and stochastic disturbances".
 """
 
@@ -52,6 +52,4 @@ def build(problem: RiskAllocation) -> Compiled:
     return compiled(problem, "ellipsoid", every, np.full(len(problem.names), float(ndtr(-rho))))
 
 
-FORMS.add(
-    "ellipsoid", Form("ellipsoid", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=3)
-)
+FORMS.add("ellipsoid", Form("ellipsoid", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=3))

@@ -2,8 +2,8 @@
 
     a_i x + s_i z(r_i) <= b_i,      r_i = the least of budget / constraints of the budget, over its budgets, and of its own limit
 
-with z the quantile of the normal tail: linear, quadratic or conic, as the cost is. A restriction of the allocated problem, and with it (Boole)
-of the joint one.
+with z the quantile of the normal tail: linear, quadratic or conic, as the cost is. A restriction of the allocated problem, and with it
+(Boole) of the joint one.
 """
 
 from __future__ import annotations
@@ -35,6 +35,4 @@ def build(problem: RiskAllocation) -> Compiled:
     return compiled(problem, "uniform", -ndtri(risks), risks)
 
 
-FORMS.add(
-    "uniform", Form("uniform", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=2)
-)
+FORMS.add("uniform", Form("uniform", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=2))

@@ -3,7 +3,8 @@
 ``auv``: depth keeping, a double integrator whose mean altitude is minimised while it stays above a sea floor, after the example of Ono and
 Williams (2008). ``corridor``: a double integrator in the plane that reaches a goal between two walls with the least fuel, the sum of the
 absolute inputs. ``obstacles``: the same plane without walls and with boxes in the way, each step on one of the four sides of each. Seed 1
-of the first two with its other settings at their defaults is a fixed problem of the literature's kind; other seeds draw floor, walls and noise.
+of the first two with its other settings at their defaults is a fixed problem of the literature's kind; other seeds draw floor, walls and
+noise.
 """
 
 from __future__ import annotations
@@ -116,7 +117,8 @@ def _obstacles(draw: Draw, settings: Mapping[str, Any]) -> RiskAllocationInstanc
 
 
 def _instance(
-    dynamics: Dynamics, height: Any, goal: tuple[float, ...], chance: ChanceConstraints, settings: Mapping[str, Any], total: float, most: float
+    dynamics: Dynamics, height: Any, goal: tuple[float, ...], chance: ChanceConstraints, settings: Mapping[str, Any], total: float, most:
+    float
 ) -> RiskAllocationInstance:  # fmt: skip
     """Least mean of ``height`` over the states, or least fuel where it is None; ends at ``goal`` in the mean; inputs within ``most``."""
     quantities, steps = dynamics.quantities(), dynamics.steps
@@ -129,11 +131,9 @@ def _instance(
         np.full(n, -most), np.full(n, most), dynamics.decision_names(), quantities,
         Affine(np.zeros((1, n)), np.zeros((1, q)) if height is None else height[None], np.zeros(1)), chance,
         Risk(settings["risk"], risk, np.full(len(chance.names), min(risk, MOST_RISK))),
-        Affine(np.zeros((len(goal), n)), last, np.zeros(len(goal))), end, end, tuple(f"goal-{dynamics.state_names[k]}" for k in range(len(goal))),
-        terms=(_fuel(steps),) if height is None else (), format="generated",
+        Affine(np.zeros((len(goal), n)), last, np.zeros(len(goal))), end, end, tuple(f"goal-{dynamics.state_names[k]}" for k in
+        range(len(goal))), terms=(_fuel(steps),) if height is None else (), format="generated",
     )  # fmt: skip
 
 
-GENERATORS.add(
-    "risk-allocation", Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make)
-)
+GENERATORS.add("risk-allocation", Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make))

@@ -108,7 +108,9 @@ def _affine(data: Any, path: str, n: int, q: int) -> Affine:
         key: _matrix(parts[key], f"{path}.{key}", size)
         for key, size in (("decisions", n), ("quantities", q)) if parts[key] is not None
     }  # fmt: skip
-    given = [len(m) for m in matrices.values()] + ([len(array(parts["constant"], f"{path}.constant"))] if parts["constant"] is not None else [])
+    given = [len(m) for m in matrices.values()] + (
+        [len(array(parts["constant"], f"{path}.constant"))] if parts["constant"] is not None else []
+    )
     count = given[0] if given else 0
     if set(given) - {count}:
         raise InputError(f"{path} has another number of rows over decisions than over quantities", found=", ".join(map(str, given)))

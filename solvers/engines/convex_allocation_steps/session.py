@@ -110,7 +110,9 @@ class HighsSession:
                 found, value = model.getSolution(), float(info.objective_function_value)
                 duals = np.zeros(0) if self._integer else np.array(found.row_dual)
                 bound = float(info.mip_dual_bound) if self._integer else value
-                return Solved("optimal" if status in (s.kOptimal, s.kModelEmpty) else "unknown", value, bound, np.array(found.col_value), duals)
+                return Solved(
+                    "optimal" if status in (s.kOptimal, s.kModelEmpty) else "unknown", value, bound, np.array(found.col_value), duals
+                )
             if status == s.kInfeasible:
                 known, ray = (False, None) if self._integer else model.getDualRay()[1:]
                 return Solved("infeasible", ray=np.array(ray) if known else None)
@@ -163,7 +165,9 @@ class ClarabelSession:
         settings = clarabel.DefaultSettings()
         settings.verbose, settings.max_threads, settings.time_limit = False, 1, max(1e-3, stop.seconds_left)
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = PRECISION
-        found = clarabel.DefaultSolver(quadratic, sign * p.cost, sp.csc_matrix(sp.vstack(parts)), np.concatenate(sides), cones, settings).solve()
+        found = clarabel.DefaultSolver(
+            quadratic, sign * p.cost, sp.csc_matrix(sp.vstack(parts)), np.concatenate(sides), cones, settings
+        ).solve()
         said, z = str(found.status), np.array(found.z)
         ends = np.cumsum([len(side) for side in sides[:5]])
         duals = np.zeros(len(equal))

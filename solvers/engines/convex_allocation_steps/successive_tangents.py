@@ -2,9 +2,9 @@
 
 The normal tail is replaced by its tangents at some points. The optimum of that program bounds the cost from below, and its duals do so more
 tightly than it says, since they price the tail itself and not its tangents. Its decision takes a little more risk than allowed; the same
-program with budgets smaller by a little more than that has a decision that keeps them. The last point between the two that keeps the budgets
-bounds the cost from above. Tangents at both decisions are added. Each round divides what is missing by four and more (Kelley 1960, on a
-separable convex function).
+program with budgets smaller by a little more than that has a decision that keeps them. The last point between the two that keeps the
+budgets bounds the cost from above. Tangents at both decisions are added. Each round divides what is missing by four and more (Kelley 1960,
+on a separable convex function).
 """
 
 from __future__ import annotations
@@ -41,6 +41,9 @@ MARGIN = 1.25
 
 NEAR = 0.2
 """Excess of risk from which on decisions that keep the budgets are looked for: before, they would not last."""
+
+LEAST = 1e-10
+"""By which part budgets are made smaller at least."""
 
 HALVINGS = 30
 """Of the way between two decisions."""
@@ -116,6 +119,7 @@ class SuccessiveTangents:
         self.limits = np.where(certain, math.inf, problem.limits[order] / scale)
         self.deviation, self.order = noise, order
         self.inside: Floats | None = None
+        self.least = LEAST
         self.found = Interval()
 
     def run(self, stop: Stop, gap: float = 0.0) -> Interval:
@@ -132,17 +136,18 @@ class SuccessiveTangents:
             excess = self._lower(below)
             added = self._touch(below)
             if found.gap > aim and excess < NEAR:
-                self._use(MARGIN * max(excess, 1e-12))
+                self._use(MARGIN * max(excess, self.least))
                 above = self.session.solve(stop)
                 if above.status == "optimal":
-                    self._upper(above.x, below.x)
+                    if not self._upper(above.x, below.x):
+                        self.least *= 10.0  # beyond what the solver rounds
                     added += self._touch(above)
             self.publish(found)
             if found.gap <= aim:
                 found.status = "optimal"
                 break
             still = still + 1 if math.isfinite(before) and not found.gap < 0.9 * before else 0
-            if not added or still > STALLED:
+            if (not added and found.answer is not None) or still > STALLED:
                 break
         if found.status == "unknown" and found.answer is not None:
             found.status = "feasible"
@@ -192,13 +197,15 @@ class SuccessiveTangents:
         """By which part the risks exceed a budget at most."""
         return max((float(own[b.constraints].sum()) / b.risk - 1.0 for b in self.problem.budgets), default=0.0)
 
-    def _upper(self, inside: Floats, outside: Floats) -> None:
-        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not."""
+    def _upper(self, inside: Floats, outside: Floats) -> bool:
+        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether it does."""
         inside = inside[: self.problem.size]
-        if self._excess(self._risks(inside)) <= 0.0:
+        keeps = self._excess(self._risks(inside)) <= 0.0
+        if keeps:
             self.inside = inside
             self._take(inside)
             self._between(inside, outside[: self.problem.size])
+        return keeps
 
     def _between(self, inside: Floats, outside: Floats) -> None:
         """Take the last point that keeps the budgets on the way from a decision that does to one that does not: risks are convex."""

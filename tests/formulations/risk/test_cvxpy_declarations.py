@@ -26,7 +26,9 @@ def test_squares_norms_and_cones_keep_their_value() -> None:
     cost = cp.sum_squares(u - 1) + 2 * cp.norm(u[0]) + cp.norm1(u[1]) + 3
     means = cp.hstack([u[0, 0] + u[1, 1], -u[2, 0]])
     covariance, limits = np.array([[0.04, 0.01], [0.01, 0.09]]), np.array([0.5, -0.2])
-    p = RiskAllocation.from_cvxpy(cp.Problem(cp.Minimize(cost), [cp.norm(u[:, 1]) <= 1]), means, covariance, limits, total=0.1, names=["a", "b"])
+    p = RiskAllocation.from_cvxpy(
+        cp.Problem(cp.Minimize(cost), [cp.norm(u[:, 1]) <= 1]), means, covariance, limits, total=0.1, names=["a", "b"]
+    )
     assert p.features() >= {"quadratic-cost", "cones"}
     found = run(ConvexAllocation, p)
     assert found.answer is not None and p.evaluate(found.answer).feasible

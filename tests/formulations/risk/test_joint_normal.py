@@ -9,7 +9,9 @@ from scipy.stats import multivariate_normal, norm
 from waybound.formulations.risk.joint_normal import any_fails, gradient
 
 
-@pytest.mark.parametrize(("correlation", "union"), [(-0.99, 0.1), (-0.5, 0.09994), (0.0, 0.0975), (0.5, 0.08781), (0.9, 0.06813), (0.99, 0.05581)])
+@pytest.mark.parametrize(
+    ("correlation", "union"), [(-0.99, 0.1), (-0.5, 0.09994), (0.0, 0.0975), (0.5, 0.08781), (0.9, 0.06813), (0.99, 0.05581)]
+)
 def test_two_events_of_one_twentieth(correlation: float, union: float) -> None:
     covariance = np.array([[1.0, correlation], [correlation, 1.0]])
     found = any_fails(np.full(2, norm.isf(0.05)), covariance)

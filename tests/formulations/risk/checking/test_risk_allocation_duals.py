@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from risk_problems import around_a_box, margins, problem, run
-
 from scipy.optimize import minimize_scalar
 
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.certificate import verified_bound
+from waybound.formulations.evidence import Evidence
 from waybound.formulations.risk.checking.risk_allocation_duals import (
     TAIL_ERROR,
     _least_margin,
@@ -66,6 +65,7 @@ def test_the_least_margin_is_below_every_point(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for _ in range(50):
         slope, price, floor = 10.0 ** rng.uniform(-6, 3), 10.0 ** rng.uniform(-6, 3), rng.choice([0.0, 1.5, 3.0])
+
         def value(z: float, slope: float = slope, price: float = price) -> float:
             return slope * z + price * tail(z)
 
