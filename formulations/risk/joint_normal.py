@@ -112,10 +112,10 @@ def _both(a: float, b: float, correlation: float) -> float:
     def along(angle: float) -> float:
         sine, cosine = math.sin(angle), math.cos(angle)
         power = (a * a + b * b - 2.0 * a * b * sine) / (2.0 * cosine * cosine) if cosine > 1e-9 else math.inf
-        return math.exp(-power)
+        return float(math.exp(-power))
 
     found = quad(along, 0.0, math.asin(min(1.0, max(-1.0, correlation))), epsabs=1e-300, epsrel=1e-11, limit=200)[0]
-    return max(0.0, float(ndtr(-a) * ndtr(-b)) + found / (2.0 * math.pi))
+    return max(0.0, float(ndtr(-a) * ndtr(-b)) + float(found) / (2.0 * math.pi))
 
 
 def _integral(z: Floats, correlation: Floats, least: float, most: float, seed: int, points: int) -> Probability:
@@ -132,7 +132,7 @@ def _integral(z: Floats, correlation: Floats, least: float, most: float, seed: i
         found[k] = float(np.mean(_fail_first(z, factor, np.abs(2.0 * shifted - 1.0))))  # the tent makes it periodic
     value, error = float(found.mean()), _STUDENT * float(found.std(ddof=1)) / math.sqrt(SHIFTS)
     clipped = np.clip([value, value - error, value + error], least, min(1.0, most))
-    return Probability(*map(float, clipped))
+    return Probability(float(clipped[0]), float(clipped[1]), float(clipped[2]))
 
 
 def _fail_first(z: Floats, factor: Floats, points: Floats) -> Floats:

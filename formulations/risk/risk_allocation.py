@@ -234,7 +234,7 @@ class RiskAllocation(Problem):
 
     def _row_sizes(self, x: Floats) -> Floats:
         """Of each chance row the largest number in it."""
-        return np.maximum(np.abs(self.limits), np.abs(self.chance * x).max(axis=1, initial=0.0))
+        return np.asarray(np.maximum(np.abs(self.limits), np.abs(self.chance * x).max(axis=1, initial=0.0)))
 
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute cost, every constraint, every risk, and the probability that any of them fails.

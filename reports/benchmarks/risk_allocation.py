@@ -14,6 +14,7 @@ import argparse
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -178,14 +179,14 @@ def side_by_side(problem: RiskAllocation, repeat: int) -> tuple[list[str], float
 
     lines.append(f"  {'method':18} {'cost':>12} {'CPU ms':>9}  {'sum':9}  any fails (99.9 %)")
     for form in ("uniform", "ellipsoid", "secants"):
-        told(form, by_program(problem, form), milliseconds(lambda form=form: by_program(problem, form), repeat), "")
+        told(form, by_program(problem, form), milliseconds(partial(by_program, problem, form), repeat), "")
     answer, rounds = by_iterative(problem)
-    slow = milliseconds(lambda: by_iterative(problem), repeat)
+    slow = milliseconds(partial(by_iterative, problem), repeat)
     told("iterative", answer, slow, f"{rounds} rounds")
     quick = math.inf
     for gap in (GAP, 0.0):
         found = convex(problem, gap)
-        took = milliseconds(lambda gap=gap: convex(problem, gap), repeat)
+        took = milliseconds(partial(convex, problem, gap), repeat)
         bound = verified_bound(problem, found.evidence(problem.sign)[0])
         apart = abs(bound - problem.sign * found.value) / abs(found.value)
         told(f"convex, gap {gap:g}", found.answer, took, f"{found.rounds} rounds, verified bound {bound:.6f}, interval {apart:.1e}")
@@ -227,7 +228,7 @@ def report(count: int, repeat: int, steps: int = 100) -> str:
         if problem.name == "stalling":
             continue
         value, rounds = rebuilt(problem)
-        loop = milliseconds(lambda problem=problem: rebuilt(problem), max(1, repeat // 3))
+        loop = milliseconds(partial(rebuilt, problem), max(1, repeat // 3))
         lines.append(f"  {'rebuilt loop':18} {value:>12.6f} {loop:>9.2f}  {rounds} rounds, each a new CVXPY model")
         met.append((f"{problem.name}: default to {GAP:g} in less time than iterative", quick < slow, f"{quick:.2f} against {slow:.2f} ms"))
         met.append(

@@ -82,12 +82,11 @@ def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
 
         x, y = dynamics.state_names.index("x"), dynamics.state_names.index("y")
         for t in range(dynamics.steps):
+            centre = (float(mean[t, x]), float(mean[t, y]))
             values, vectors = np.linalg.eigh(_spread(given, np.array([t * states + x, t * states + y])))
             size = 2.0 * ELLIPSE * np.sqrt(np.maximum(values, 0.0))
             angle = math.degrees(math.atan2(vectors[1, 1], vectors[0, 1]))
-            ax.add_patch(
-                Ellipse(mean[t, [x, y]], size[1], size[0], angle=angle, facecolor=COLOURS[4], edgecolor="none", alpha=0.45, zorder=2)
-            )
+            ax.add_patch(Ellipse(centre, size[1], size[0], angle=angle, facecolor=COLOURS[4], edgecolor="none", alpha=0.45, zorder=2))
         start = dynamics.start[[x, y]]
         ax.plot(*np.vstack([start, mean[:, [x, y]]]).T, color=COLOURS[0], linewidth=1.2, marker="o", markersize=3, zorder=3)
         _limits(ax, problem, {x: mean[:, y], y: mean[:, x]}, y, x)

@@ -25,7 +25,7 @@ def answer(problem: RiskAllocation, given: Any) -> list[Table]:
         return []
     frame = problem.answer_to_frame(given).sort_values("risk", ascending=False, kind="stable")
     shown, rest = frame.head(SHOWN_ROWS), frame[SHOWN_ROWS:]
-    rows = [(str(r.constraint), _risk(r.allowed), _risk(r.risk)) for r in shown.itertuples()]
+    rows = [(str(name), _risk(allowed), _risk(risk)) for name, allowed, risk in shown.to_numpy().tolist()]
     if len(rest):
         rows.append((f"and {len(rest)} more", _risk(rest.allowed.sum()), _risk(rest.risk.sum())))
     each = Table("Risks", (Column("constraint"), Column("allowed", right=True), Column("risk", right=True)), tuple(rows))

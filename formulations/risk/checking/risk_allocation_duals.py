@@ -91,14 +91,14 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
         parts += spent
         rounding = 8.0 * _EPS * math.fsum(map(abs, spent))
     if not all(map(math.isfinite, parts)):
-        return -problem.sign * math.inf
+        return float(-problem.sign * math.inf)
     if not infeasible:
         parts.append(problem.sign * problem.offset)
     bound = math.fsum([*parts, -rounding])
     bound -= 4.0 * _EPS * abs(bound)
     if infeasible:
         size = max(map(abs, parts))
-        return problem.sign * math.inf if bound > 1e-9 * size > 0.0 else -problem.sign * math.inf
+        return float(problem.sign * (math.inf if bound > 1e-9 * size > 0.0 else -math.inf))
     return float(problem.sign * bound)
 
 

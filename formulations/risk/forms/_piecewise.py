@@ -130,6 +130,8 @@ def _chords(at: Floats, unit: float) -> tuple[Floats, Floats]:
 
 def piece_rows(constraint: Ints, slope: Floats, constant: Floats, z: int, risk: int, names: tuple[str, ...]) -> Rows:
     """Rows ``slope z + risk >= constant``, one a piece."""
-    row = np.arange(len(constraint))
-    return rows("piece", len(row), [(row, z + constraint, slope), (row, risk + constraint, 1.0)], constant, keys=(constraint, row),
-                labels=(names,))  # fmt: skip
+    many = len(constraint)
+    indices, data = np.empty(2 * many, dtype=np.int32), np.ones(2 * many)
+    indices[::2], indices[1::2], data[::2] = z + constraint, risk + constraint, slope
+    starts = np.arange(0, 2 * many + 1, 2, dtype=np.int32)
+    return Rows("piece", (constraint, np.arange(many)), (names,), starts, indices, data, constant, np.full(many, math.inf))

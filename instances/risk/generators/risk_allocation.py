@@ -14,12 +14,15 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import UsageError
 from ...generators import GENERATORS, Draw, Generator
 from ...generators.settings import Setting
 from ..allocation import MOST_RISK, RISKS, Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
 from ..gaussian import Dynamics
+
+Floats = NDArray[np.float64]
 
 FAMILIES = ("auv", "corridor", "obstacles")
 
@@ -48,10 +51,16 @@ def _vary(draw: Draw, settings: Mapping[str, Any], low: float, high: float) -> f
     return 1.0 if settings["seed"] == 1 else float(draw.uniform(low, high, 1)[0])
 
 
+def _shorter(steps: int) -> Floats:
+    """What the variances of positions and of speeds are multiplied with, so that many steps spread about as far as 20."""
+    part = min(1.0, 20 / steps)
+    return np.array([part, part**3])
+
+
 def _auv(draw: Draw, settings: Mapping[str, Any]) -> RiskAllocationInstance:
     steps = settings["steps"]
     a, b = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.5], [1.0]])
-    noise = np.diag([0.15, 0.02]) ** 2 * _vary(draw, settings, 0.5, 1.5) * min(1.0, 20 / steps)
+    noise = np.diag([0.15, 0.02]) ** 2 * _vary(draw, settings, 0.5, 1.5) @ np.diag(_shorter(steps))
     t = np.arange(1, steps + 1) * (20 / max(steps, 20))
     floor = 6.0 * _vary(draw, settings, 0.6, 1.1) * np.sin(t / 3.2) + 0.25 * t
     dynamics = Dynamics(a, b, noise, np.array([12.0, 0.0]), np.zeros((2, 2)), steps, ("altitude", "rate"), ("thrust",))
@@ -68,7 +77,9 @@ def _plane(settings: Mapping[str, Any], deviation: float, factor: float) -> Dyna
     a, b = np.eye(4), np.zeros((4, 2))
     a[0, 2] = a[1, 3] = 1.0
     b[[0, 1], [0, 1]], b[[2, 3], [0, 1]] = 0.5, 1.0
-    noise = np.diag([deviation, deviation, deviation / 10, deviation / 10]) ** 2 * factor * min(1.0, 20 / settings["steps"])
+    noise = (
+        np.diag([deviation, deviation, deviation / 10, deviation / 10]) ** 2 * factor @ np.diag(np.repeat(_shorter(settings["steps"]), 2))
+    )
     return Dynamics(a, b, noise, np.zeros(4), np.zeros((4, 4)), settings["steps"], ("x", "y", "vx", "vy"), ("ux", "uy"))
 
 

@@ -151,8 +151,8 @@ class ClarabelSession:
             return Solved("unknown")
         matrix = sp.vstack([sp.csr_matrix((r.data, r.indices, r.indptr), shape=(r.size, n)) for r in self._rows], format="csr")
         lower, upper = (np.concatenate([getattr(r, side) for r in self._rows]) for side in ("lower", "upper"))
-        for start, sides in self._uppers.items():
-            upper[start : start + len(sides)] = sides
+        for start, changed in self._uppers.items():
+            upper[start : start + len(changed)] = changed
         equal = lower == upper
         over, under = ~equal & np.isfinite(upper), ~equal & np.isfinite(lower)
         high, low, unit = np.isfinite(p.upper), np.isfinite(p.lower), sp.identity(n, format="csr")

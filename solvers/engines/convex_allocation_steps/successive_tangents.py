@@ -28,7 +28,7 @@ from .units import Units
 
 Floats = NDArray[np.float64]
 
-FIRST_POINTS, FIRST_LEAST = 4, 0.1
+FIRST_POINTS, FIRST_LEAST = 6, 0.1
 """Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
 
 CLOSED = 1e-9
@@ -39,13 +39,13 @@ MOST_ROUNDS = 100
 MARGIN = 1.25
 """Of the excess of risk, by how much the budgets are made smaller."""
 
-NEAR = 0.2
+NEAR = 0.015
 """Excess of risk from which on decisions that keep the budgets are looked for: before, they would not last."""
 
 LEAST = 1e-10
 """By which part budgets are made smaller at least."""
 
-HALVINGS = 30
+HALVINGS = 14
 """Of the way between two decisions."""
 
 STALLED = 8
@@ -118,7 +118,12 @@ class SuccessiveTangents:
         self.slopes = np.where(certain, 0.0, 1.0)[:, None] * problem.chance[order] / scale[:, None]
         self.limits = np.where(certain, math.inf, problem.limits[order] / scale)
         self.deviation, self.order = noise, order
+        self.members = np.zeros((len(self.budgets), len(problem.names)))
+        for k, budget in enumerate(problem.budgets):
+            self.members[k, budget.constraints] = 1.0
+        self.shares = self.members / np.array([b.risk for b in problem.budgets])[:, None]
         self.inside: Floats | None = None
+        self.best: Solved | None = None
         self.least = LEAST
         self.found = Interval()
 
@@ -149,6 +154,8 @@ class SuccessiveTangents:
             still = still + 1 if math.isfinite(before) and not found.gap < 0.9 * before else 0
             if (not added and found.answer is not None) or still > STALLED:
                 break
+        if self.best is not None and found.status != "infeasible":
+            found.prices = self._prices(self.best, self.best.duals)
         if found.status == "unknown" and found.answer is not None:
             found.status = "feasible"
         return found
@@ -165,22 +172,24 @@ class SuccessiveTangents:
     def _prices(self, made: Solved, duals: Floats) -> dict[str, Floats]:
         p = self.problem
         found = prices(p, self.pieces.program, made.x, duals, made.cone_duals)
-        spent = -p.sign * duals[self.pieces.budget : self.pieces.budget + len(self.budgets)] / self.pieces.unit
-        return {**found, "budgets": np.maximum(spent, 0.0)}
+        return self.units.prices({**found, "budgets": self._spent(duals)})
+
+    def _spent(self, duals: Floats) -> Floats:
+        """Prices of the budgets."""
+        start = self.pieces.budget
+        return np.asarray(np.maximum(-self.problem.sign * duals[start : start + len(self.budgets)] / self.pieces.unit, 0.0))
 
     def _lower(self, made: Solved) -> float:
         """Take the bound of a relaxation and try its decision; by which part that exceeds a budget at most."""
         p, found = self.problem, self.found
-        price = self._prices(made, made.duals)
         z, risk = self._parts(made.x)
-        slope = price["chance"][self.order] * self.deviation
-        spent = np.zeros(len(z))
-        for budget, own in zip(p.budgets, price["budgets"].tolist(), strict=True):
-            spent[budget.constraints] += own
+        chance = made.duals[self.pieces.chance : self.pieces.chance + len(z)][self.order]
+        slope = np.maximum(-p.sign * chance, 0.0) * self.deviation
+        spent = self._spent(made.duals) @ self.members
         more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.pieces.unit).sum())
         bound = (p.sign * made.value + more) / self.units.cost
         if bound > found.bound:
-            found.bound, found.prices = bound, self.units.prices(price)
+            found.bound, self.best = bound, made
         own = self._risks(made.x[: p.size])
         excess = self._excess(own)
         if excess <= 0.0:
@@ -195,7 +204,7 @@ class SuccessiveTangents:
 
     def _excess(self, own: Floats) -> float:
         """By which part the risks exceed a budget at most."""
-        return max((float(own[b.constraints].sum()) / b.risk - 1.0 for b in self.problem.budgets), default=0.0)
+        return float((self.shares @ own).max(initial=1.0 if len(self.shares) == 0 else 0.0)) - 1.0
 
     def _upper(self, inside: Floats, outside: Floats) -> bool:
         """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether it does."""
@@ -251,7 +260,7 @@ class SuccessiveTangents:
         size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
         nowhere = Solved("infeasible", x=np.zeros(self.pieces.program.num_variables), cone_duals=made.cone_duals / size)
         for turn in (1.0, -1.0):
-            found.prices = self.units.prices(self._prices(nowhere, turn * sign * made.ray / size))
+            found.prices = self._prices(nowhere, turn * sign * made.ray / size)
             if verified_bound(self.original, found.evidence(sign)[0]) == sign * math.inf:
                 return
         found.prices = None

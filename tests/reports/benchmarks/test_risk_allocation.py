@@ -16,10 +16,10 @@ def test_methods_stand_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
         benchmark,
         "reference",
         lambda family, **settings: benchmark.RiskAllocation(
-            benchmark.generate("risk-allocation", 1, family=family, steps=4, **{k: v for k, v in settings.items() if k == "constraints"})
+            benchmark.generate("risk-allocation", 1, family=family, steps=14, **{k: v for k, v in settings.items() if k == "constraints"})
         ),
     )
-    told = benchmark.report(3, 1, steps=4)
+    told = benchmark.report(3, 1, steps=14)
     assert told.count("target ") == 5 and "random: 3 problems" in told
 
 
