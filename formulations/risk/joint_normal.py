@@ -193,4 +193,7 @@ def _sampled(slack: Floats, covariance: Floats, constraint: Ints, seed: int) -> 
         failed += int(np.logical_and.reduceat(beyond, starts, axis=1).any(axis=1).sum())
     low = 0.0 if failed == 0 else float(beta.ppf((1.0 - CONFIDENCE) / 2.0, failed, SAMPLES - failed + 1))
     high = 1.0 if failed == SAMPLES else float(beta.ppf((1.0 + CONFIDENCE) / 2.0, failed + 1, SAMPLES - failed))
-    return Probability(failed / SAMPLES, low, high)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        z = np.where(np.diag(covariance) > 0.0, slack / np.sqrt(np.diag(covariance)), np.where(slack >= 0.0, math.inf, -math.inf))
+    most = min(1.0, float(np.minimum.reduceat(ndtr(-z)[order], starts).sum()))  # Boole
+    return Probability(min(failed / SAMPLES, most), min(low, most), min(high, most))

@@ -15,6 +15,7 @@ from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
+from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -22,6 +23,7 @@ from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAll
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import WayboundError
+from waybound.instances.generating import generate
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -108,6 +110,10 @@ def large(kind: str) -> Problem:
             made = routing(4_000, count=20, max_distance=1e5)
             sites = replace(made.sites, required=np.zeros(4_000, dtype=bool), reward=np.ones(4_000))
             return replace(made, sites=sites, objective=Objective.of(Reward()))
+        case "plan":
+            return RiskAllocation(generate("risk-allocation", 1, family="corridor", steps=150, constraints=4))
+        case "joint-plan":
+            return RiskAllocation(generate("risk-allocation", 1, family="corridor", steps=60, constraints=4, risk="joint"))
         case "routes":
             return routing(200, capacity=200)
         case "distances":
@@ -122,6 +128,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("christofides", "tour", {}),
     ("continuous-greedy", "winner-takes-all", {"steps": 100_000}),
     ("continuous-greedy", "cardinality", {"steps": 1_000_000}),
+    ("cvar", "joint-plan", {"samples": 2_000}),
     ("greedy", "winner-takes-all", {"evaluation": "plain"}),
     ("greedy", "winner-takes-all", {"evaluation": "incremental"}),
     ("greedy", "dense", {"evaluation": "plain"}),
@@ -132,6 +139,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("insertion", "routing", {}),
     ("insertion", "distances", {}),
     ("insertion", "tour", {}),
+    ("iterative", "plan", {"epsilon": 0.0, "rounds": 100_000}),
     ("knapsack-greedy", "knapsack", {"enumerate": 3}),
     ("knapsack-greedy", "user-knapsack", {}),
     ("lazy-greedy", "winner-takes-all", {}),
@@ -143,6 +151,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("random", "winner-takes-all", {}),
     ("savings", "tsp", {}),
     ("savings", "distances", {}),
+    ("scenario", "joint-plan", {"confidence": 0.999999}),
     ("sequential-greedy", "winner-takes-all", {}),
     ("sequential-greedy", "user-groups", {}),
     ("split", "distances", {}),

@@ -28,7 +28,7 @@ from .units import Units
 
 Floats = NDArray[np.float64]
 
-FIRST_POINTS, FIRST_LEAST = 6, 0.1
+FIRST_POINTS, FIRST_LEAST = 6, 0.05
 """Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
 
 CLOSED = 1e-9
@@ -45,8 +45,8 @@ NEAR = 0.015
 LEAST = 1e-10
 """By which part budgets are made smaller at least."""
 
-HALVINGS = 14
-"""Of the way between two decisions."""
+CHORDS = 3
+"""Laid to find the last allowed point between two decisions."""
 
 STALLED = 8
 """Rounds without progress after which it ends."""
@@ -156,6 +156,8 @@ class SuccessiveTangents:
                 break
         if self.best is not None and found.status != "infeasible":
             found.prices = self._prices(self.best, self.best.duals)
+        if found.answer is not None:
+            found.answer = self.original.allocated(found.answer.decision)
         if found.status == "unknown" and found.answer is not None:
             found.status = "feasible"
         return found
@@ -212,30 +214,35 @@ class SuccessiveTangents:
         keeps = self._excess(self._risks(inside)) <= 0.0
         if keeps:
             self.inside = inside
-            self._take(inside)
             self._between(inside, outside[: self.problem.size])
+            if self.found.answer is None:
+                self._take(inside)
         return keeps
 
     def _between(self, inside: Floats, outside: Floats) -> None:
         """Take the last point that keeps the budgets on the way from a decision that does to one that does not: risks are convex."""
-        low, high = 0.0, 1.0
         start, way = self.limits - self.slopes @ inside, self.slopes @ (outside - inside)
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._excess(ndtr(middle * way - start)) <= 0.0 else (low, middle)
-        if low > 0.0:
-            self._take(inside + low * (outside - inside))
+        most, part, last = self._excess(ndtr(way - start)), 0.0, 0.0
+        for _ in range(CHORDS):  # a chord of a convex function crosses 0 before the function does
+            left = self._excess(ndtr(part * way - start))
+            if left >= 0.0 or most <= 0.0:
+                break
+            last, part = part, part + (1.0 - part) * left / (left - most)
+        if part > 0.0 and not self._take(inside + part * (outside - inside)):  # which rounding may have carried too far
+            self._take(inside + last * (outside - inside))
 
-    def _take(self, x: Floats) -> None:
-        """A decision, where it is better than what is known and keeps its risks in the judge's arithmetic."""
+    def _take(self, x: Floats) -> bool:
+        """A decision, where it is better than what is known and keeps its risks in the judge's arithmetic; whether it does."""
         p = self.original
         decision = np.clip(x * self.units.columns, p.lower, p.upper)
         value = p.sign * p.value(decision)[0]
         if value >= self.found.value:
-            return
+            return False
         own = p.risks(decision)
-        if self._excess(own) <= 0.0 and (own <= p.risk.each * (1.0 + 1e-7)).all():
-            self.found.value, self.found.answer = value, p.allocated(decision)
+        kept = self._excess(own) <= 0.0 and bool((own <= p.risk.each * (1.0 + 1e-7)).all())
+        if kept:
+            self.found.value, self.found.answer = value, Allocation(decision)
+        return kept
 
     def _touch(self, made: Solved) -> int:
         """Add tangents where the tail lies above the program's risks; how many."""

@@ -52,6 +52,8 @@ class Units:
         per_cone = tuple(1.0 / float(_near(np.array([np.abs(f * columns).max(initial=0.0)]))[0]) for f, _, _, _ in p.cones)
         terms = [w * float(np.abs(f * columns).max(initial=0.0)) ** (2 if kind == "square" else 1) for kind, w, f, _ in p.terms]
         cost = 1.0 / float(_near(np.array([max([float(np.abs(p.linear * columns).max()), *terms])]))[0])
+        if cost == 1.0 and all((part == 1.0).all() for part in (columns, per_row, per_chance)) and all(k == 1.0 for k in per_cone):
+            return cls(p, columns, per_row, per_chance, cost, per_cone)
         made = copy.copy(p)
         made.lower, made.upper = p.lower / columns, p.upper / columns
         made.linear, made.offset = p.linear * columns * cost, p.offset * cost
