@@ -26,14 +26,15 @@ from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.risk.forms.uniform import uniform_risks
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
-from waybound.heuristics.heuristic import Context
-from waybound.heuristics.risk.iterative_risk_allocation import ACTIVE, iterative
+from waybound.heuristics.heuristic import HeuristicWork
+from waybound.heuristics.risk.iterative_risk_allocation import ACTIVE
 from waybound.instances.generating import generate
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, Risk, RiskAllocationInstance
 from waybound.instances.risk.gaussian import Quantities
+from waybound.solvers.backend import Control, Options, RawResult
+from waybound.solvers.engines.convex_allocation import ConvexAllocation
 from waybound.solvers.engines.convex_allocation_steps.session import open_session
 from waybound.solvers.engines.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
-from waybound.solvers.linear_programs import LinearPrograms
 
 Floats = NDArray[np.float64]
 
@@ -111,14 +112,18 @@ def by_program(problem: RiskAllocation, form: str) -> Allocation | None:
 
 def by_iterative(problem: RiskAllocation) -> tuple[Allocation | None, int]:
     """The heuristic's answer, and its rounds."""
-    context = Context(np.random.default_rng(1), 60.0, None, lambda answer: None, Stop(), LinearPrograms())
-    found = iterative(problem, context)
+    found = HeuristicWork("iterative", problem, Options())(Control())
     return found.answer, found.statistics["rounds"]
 
 
 def convex(problem: RiskAllocation, gap: float) -> Interval:
     """The default's interval."""
     return SuccessiveTangents(problem).run(Stop(60.0), gap)
+
+
+def by_default(problem: RiskAllocation, gap: float) -> RawResult:
+    """What ``solve`` has the default do."""
+    return ConvexAllocation().run(problem, Options(gap=gap), Control())
 
 
 def rebuilt(problem: RiskAllocation) -> tuple[float, int]:
@@ -186,7 +191,7 @@ def side_by_side(problem: RiskAllocation, repeat: int) -> tuple[list[str], float
     quick = math.inf
     for gap in (GAP, 0.0):
         found = convex(problem, gap)
-        took = milliseconds(partial(convex, problem, gap), repeat)
+        took = milliseconds(partial(by_default, problem, gap), repeat)
         bound = verified_bound(problem, found.evidence(problem.sign)[0])
         apart = abs(bound - problem.sign * found.value) / abs(found.value)
         told(f"convex, gap {gap:g}", found.answer, took, f"{found.rounds} rounds, verified bound {bound:.6f}, interval {apart:.1e}")

@@ -136,3 +136,18 @@ def test_settings_change_the_risk() -> None:
 def test_what_is_left_of_the_total_is_shared_out() -> None:
     made = problem(constraints=None).allocated(np.array([3.0, 3.0]))
     assert made.risks is not None and made.risks.sum() == pytest.approx(0.1, rel=1e-12) and made.risks.sum() <= 0.1
+
+
+def test_the_joint_risk_is_that_of_a_simulation() -> None:
+    p, many, rng = wb.generate("risk-allocation"), 100_000, np.random.default_rng(3)
+    d = p.instance.quantities.dynamics
+    answer = run(ConvexAllocation, p, gap=1e-6).answer
+    state, failed, floor = np.tile(d.start, (many, 1)), np.zeros(many, dtype=bool), -p.instance.chance.limits
+    for t, u in enumerate(answer.decision.tolist()):
+        state = state @ d.state.T + d.input[:, 0] * u + rng.standard_normal((many, 2)) * np.sqrt(np.diag(d.noise))
+        failed |= state[:, 0] < floor[t]
+    share = failed.mean()
+    found = p.joint_risk(answer.decision)["total"]
+    error = np.sqrt(share * (1.0 - share) / many)
+    assert abs(found.value - share) < 4.0 * error + (found.high - found.low) / 2.0
+    assert found.high < p.risk.total / 3.0
