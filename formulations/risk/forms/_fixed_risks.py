@@ -55,7 +55,8 @@ def add_choices(blocks: Blocks) -> int:
 
 def margins(problem: RiskAllocation, quantile: Floats) -> Floats:
     """``s_i z_i`` of each chance row, from the quantile of each constraint."""
-    return np.asarray(np.where(problem.deviation == 0.0, 0.0, problem.deviation * quantile[problem.constraint]))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(problem.deviation == 0.0, 0.0, problem.deviation * quantile[problem.constraint]))
 
 
 def fixed_margins_program(problem: RiskAllocation, name: str, margin: Floats) -> Program:
