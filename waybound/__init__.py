@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
-    from .formulations.risk.uncertain_path import UncertainPath
+    from .formulations.risk.allocations import Allocation
+    from .formulations.risk.risk_allocation import RiskAllocation
     from .formulations.risk.risky_path import RiskyPath
+    from .formulations.risk.uncertain_path import UncertainPath
     from .formulations.routing.members import (
         cvrp,
         makespan_orienteering,
@@ -87,6 +89,8 @@ _MODULES = {
     "formulations.evidence": ("Evidence", "Guarantee"),
     "formulations.programs.exactness": ("Exactness",),
     "formulations.risk.uncertain_path": ("UncertainPath",),
+    "formulations.risk.allocations": ("Allocation",),
+    "formulations.risk.risk_allocation": ("RiskAllocation",),
     "formulations.routing.members": (
         "cvrp",
         "makespan_orienteering",
@@ -151,6 +155,7 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 """Names that are a package and, called, a table of what it holds: ``wb.solvers(problem)``."""
 
 __all__ = [
+    "Allocation",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",
@@ -181,6 +186,7 @@ __all__ = [
     "Problem",
     "Program",
     "Reward",
+    "RiskAllocation",
     "RiskyGraph",
     "RiskyPath",
     "Route",

@@ -15,6 +15,7 @@ from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem, problem_from_instance
+from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -113,6 +114,10 @@ def large(kind: str) -> Problem:
             return problem_from_instance(generate("risky-grid", 1, rows=60, columns=60, mud=0.3, tether=True))
         case "rewards":
             return problem_from_instance(generate("risky-grid", 1, rows=30, columns=30, mud=0.3, rewards=300))
+        case "plan":
+            return RiskAllocation(generate("risk-allocation", 1, family="corridor", steps=150, constraints=4))
+        case "joint-plan":
+            return RiskAllocation(generate("risk-allocation", 1, family="corridor", steps=60, constraints=4, risk="joint"))
         case "routes":
             return routing(200, capacity=200)
         case "distances":
@@ -130,6 +135,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("christofides", "tour", {}),
     ("continuous-greedy", "winner-takes-all", {"steps": 100_000}),
     ("continuous-greedy", "cardinality", {"steps": 1_000_000}),
+    ("cvar", "joint-plan", {"samples": 2_000}),
     ("greedy", "winner-takes-all", {"evaluation": "plain"}),
     ("greedy", "winner-takes-all", {"evaluation": "incremental"}),
     ("greedy", "dense", {"evaluation": "plain"}),
@@ -140,6 +146,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("insertion", "routing", {}),
     ("insertion", "distances", {}),
     ("insertion", "tour", {}),
+    ("iterative", "plan", {"epsilon": 0.0, "rounds": 100_000}),
     ("knapsack-greedy", "knapsack", {"enumerate": 3}),
     ("least-mean", "roadmap", {}),
     ("knapsack-greedy", "user-knapsack", {}),
@@ -154,6 +161,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("random", "winner-takes-all", {}),
     ("savings", "tsp", {}),
     ("savings", "distances", {}),
+    ("scenario", "joint-plan", {"confidence": 0.999999}),
     ("sequential-greedy", "winner-takes-all", {}),
     ("sequential-greedy", "user-groups", {}),
     ("split", "distances", {}),
