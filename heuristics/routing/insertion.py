@@ -87,11 +87,15 @@ def insertion(
             stop.flag, data, problem.fleet[0].capacity, limits, timed, m, weight, a, seed == "earliest-due"
         )  # fmt: skip
         answer = Routes(tuple(routes_of(nodes[order], last))).canonical()
+        drawn = {"mu": m, "lamda": weight, "alpha1": a, "seeds": seed}
+        if best is None and stop.reached():  # there is nothing to compare it with
+            best, used = answer, drawn
+            break
         judged = problem.evaluate(answer)
         signs = [1.0 if sense == "min" else -1.0 for sense in problem.senses]
         found = (not judged.feasible, tuple(s * v for s, v in zip(signs, judged.values, strict=True)))
         if best is None or found < rank:
-            best, rank, used = answer, found, {"mu": m, "lamda": weight, "alpha1": a, "seeds": seed}
+            best, rank, used = answer, found, drawn
             context.publish(best)
     assert best is not None
     cut = stop.reached()

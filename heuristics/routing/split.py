@@ -99,9 +99,11 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
         if last.any() and reached < rank:
             best, rank = Routes(tuple(routes_of(costs.nodes[order], last))).canonical(), reached
             context.publish(best)
-    cut, judged, guarantee = stop.reached(), problem.evaluate(best), None
-    if found is not None and judged.feasible and not cut:
-        guarantee = radial_guarantee(problem, found, judged.values[0], plain=not timed and problem.vehicle_limit is None)
+    cut, guarantee = stop.reached(), None
+    if found is not None and not cut:
+        judged = problem.evaluate(best)
+        if judged.feasible:
+            guarantee = radial_guarantee(problem, found, judged.values[0], plain=not timed and problem.vehicle_limit is None)
     words = ("" if found is None else found.message, too_many(problem, best, "split"), CUT_SHORT if cut else "")
     statistics: dict[str, Any] = {"routes": len(best)} | ({} if found is None else {"tour": found.length})
     return Outcome(best, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")

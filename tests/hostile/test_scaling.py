@@ -204,7 +204,7 @@ def able(problem: Problem, solver: str) -> bool:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_heuristics_in_other_units(family: str, share: Callable[[int, int], int], tally: Any) -> None:
     found = []
-    for case in range(share(2, 450)):
+    for case in range(share(2, 300)):
         first = pair(family, case)[0]
         names = [name for name in HEURISTICS if not HEURISTICS[name].missing(first)]
         if share(1, 2) == 1 and names:

@@ -47,7 +47,10 @@ def test_a_plan_is_extended_over_what_it_has() -> None:
 def test_the_answer_is_greedys_and_the_evaluations_are_no_more(seed: int, kind: str, constraint: str, whole: bool) -> None:
     problem = random_problem(np.random.default_rng(seed), kind, constraint, 12, whole=whole)
     plain, lazy = run("greedy", problem, evaluation="plain"), run("lazy-greedy", problem)
-    assert lazy.answer == plain.answer and lazy.guarantee == plain.guarantee
+    if whole or lazy.answer == plain.answer:
+        assert lazy.answer == plain.answer and lazy.guarantee == plain.guarantee
+    else:  # gains that are equal but for rounding: one that seems to have grown by it is not looked at again
+        assert value(problem, lazy) == pytest.approx(value(problem, plain), rel=1e-12)
     assert lazy.statistics["evaluations"] <= plain.statistics["evaluations"] == lazy.statistics["plain_evaluations"]
 
 

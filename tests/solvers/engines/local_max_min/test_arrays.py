@@ -202,7 +202,8 @@ def test_the_secant_search_agrees_with_exact_arithmetic(seed: int, h: int, eps: 
     exact = ExactLocal(robots_of(graph), h)
     found = local_shares(graph, h, eps=eps, normalise=False)
     levels = found.levels[exact.number]
-    assert levels == pytest.approx([float(t) for t in exact.secant_levels(eps)], rel=1e-12)
+    # Where two lines are nearly parallel their intersection loses digits: 5e-12 of it at seed 123, h 4, eps 0.02.
+    assert levels == pytest.approx([float(t) for t in exact.secant_levels(eps)], rel=1e-10)
     best = np.array([float(t) for t in exact.largest_levels()])
     assert (levels <= best * (1 + 1e-12)).all()
     assert (levels * (1 + eps) >= best * (1 - 1e-12)).all()
