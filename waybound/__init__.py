@@ -68,8 +68,8 @@ if TYPE_CHECKING:
         UsageError,
         WayboundError,
     )
-    from .instances.risk.uncertain_graph import UncertainGraph
     from .instances.risk.risky_graph import RiskyGraph
+    from .instances.risk.uncertain_graph import UncertainGraph
     from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
     from .instances.routing.travel import Travel
     from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
