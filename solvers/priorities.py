@@ -2,8 +2,8 @@
 
 The program of level k + 1 is that of level k with another objective and the row ``cost_k x <= value_k`` (``>=`` where more is better),
 and its search begins with the answer of level k. Where the value is a multiple of what all costs are multiples of, it is held exactly;
-any other up to ``EQUAL`` of the absolute values that add up to it, or, with continuous variables, up to ``VECTOR``, as closely as
-solvers know them.
+any other up to ``EQUAL`` of the absolute values that add up to it. Where a solver finds nothing within that, for it knows continuous
+variables to ``VECTOR`` only, the value is held up to this.
 
 A bound of level k + 1 holds for all answers no worse than ``value_j`` at each level j <= k, so for the best one, whether or not a level
 before was closed.
@@ -66,12 +66,16 @@ def by_priority(who: str, run: Run, program: Program, options: Options, control:
         if control.stopped or left <= 0:
             said = replace(said, status="feasible", limit="interrupt" if control.stopped else "time")
             break
-        current = held.add(current, answer, level)
-        within = replace(options, time_limit=left, start=answer)
-        try:
-            said = run(current, within, _LevelControl(control, first, held))
-        except UnsupportedError as fault:
-            said = RawResult("unknown", message=f"level {number}: {fault}")
+        before = current
+        for precision in _precisions(before, answer):
+            current = held.add(before, answer, level, precision)
+            within = replace(options, time_limit=max(ends - time.perf_counter(), 0.0), start=answer)
+            try:
+                said = run(current, within, _LevelControl(control, first, held))
+            except UnsupportedError as fault:
+                said = RawResult("unknown", message=f"level {number}: {fault}")
+            if said.status != "infeasible":
+                break
         searched.append(said)
         if said.answer is not None and held.keeps(said.answer):
             earlier.append(answer)
@@ -106,18 +110,17 @@ class Held:
     """The rows that hold the levels before the one that is searched."""
 
     def __init__(self) -> None:
-        self._levels: list[tuple[Floats, float]] = []
-        self._values: list[float] = []
+        self._levels: dict[str, tuple[Floats, float, float]] = {}
 
-    def add(self, program: Program, x: Floats, level: FurtherLevel) -> Program:
+    def add(self, program: Program, x: Floats, level: FurtherLevel, precision: float = VECTOR) -> Program:
         """``program`` with its objective held at the value of ``x``, and ``level`` in its place."""
+        name = f"level{1 + sum(rows.name in self._levels for rows in program.rows)}"
         sign = 1.0 if program.sense == "min" else -1.0
         cost, at = sign * program.cost, np.nonzero(program.cost)[0].astype(np.int32)
-        most = _side(program, sign, x)
-        self._values.append(program.value(x))
-        self._levels.append((cost, most + VECTOR * float(np.abs(cost) @ np.abs(x))))
+        most = _side(program, x, precision)
+        self._levels[name] = (cost, _side(program, x, VECTOR) + VECTOR * float(np.abs(cost) @ np.abs(x)), program.value(x))
         row = Rows(
-            f"level{len(self._levels)}", indptr=np.array([0, len(at)], dtype=np.int32), indices=at, data=program.cost[at],
+            name, indptr=np.array([0, len(at)], dtype=np.int32), indices=at, data=program.cost[at],
             lower=np.array([-np.inf if sign > 0 else -most]), upper=np.array([most if sign > 0 else np.inf]),
         )  # fmt: skip
         made = program.with_costs(level.cost)
@@ -125,25 +128,30 @@ class Held:
 
     def keeps(self, x: Floats) -> bool:
         """Whether ``x`` is no worse at any level than what was reached, as closely as solvers see."""
-        return all(float(cost @ x) <= most for cost, most in self._levels)
+        return all(float(cost @ x) <= most for cost, most, _ in self._levels.values())
 
     @property
     def told(self) -> str:
         """What was held, for people."""
-        return "held " + ", ".join(f"level {k} at {value:.10g}" for k, value in enumerate(self._values, start=1))
+        return "held " + ", ".join(f"level {k} at {value:.10g}" for k, (_, _, value) in enumerate(self._levels.values(), start=1))
 
 
-def _side(program: Program, sign: float, x: Floats) -> float:
-    """The most that ``sign`` times the objective without its offset may be, so that it is no worse than ``x``."""
+def _precisions(program: Program, x: Floats) -> list[float]:
+    """How closely the value of ``x`` is held: first as closely as values are told apart, then as closely as solvers see."""
+    return [EQUAL] if _side(program, x, EQUAL) == _side(program, x, VECTOR) else [EQUAL, VECTOR]
+
+
+def _side(program: Program, x: Floats, precision: float) -> float:
+    """The most that the objective without its offset, times -1 where more is better, may be, so that it is no worse than ``x``."""
     at = np.nonzero(program.cost)[0]
-    cost, whole = sign * program.cost[at], bool(program.integer[at].all())
+    cost, whole = (1.0 if program.sense == "min" else -1.0) * program.cost[at], bool(program.integer[at].all())
     amount = np.where(program.integer[at], np.round(x[at]), x[at])
     value, size, step = float(cost @ amount), float(np.abs(cost) @ np.abs(amount)), grain(cost)
     if step is not None:
         multiple = step.multiple(round(value * step.parts / step.units))
         if whole or same(value, multiple, size):  # a continuous variable that is whole stays so
             return multiple
-    return value + (EQUAL if whole else VECTOR) * size
+    return value + (EQUAL if whole else precision) * size
 
 
 class _LevelControl(Control):

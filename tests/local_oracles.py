@@ -188,7 +188,7 @@ class ExactLocal:
 
     def secant_levels(self, eps: float) -> list[Fraction]:
         """Between the last valid and the first invalid of the levels 2^(j/m), m the least with 2^(1/m) <= 1 + eps, the least root of a
-        red copy's secant."""
+        red copy's secant, which is the last valid level where the copy falls below -1024 caps at once."""
         levels, m = [], 1
         while 2.0 ** (1 / m) > 1 + eps:
             m += 1
@@ -203,7 +203,7 @@ class ExactLocal:
                     break
                 here, j = there, j + 1
             reds = [n for n in self.trees[root] if n[0] == "R" and there[n] < 0]
-            levels.append(min(q + (p - q) * here[n] / (here[n] - there[n]) for n in reds))
+            levels.append(min(q if there[n] < -1024 * self.cap[n[1]] else q + (p - q) * here[n] / (here[n] - there[n]) for n in reds))
         return levels
 
     def smoothed(self, levels: Sequence[Fraction]) -> Callable[[int, int], Fraction]:
@@ -245,7 +245,7 @@ FIGURE_33: Robots = [[{1: 1}, {2: 1}], [{2: 1, 3: 1}, {3: 1}], [{3: 1}, {1: 1}]]
 def random_graph(rng: np.random.Generator, *, most_robots: int = 8, most_actions: int = 4, weights: str = "any") -> SensingGraph:
     """A small graph with idle actions, targets of one viewer, and robots of one action among others; every target is seen.
 
-    ``weights``: unit, real, whole, spread (log-normal of deviation 1.5), or any of these.
+    ``weights``: unit, real, whole, spread (log-normal of deviation 1.5), or any of these; or decades (1e-4 to 1e4).
     """
     num_robots, num_targets = int(rng.integers(1, most_robots + 1)), int(rng.integers(1, most_robots + 2))
     owner = np.repeat(np.arange(num_robots), rng.integers(1, most_actions + 1, num_robots))
@@ -259,6 +259,7 @@ def random_graph(rng: np.random.Generator, *, most_robots: int = 8, most_actions
         "real": rng.uniform(0.5, 1.5, len(action)),
         "whole": rng.integers(1, 6, len(action)).astype(float),
         "spread": np.exp(rng.normal(0.0, 1.5, len(action))),
+        "decades": 10.0 ** rng.uniform(-4.0, 4.0, len(action)),
     }
     return graph_of_edges(owner, action, target, draws[kind], robots=num_robots, targets=num_targets)
 

@@ -229,6 +229,8 @@ def bin_packing_bound(demand: Floats, capacity: float) -> tuple[int, float]:
     """Bound L2 and its threshold ``k``: items above ``capacity - k`` keep a bin each, and share it with nothing of size ``k`` or more."""
     if capacity <= 0:
         return len(demand), 0.0
+    if capacity == math.inf:
+        return min(len(demand), 1), 0.0
     best, at = math.ceil(math.fsum(demand) / capacity - 1e-9), 0.0
     for k in [*np.unique(demand[demand <= capacity / 2.0]).tolist(), capacity / 2.0]:
         huge, large = demand > capacity - k, (demand > capacity / 2.0) & (demand <= capacity - k)

@@ -90,6 +90,7 @@ def insertion(
         drawn = {"mu": m, "lamda": weight, "alpha1": a, "seeds": seed}
         if best is None and stop.reached():  # there is nothing to compare it with
             best, used = answer, drawn
+            context.publish(best)
             break
         judged = problem.evaluate(answer)
         signs = [1.0 if sense == "min" else -1.0 for sense in problem.senses]

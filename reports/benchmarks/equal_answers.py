@@ -135,10 +135,12 @@ class _Examined:
         """All evidence that is found in a moment, beside an optimum."""
         began = time.perf_counter()
         best = self.problem.evaluate(self.truth.samples[0]) if self.truth.samples else None
+        unable: list[str] = []
         try:
-            fault = self.certified(certify(self.problem, best, find_bounds(self.problem, BOUND_TIME)), best)
+            fault = self.certified(certify(self.problem, best, find_bounds(self.problem, BOUND_TIME, unable=unable)), best)
         except CheckFailedError as contradiction:
             fault = str(contradiction)
+        fault = "; ".join(([fault] if fault else []) + unable)
         self.note("bounds", "", FALSE if fault else AGREES, began, fault)
 
     def exact(self, solver: str, made: Compiled) -> None:

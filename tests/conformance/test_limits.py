@@ -149,7 +149,7 @@ def test_an_interrupt_in_mid_run_keeps_the_best_answer(knapsack, backend_name, s
         pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     began = time.perf_counter()
     result = solve_with(knapsack, stopped_once_found(backend_name != "pulp"), time_limit=120)
-    assert time.perf_counter() - began < 2 * LATE
+    assert time.perf_counter() - began < SHORT + LATE
     assert (result.status, result.limit) == ("feasible", "interrupt")
     holds(knapsack, result)
 

@@ -47,6 +47,28 @@ def test_a_level_of_whole_steps_is_held_exactly_and_any_other_as_closely_as_solv
     assert held([1.0, -1.0], [8.5, 8.25], []) == pytest.approx(0.25 + 16.75e-6)
 
 
+def test_an_answer_that_is_worse_by_less_than_solvers_see_does_not_take_the_place_of_the_best() -> None:
+    """A makespan of 1.0000005 with a cost of 1, and one of 1 with a cost of 2."""
+    made = program([0.0, 0.0, 1.0], [[1, 1, 0], [1.0000005, 1, -1]], [1, -np.inf], [1, 0], 0, [1, 1, 9], integer=[0, 1])
+    found = Highs().run(replace(made, further=(FurtherLevel("min", np.array([1.0, 2.0, 0.0])),)), Options(time_limit=5.0), Control())
+    assert found.status == "optimal"
+    assert found.answer[:2] == pytest.approx([0, 1], abs=1e-6)
+    assert found.further[0].objective == pytest.approx(2.0)
+
+
+def test_a_level_is_held_as_closely_as_solvers_see_where_nothing_lies_closer() -> None:
+    first, second = RawResult("optimal", "none", np.array([0.5, 0.5, 0.3]), 1.1, 1.1), RawResult("optimal", "none", X[:3], 7.0, 7.0)
+    sides, results, value = [], [first, RawResult("infeasible"), second], (np.pi + np.e) / 2 + 0.3
+
+    def run(made: Program, options: Options, control: Control) -> RawResult:
+        sides.append(made.row_upper[-1])
+        return results.pop(0)
+
+    made = replace(program([np.pi, np.e, 1.0], [[1, 1, 1]], 1, 3, 0, 1), further=(FurtherLevel("min", np.ones(3)),))
+    assert by_priority("it", run, made, Options(), Control()).status == "feasible"  # the second is worse at the first level
+    assert sides[1:] == pytest.approx([value * (1 + 1e-9), value * (1 + 1e-6)], rel=1e-12)
+
+
 def told(*results: RawResult) -> Any:
     """A solver that says these things, one after the other."""
     said = iter(results)

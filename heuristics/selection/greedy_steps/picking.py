@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from ....formulations.selection.feasibility import Openings
 from ....formulations.selection.submodular_selection import SubmodularSelection
 from ....formulations.stop import Stop
-from ....formulations.tolerance import LIMIT
 from ....instances.errors import UsageError
 from ....instances.selection.functions import AT_ITEM, IN_MATRIX, Floats, ItemWeights, SetFunction
-from ....solvers.bounds.selection.growing_sets import GrowingSet, WeightedSet, empty_set
+from ....solvers.bounds.selection.growing_sets import GrowingSet, WeightedSet, empty_set, first_of_largest, rounding
 from .limits import Limits
 
 EVALUATIONS = ("auto", "plain", "lazy", "incremental")
@@ -58,6 +57,8 @@ def check_threshold(eps: Any) -> None:
 
 def pick(problem: SubmodularSelection, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()) -> Picked:
     """The best element that there is room for, again and again; ties go to the smallest index.
+
+    Gains of functions that are known by their values only are differences, and tie where these differ by rounding.
 
     Parameters
     ----------
@@ -122,7 +123,7 @@ def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[in
     known, plain, ended = np.full(problem.num_elements, np.inf), 0, "full"
     while len(left := openings.open()):
         element, gain = _lazy_round(chosen, left, known, stop) if how == "lazy" else chosen.best_of(left, stop)
-        if element < 0 or gain < eps - LIMIT * abs(chosen.value):  # what is gained is a difference of two sums
+        if element < 0 or gain < eps - rounding(chosen.value, 0.0):
             ended = "stopped" if element < 0 else "eps"
             break
         plain += len(left)
@@ -135,17 +136,19 @@ def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[in
 
 def _lazy_round(chosen: GrowingSet, left: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
     """The best of ``left``, whose gains are at most ``known``; in calls of 1, 2, 4, ... sets, so that few do where many must be asked."""
-    order = left[np.lexsort((left, -known[left]))]
-    best, gain, at, size = -1, -np.inf, 0, 1
-    if not np.isfinite(known[order[0]]):
-        size = len(order)
-    while at < len(order) and (known[order[at]] > gain or (known[order[at]] == gain and order[at] < best)):
-        some = order[at : at + size]
+    rest = left[np.lexsort((left, -known[left]))]
+    size = 1 if np.isfinite(known[rest[0]]) else len(rest)
+    asked = rest[:0]
+    best, gain = -1, -np.inf
+    while True:
+        # A gain of an earlier round may be below what it bounds by the rounding of either.
+        doubt = 2 * rounding(chosen.value, gain) if len(asked) else 0.0
+        rest = rest[(known[rest] > gain) | ((known[rest] >= gain - doubt) & (rest < best))]
+        if not len(rest):
+            return best, gain
+        some, rest, size = rest[:size], rest[size:], 2 * size
         known[some] = chosen.gains(some, stop)
         if stop.reached():
             return -1, 0.0
-        for e, g in zip(some.tolist(), known[some].tolist(), strict=True):
-            if g > gain or (g == gain and e < best):
-                best, gain = e, g
-        at, size = at + len(some), 2 * size
-    return best, gain
+        asked = np.sort(np.concatenate([asked, some]))
+        best, gain = first_of_largest(asked, known[asked], chosen.value)

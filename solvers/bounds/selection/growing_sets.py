@@ -10,10 +10,23 @@ from numpy.typing import NDArray
 
 from ....formulations.selection.feasibility import with_each
 from ....formulations.stop import NEVER, Stop
+from ....formulations.tolerance import LIMIT
 from ....instances.selection.functions import ItemWeights, SetFunction
 
 Floats = NDArray[np.float64]
 Elements = NDArray[np.int64]
+
+
+def rounding(value: float, gain: float) -> float:
+    """By how much a gain may be off that is the difference of ``value`` and another: sums depend on how many sets are valued at once."""
+    return LIMIT * (abs(value) + abs(gain))
+
+
+def first_of_largest(elements: Elements, gains: Floats, value: float) -> tuple[int, float]:
+    """The smallest of the ascending ``elements`` whose gain is the largest but for its rounding, and the gain."""
+    largest = float(gains.max())
+    at = int(np.argmax(gains >= largest - rounding(value, largest)))
+    return int(elements[at]), float(gains[at])
 
 
 class GrowingSet(ABC):
@@ -43,12 +56,11 @@ class GrowingSet(ABC):
         """Add elements whose gains are not known."""
 
     def best_of(self, elements: Elements, stop: Stop = NEVER) -> tuple[int, float]:
-        """The element of largest gain, the smallest index among equal ones, and the gain; ``elements`` ascend; -1 once it has to end."""
+        """As ``first_of_largest``; -1 once it has to end."""
         found = self.gains(elements, stop)
         if stop.reached():
             return -1, 0.0
-        at = int(np.argmax(found))
-        return int(elements[at]), float(found[at])
+        return first_of_largest(elements, found, self.value)
 
 
 class WeightedSet(GrowingSet):

@@ -7,7 +7,8 @@ level q, whichever root they belong to. With S_k the sum of c_kv R(v, d - 1) ove
     R(v, d) = cap - max over the other actions w of the robot of B(w, d)
 
 ``room`` holds q - S_k. Nothing is summed twice, and sums run over actions in ascending order, so that a part of the graph gives
-the same bits as the whole.
+the same bits as the whole. R(v, d - 1) itself counts in B(v, d) only if nobody else views a target, but is in ``room``, and is taken out
+again. So it is cut where it is far below 0: products of weights over h layers would bury the rest under its rounding.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
 from .lane_kernels import add, bare, inlined, larger, load, multiply, splat, store, subtract
 from .layer_kernels import clear, least_of_others, note
+from .search import DEEPEST
 
 INFINITE = math.inf
 BELOW = -1.0
-"""Said of a red copy that is negative at all levels of a block."""
+"""Lane before the first, said of a red copy that is negative at all levels of a block."""
 
 
 @kernel()
@@ -102,18 +104,23 @@ def _least_below(starts, targets, private, v, least, near, noted):  # type: igno
 
 
 @inlined
-def _crossing(reds, v, levels, secant, slack):  # type: ignore[no-untyped-def]
-    """Where R(v, d) falls below -slack: the root of the secant, or the number of the last lane before it; infinite for nowhere."""
+def _crossing(reds, v, levels, secant, slack, cap):  # type: ignore[no-untyped-def]
+    """Where R(v, d) falls below -slack: the root of the secant, or the number of the last lane before it; infinite for nowhere.
+
+    Then it is cut: how deep it falls decides nothing. A secant that ends below that has no root but the last level before it.
+    """
     if reds[v, 7] >= -slack:
         return INFINITE
     j = 6
     while j >= 0 and reds[v, j] < -slack:
         j -= 1
-    if j < 0:
-        return BELOW
-    if not secant:
-        return float(j)
-    return levels[0, j] + (levels[0, j + 1] - levels[0, j]) * (reds[v, j] / (reds[v, j] - reds[v, j + 1]))
+    value = float(j)
+    if secant and j >= 0:
+        value = levels[0, j]
+        if reds[v, j + 1] >= -DEEPEST * cap:
+            value += (levels[0, j + 1] - levels[0, j]) * (reds[v, j] / (reds[v, j] - reds[v, j + 1]))
+    store(reds, v, larger(load(reds, v), splat(-DEEPEST * cap)))
+    return value
 
 
 @inlined
@@ -176,12 +183,12 @@ def _step(  # type: ignore[no-untyped-def]
             below_b = _least_below(starts, targets, private, b, least, near, noted)
             store(reds, a, subtract(cap, blue_b))
             store(reds, b, subtract(cap, blue_a))
-            least[a] = min(below_b, _crossing(reds, a, levels, secant, tolerance))
-            least[b] = min(below_a, _crossing(reds, b, levels, secant, tolerance))
+            least[a] = min(below_b, _crossing(reds, a, levels, secant, tolerance, caps[i]))
+            least[b] = min(below_a, _crossing(reds, b, levels, secant, tolerance, caps[i]))
         elif end - start == 1:
             value = _least_below(starts, targets, private, start, least, near, noted)
             store(reds, start, subtract(cap, _blue(starts, targets, weights, private, start, q, reds, room)))
-            least[start] = min(value, _crossing(reds, start, levels, secant, tolerance))
+            least[start] = min(value, _crossing(reds, start, levels, secant, tolerance, caps[i]))
         else:
             # Largest of all others: running extremes from the front wait in place, those from the back join them.
             most, lowest = splat(0.0), INFINITE
@@ -198,7 +205,7 @@ def _step(  # type: ignore[no-untyped-def]
             for v in range(end - 1, start - 1, -1):
                 store(reds, v, subtract(cap, larger(load(reds, v), most)))
                 value = min(least[v], lowest)
-                least[v] = min(value, _crossing(reds, v, levels, secant, tolerance))
+                least[v] = min(value, _crossing(reds, v, levels, secant, tolerance, caps[i]))
                 most = larger(most, load(blues, v - start))
                 lowest = min(lowest, below[v - start])
         if reach > 0:

@@ -161,8 +161,7 @@ class Robot:
                 below = [self._least_heard(leasts, v) if depth > 1 else math.inf for v in self._own]
                 blues = self._blues(levels, reds)
                 for v in self._own:
-                    red = self._cap - self._of_others(blues, v, _largest)
-                    limit = choice.crossing(red, levels, self._cap)
+                    limit, red = choice.crossing(self._cap - self._of_others(blues, v, _largest), levels, self._cap)
                     found[v][family] = Tested(min(self._of_others(below, v, min), limit), first, red)
             if depth < h:
                 said = [choice.message(tested) for tested in found]

@@ -19,6 +19,9 @@ MARGIN = 1e-9
 SLACK = MARGIN / 2
 """How far below 0, in parts of the cap, a red copy may lie at a valid level of the additive search: less than the margin mends."""
 
+DEEPEST = 1024.0
+"""Red copies count as no further below 0 than this, in parts of the cap: a level at which one is negative is not valid, however much."""
+
 _INTERVALS = 7
 """Between the eight levels of a block."""
 

@@ -12,7 +12,7 @@ import numpy as np
 from ....instances.errors import UsageError
 from .cleaning import Floats
 from .level_grid import LevelGrid
-from .search import SLACK
+from .search import DEEPEST, SLACK
 
 Request = tuple[float, ...]
 
@@ -48,8 +48,8 @@ class Levels(ABC):
         """Names of the families, in their order."""
 
     @abstractmethod
-    def crossing(self, reds: Floats, levels: Floats, cap: float) -> float:
-        """The last level at which a red copy is not negative; infinite where it never is."""
+    def crossing(self, reds: Floats, levels: Floats, cap: float) -> tuple[float, Floats]:
+        """The last level at which a red copy is not negative, infinite where it never is; and the copy, cut at ``DEEPEST``."""
 
     @abstractmethod
     def settle(self, ceiling: float, found: Mapping[float, Tested]) -> float:
@@ -91,14 +91,16 @@ class CommonLevels(Levels):
     def names(self, request: Request) -> Request:
         return (0.0,)
 
-    def crossing(self, reds: Floats, levels: Floats, cap: float) -> float:
-        valid = np.nonzero(reds >= 0.0)[0]
+    def crossing(self, reds: Floats, levels: Floats, cap: float) -> tuple[float, Floats]:
+        valid, cut = np.nonzero(reds >= 0.0)[0], np.maximum(reds, -DEEPEST * cap)
         if not len(valid):
-            return float(levels[0])
+            return float(levels[0]), cut
         j = int(valid[-1])
         if j + 1 == len(levels):
-            return math.inf
-        return float(levels[j] + (levels[j + 1] - levels[j]) * (reds[j] / (reds[j] - reds[j + 1])))
+            return math.inf, cut
+        if reds[j + 1] < cut[j + 1]:
+            return float(levels[j]), cut
+        return float(levels[j] + (levels[j + 1] - levels[j]) * (reds[j] / (reds[j] - reds[j + 1]))), cut
 
     def settle(self, ceiling: float, found: Mapping[float, Tested]) -> float:
         return found[0.0].least
@@ -132,11 +134,11 @@ class SteppedLevels(Levels):
     def names(self, request: Request) -> Request:
         return request
 
-    def crossing(self, reds: Floats, levels: Floats, cap: float) -> float:
-        valid = np.nonzero(reds >= -SLACK * cap)[0]
+    def crossing(self, reds: Floats, levels: Floats, cap: float) -> tuple[float, Floats]:
+        valid, cut = np.nonzero(reds >= -SLACK * cap)[0], np.maximum(reds, -DEEPEST * cap)
         if not len(valid):
-            return float(levels[0])
-        return math.inf if valid[-1] + 1 == len(levels) else float(levels[valid[-1]])
+            return float(levels[0]), cut
+        return math.inf if valid[-1] + 1 == len(levels) else float(levels[valid[-1]]), cut
 
     def settle(self, ceiling: float, found: Mapping[float, Tested]) -> float:
         return max(min(found[ceiling].least, ceiling), ceiling / 2)

@@ -146,6 +146,8 @@ def fits(demand, bins, capacity):
 
 def test_vehicles_without_room_need_a_bin_an_item():
     assert bin_packing_bound(np.array([1.0, 2.0]), 0.0) == (2, 0.0)
+    assert bin_packing_bound(np.array([1.0, 2.0]), np.inf) == (1, 0.0)
+    assert bin_packing_bound(np.array([]), np.inf) == (0, 0.0)
 
 
 @given(st.lists(st.integers(1, 10), min_size=1, max_size=6))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from selection_problems import KINDS, cover_30, cover_30_sets, greedy_by_hand, random_problem, run, value
 
@@ -44,13 +44,11 @@ def test_a_plan_is_extended_over_what_it_has() -> None:
 
 
 @given(st.integers(0, 10**6), st.sampled_from(KINDS), st.sampled_from(["cardinality", "partition"]), st.booleans())
+@example(181869, "user", "cardinality", False)  # two elements whose gains differ by rounding, and by how many are valued at once
 def test_the_answer_is_greedys_and_the_evaluations_are_no_more(seed: int, kind: str, constraint: str, whole: bool) -> None:
     problem = random_problem(np.random.default_rng(seed), kind, constraint, 12, whole=whole)
     plain, lazy = run("greedy", problem, evaluation="plain"), run("lazy-greedy", problem)
-    if whole or lazy.answer == plain.answer:
-        assert lazy.answer == plain.answer and lazy.guarantee == plain.guarantee
-    else:  # gains that are equal but for rounding: one that seems to have grown by it is not looked at again
-        assert value(problem, lazy) == pytest.approx(value(problem, plain), rel=1e-12)
+    assert lazy.answer == plain.answer and lazy.guarantee == plain.guarantee
     assert lazy.statistics["evaluations"] <= plain.statistics["evaluations"] == lazy.statistics["plain_evaluations"]
 
 

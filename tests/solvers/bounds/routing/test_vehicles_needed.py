@@ -20,3 +20,10 @@ def test_large_loads_raise_the_number_beyond_the_sum():
     assert evidence is not None
     assert verified_bound(problem, evidence) == evidence.value == 4.0
     assert BOUNDS["vehicles-needed"].missing(plane(1, 5, 10.0))
+
+
+def test_a_fleet_without_limit_of_load_needs_one() -> None:
+    problem = replace(plane(1, 5, np.inf), objective=Objective.of(Vehicles().then(TotalCost())))
+    evidence = vehicles_needed(problem)
+    assert evidence is not None
+    assert verified_bound(problem, evidence) == evidence.value == 1.0

@@ -32,15 +32,15 @@ def test_stepped_levels_go_down_from_each_ceiling_to_half_of_it() -> None:
 
 def test_common_levels_cross_between_two_of_them_and_stepped_ones_at_the_last_that_holds() -> None:
     tried, reds = np.array([1.0, 2.0, 4.0]), np.array([3.0, 1.0, -1.0])
-    assert CommonLevels(0.5).crossing(reds, tried, 1.0) == 3.0  # half way from 2 to 4
-    assert SteppedLevels(0.5).crossing(reds, tried, 1.0) == 2.0
+    assert CommonLevels(0.5).crossing(reds, tried, 1.0)[0] == 3.0  # half way from 2 to 4
+    assert SteppedLevels(0.5).crossing(reds, tried, 1.0)[0] == 2.0
     for levels in (CommonLevels(0.5), SteppedLevels(0.5)):
-        assert levels.crossing(np.array([1.0, 1.0, 0.0]), tried, 1.0) == math.inf
-        assert levels.crossing(np.array([-1.0, -2.0, -3.0]), tried, 1.0) == 1.0
+        assert levels.crossing(np.array([1.0, 1.0, 0.0]), tried, 1.0)[0] == math.inf
+        assert levels.crossing(np.array([-1.0, -2.0, -3.0]), tried, 1.0)[0] == 1.0
 
 
 def test_a_rounding_below_0_is_no_crossing_of_steps() -> None:
-    assert SteppedLevels(0.5).crossing(np.array([1.0, -1e-13]), np.array([1.0, 2.0]), 1.0) == math.inf
+    assert SteppedLevels(0.5).crossing(np.array([1.0, -1e-13]), np.array([1.0, 2.0]), 1.0)[0] == math.inf
 
 
 def test_a_root_settles_within_its_ceiling_and_half_of_it() -> None:
