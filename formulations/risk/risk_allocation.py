@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr, ndtri
 
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.printable import printable
 from ...instances.risk.allocation import RISKS, Risk, RiskAllocationInstance
-from ..evaluation import Check, Evaluation, Violation, judge
+from ..evaluation import Evaluation
 from ..evidence import Evidence
 from ..problem import PROBLEMS, Decision, Problem
-from ..tolerance import LIMIT, ROUNDING, VECTOR
 from .allocations import Allocation
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
+from .judge import evaluate_allocation, safest_risks
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,9 +35,6 @@ SETTINGS = {
 
 SHOWN_NAMES = 6
 """Constraints that are named where they cannot be kept."""
-
-SMALLEST_RISK = 1e-300
-"""Of a constraint, as far as its quantile is concerned: 37 standard deviations."""
 
 
 class RiskAllocation(Problem):
@@ -202,20 +198,9 @@ class RiskAllocation(Problem):
             parts.append(self.sign * weight * float(size))
         return math.fsum(parts), math.fsum(map(abs, parts))
 
-    def row_risks(self, x: Floats) -> Floats:
-        """Probability that each row fails at the decision x."""
-        slack = self.limits - self.chance @ x
-        certain = self.deviation == 0.0
-        made = ndtr(-slack / np.where(certain, 1.0, self.deviation))
-        if certain.any():
-            made = np.where(certain, (slack < -VECTOR * self._row_sizes(x)).astype(np.float64), made)
-        return np.asarray(made)
-
     def risks(self, x: Floats) -> Floats:
         """For each constraint the risk of its safest row at the decision x."""
-        made = np.ones(len(self.names))
-        np.minimum.at(made, self.constraint, self.row_risks(x))
-        return made
+        return safest_risks(self, x)
 
     def joint_risk(self, x: Floats) -> dict[str, Probability]:
         """For each budget, the total first, the probability that any of its constraints fails at the decision x."""
@@ -232,98 +217,13 @@ class RiskAllocation(Problem):
             self._joint = (key, made)
         return self._joint[1]
 
-    def _row_sizes(self, x: Floats) -> Floats:
-        """Of each chance row the largest number in it."""
-        return np.asarray(np.maximum(np.abs(self.limits), np.abs(self.chance * x).max(axis=1, initial=0.0)))
-
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute cost, every constraint, every risk, and the probability that any of them fails.
 
         Deterministic rows and the limits of chance rows may be broken by ``VECTOR`` of the largest number in them, as solvers count;
         ``concession`` says what that can be worth.
         """
-        answer = self.answer_of(answer)
-        x = answer.decision
-        known = bool(np.isfinite(x).all())
-        with np.errstate(invalid="ignore", over="ignore"):
-            outside = np.maximum(self.lower - x, x - self.upper)
-            size = np.maximum.reduce([np.where(np.isfinite(side), np.abs(side), 0.0) for side in (self.lower, self.upper)])
-            size = np.maximum(size, np.abs(x))
-            near = np.clip(x, self.lower, self.upper) if known and (outside <= VECTOR * size).all() else x
-            value, terms = self.value(near) if known else (math.nan, math.nan)
-            judged = [
-                judge("bounds", outside, lambda k: f"{self.instance.decision_names[k]} is {x[k]:.9g}, outside its bounds", VECTOR * size),
-                self._judge_rows(near),
-                *([self._judge_cones(near)] if self.cones else []),
-            ]
-            own = self.risks(near) if known else np.ones(len(self.names))
-            given = own if answer.risks is None else answer.risks
-            if self.risk.kind == "allocated":
-                judged += [self._judge_chance(near, given), self._judge_risks(given), self._judge_budgets(given)]
-            else:
-                judged += [self._judge_risks(own), self._judge_joint(near, known)]
-        checks, violations = tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found)
-        return Evaluation((value,), checks, violations, self._quantities(near, own, known), (terms,), VECTOR)
-
-    def _quantities(self, x: Floats, own: Floats, known: bool) -> dict[str, float]:
-        if not known:
-            return {}
-        joint = next(iter(self.joint_risk(x).values()))
-        told = {"sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high}
-        if self.risk.total is not None:
-            told["unused_share_of_risk"] = 1.0 - joint.value / self.risk.total
-        return told
-
-    def _judge_rows(self, x: Floats) -> tuple[Check, list[Violation]]:
-        parts = self.rows * x
-        activity, size = parts.sum(axis=1), np.abs(parts).max(axis=1, initial=0.0)
-        for side in (self.row_lower, self.row_upper):
-            size = np.maximum(size, np.where(np.isfinite(side), np.abs(side), 0.0))
-        names = self.instance.constraint_names
-        excess = np.maximum(self.row_lower - activity, activity - self.row_upper)
-        return judge("constraints", excess, lambda k: f"constraint {names[k]} is {activity[k]:.9g}, outside its limits", VECTOR * size)
-
-    def _judge_cones(self, x: Floats) -> tuple[Check, list[Violation]]:
-        norms = np.array([float(np.linalg.norm(f @ x + c)) for f, c, _, _ in self.cones])
-        limits = np.array([float(g @ x + h) for _, _, g, h in self.cones])
-        size = np.maximum(norms, np.abs(limits))
-        return judge("cones", norms - limits, lambda k: f"cone {k + 1}: the norm is {norms[k]:.9g}, above {limits[k]:.9g}", VECTOR * size)
-
-    def _judge_chance(self, x: Floats, risks: Floats) -> tuple[Check, list[Violation]]:
-        """Whether each constraint has a row that keeps its limit with its quantile added."""
-        quantile = -ndtri(np.maximum(risks, SMALLEST_RISK))[self.constraint]
-        margin = np.where(self.deviation == 0.0, 0.0, self.deviation * quantile)
-        excess = np.where(np.isnan(margin), math.inf, self.chance @ x + margin - self.limits)
-        best, size, own = np.full(len(self.names), math.inf), np.zeros(len(self.names)), self.risks(x)
-        np.minimum.at(best, self.constraint, excess)
-        np.maximum.at(size, self.constraint, np.maximum(self._row_sizes(x), np.abs(margin)))
-        best = np.where(best <= 4.0 * ROUNDING * size, np.minimum(best, 0.0), best)
-        return judge(
-            "chance", best, lambda k: f"chance constraint {self.names[k]} has the risk {own[k]:.9g}, allowed {risks[k]:.9g}", VECTOR * size
-        )
-
-    def _judge_risks(self, risks: Floats) -> tuple[Check, list[Violation]]:
-        most = self.risk.each
-        excess = np.where(risks < 0.0, -risks, risks - most)
-        allowed = np.where(risks < 0.0, 0.0, VECTOR * most)
-        return judge(
-            "risks", excess, lambda k: f"chance constraint {self.names[k]} has the risk {risks[k]:.9g}, at most {most[k]:.9g}", allowed
-        )
-
-    def _judge_budgets(self, risks: Floats) -> tuple[Check, list[Violation]]:
-        spent = np.array([math.fsum(risks[b.constraints].tolist()) for b in self.budgets])
-        most = np.array([b.risk for b in self.budgets])
-        return judge("budgets", spent - most, lambda k: self._over(k, spent[k]), LIMIT * most)
-
-    def _judge_joint(self, x: Floats, known: bool) -> tuple[Check, list[Violation]]:
-        """Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer."""
-        found = self.joint_risk(x) if known else {}
-        spent = np.array([found[b.name].high if known else math.nan for b in self.budgets])
-        most = np.array([b.risk for b in self.budgets])
-        return judge("joint-risk", spent - most, lambda k: self._over(k, spent[k]), VECTOR * most)
-
-    def _over(self, k: int, spent: float) -> str:
-        return f"the risk of {self.budgets[k].name} is {spent:.9g}, at most {self.budgets[k].risk:.9g}"
+        return evaluate_allocation(self, self.answer_of(answer))
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
         """How much less ``evidence`` proves where every limit is as wide as the answer's largest residuals make it."""

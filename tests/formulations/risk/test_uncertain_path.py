@@ -10,6 +10,7 @@ from uncertain_graphs import WORKED, graph_of
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.risk.uncertain_path import UncertainPath
 from waybound.instances.errors import InputError, UsageError
+from waybound.solving.explaining import explain
 
 
 @pytest.fixture
@@ -94,3 +95,15 @@ def test_settings_and_instances_of_others_are_refused():
 
 def test_the_digest_tells_risks_apart():
     assert UncertainPath(graph_of(WORKED), 0.1).digest() != UncertainPath(graph_of(WORKED), 0.2).digest()
+
+
+def test_a_path_of_the_fewest_edges_is_at_hand_and_refutes_whoever_says_that_there_is_none(problem):
+    found = problem.answer_at_hand()
+    assert problem.evaluate(found).feasible and len(found) == 3
+    back = UncertainPath(graph_of([("S", "G", 0, 0), ("G", "S", 0, 0)]))
+    assert back.answer_at_hand() == (0, 1)
+
+
+def test_there_is_nothing_to_explain(problem):
+    made = explain(problem, time_limit=5.0)
+    assert (made.verdict, made.according_to) == ("feasible", "the data")
