@@ -24,7 +24,7 @@ ACTIVE = 1e-7
 
 
 def iterative(
-    problem: RiskAllocation, context: Context, *, alpha: float = 0.7, decay: float = 1.0, epsilon: float = 1e-6, rounds: int = 200
+    problem: RiskAllocation, context: Context, *, alpha: float = 0.7, decay: float = 1.0, epsilon: float = 2e-7, rounds: int = 200
 ) -> Outcome:
     """Iterative risk allocation (Ono and Williams 2008), from equal risks.
 
@@ -42,7 +42,7 @@ def iterative(
     decay : float
         In (0, 1]: factor of ``alpha`` from round to round.
     epsilon : float
-        It ends when a round gains less.
+        It ends when a round gains less than this share of the cost.
     rounds : int
         At most so many.
 
@@ -91,7 +91,7 @@ def iterative(
         values.append(value)
         answer = Allocation(decision, risks.copy())
         context.publish(answer)
-        if len(values) > 1 and values[-2] - value < epsilon:
+        if len(values) > 1 and values[-2] - value < epsilon * abs(value):
             end = "small gain"
             break
         slack = p.limits - p.chance @ decision

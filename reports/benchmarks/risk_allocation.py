@@ -144,7 +144,7 @@ def rebuilt(problem: RiskAllocation) -> tuple[float, int]:
         rows += [x >= p.lower, x[bounded] <= p.upper[bounded]] if bounded.any() else [x >= p.lower]
         cp.Problem(cp.Minimize(p.sign * cost), rows).solve(solver=cp.HIGHS)
         values.append(float(p.sign * cost.value))
-        if len(values) > 1 and values[-2] - values[-1] < 1e-6:
+        if len(values) > 1 and values[-2] - values[-1] < 2e-7 * abs(values[-1]):
             break
         z = (p.limits - p.chance @ x.value) / p.deviation
         used, active = ndtr(-z), z + ndtri(risks) <= ACTIVE
