@@ -31,7 +31,7 @@ class ConvexAllocation(Engine):
     honours = frozenset({"gap"})
     family = "risk-allocation"
     features = frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"})
-    order: ClassVar[int] = 13
+    order: ClassVar[int] = 2
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""

@@ -48,7 +48,7 @@ class DisjunctiveAllocation(Engine):
     honours = frozenset({"gap", "iterations"})
     family = "risk-allocation"
     features = frozenset({"allocated-risk", "joint-risk", "alternatives", "quadratic-cost", "cones"})
-    order: ClassVar[int] = 14
+    order: ClassVar[int] = 3
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""

@@ -47,7 +47,7 @@ class ExactJoint(Engine):
     honours = frozenset({"gap", "iterations"})
     family = "risk-allocation"
     features = frozenset({"joint-risk", "quadratic-cost", "cones"})
-    order: ClassVar[int] = 12
+    order: ClassVar[int] = 1
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """See ``Engine.missing``."""

@@ -32,7 +32,7 @@ class RiskLabels(Engine):
     one_thread = True
     honours = frozenset({"iterations"})
     options: ClassVar[Mapping[str, Any]] = {}
-    order = 15
+    order = 5
     family = "risky-path"
     features = FEATURES
 

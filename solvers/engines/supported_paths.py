@@ -27,7 +27,7 @@ class SupportedPathsEngine(Engine):
     interrupts = "keeps the best path and the bound so far"
     honours = frozenset()
     one_thread = bounds_itself = True
-    order = 11
+    order = 10
     family = "uncertain-path"
     features = frozenset({"normal-costs", "risk-aversion"})
 
