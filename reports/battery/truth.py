@@ -195,18 +195,18 @@ def _dense(matrix: Any, columns: int) -> list[Vector]:
 def path_hazards(problem: RiskyPath) -> Iterator[Fraction]:
     """Hazard of every path to a goal that may survive, from its probability to do so: risks of places, moves and pairs of moves."""
     graph = problem.graph
-    places, moves = [ONE] * graph.num_states, dict[tuple[int, int, int], Fraction]()
+    places, moves = [ONE] * graph.num_states, dict[tuple[int | None, ...], Fraction]()
     for element in graph.elements:
         if isinstance(element, LocaleRisk):
             places = [p * (ONE - Fraction(r)) for p, r in zip(places, element.risk.tolist(), strict=True)]
         elif isinstance(element, MoveRisk):
             table = zip(*(column.tolist() for column in (element.before, element.state, element.after, element.risk)), strict=True)
             for *key, risk in table:
-                moves[tuple(key)] = moves.get(tuple(key), ONE) * (ONE - Fraction(risk))  # type: ignore[index]
+                moves[tuple(key)] = moves.get(tuple(key), ONE) * (ONE - Fraction(risk))
         else:
             raise NotImplementedError(f"nothing enumerates risks of {element.kind}")
     arcs = list(zip(graph.tail.tolist(), graph.head.tolist(), strict=True))
-    begun = [((graph.start,), places[graph.start])]
+    begun: list[tuple[tuple[int, ...], Fraction]] = [((graph.start,), places[graph.start])]
     while begun:
         path, survives = begun.pop()
         if path[-1] in graph.goals:
@@ -214,7 +214,7 @@ def path_hazards(problem: RiskyPath) -> Iterator[Fraction]:
         for at, to in arcs:
             if at == path[-1] and to not in path:
                 before = path[-2] if len(path) > 1 else None
-                left = survives * places[to] * moves.get((-1, at, to), ONE) * moves.get((before, at, to), ONE)  # type: ignore[arg-type]
+                left = survives * places[to] * moves.get((-1, at, to), ONE) * moves.get((before, at, to), ONE)
                 if left:
                     begun.append(((*path, to), left))
 
