@@ -28,7 +28,7 @@ test: $(READY)
 	$(CACHING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(PYTEST_FLAGS)
 
 test-all: $(READY)
-	$(CACHING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
+	WAYBOUND_DRAWS=all $(CACHING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
 
 test-hostile: $(READY)
 	WAYBOUND_HOSTILE=1 $(CACHING) $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)

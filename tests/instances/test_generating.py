@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -83,7 +84,7 @@ SETTINGS = {
 }  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.data(), st.sampled_from(sorted(SETTINGS)), st.integers(0, 10**9))
 def test_whatever_the_settings_every_customer_can_be_served_alone(data: st.DataObject, kind: str, seed: int) -> None:
     made: Any = generate(kind, seed, **data.draw(SETTINGS[kind]))
