@@ -342,16 +342,14 @@ def risky_path(rng: Rng, units: Units) -> RiskyPath:
     goals = (size - 1,) if rng.random() < 0.6 else ()
     objective = str(rng.choice(["risk", "hazard", "reward-per-risk"])) if goals else "reward-per-risk"
     discount = float(rng.choice([1.0, 1.0, 0.5, 0.0]))
-    graph = RiskyGraph(
-        size, tail, head, tuple(elements), 0, True, goals, rewards * units.reward, discount, objective, name="drawn",
-    )  # fmt: skip
+    graph = RiskyGraph(size, tail, head, tuple(elements), 0, True, goals, rewards * units.reward, discount, objective, name="drawn")
     return RiskyPath(graph)
 
 
 def risk_allocation(rng: Rng, units: Units) -> RiskAllocation:
     """Decisions in units of ``load``, their noisy quantities in ``weight``, rows in ``budget``, what is bent in ``distance``."""
     n, many = int(rng.integers(1, 4)), int(rng.integers(1, 5))
-    ordinary = lambda *size: numbers(rng, size, str(rng.choice(STYLES[:1] + STYLES[3:5])))  # noqa: E731
+    ordinary = lambda *size: numbers(rng, size, str(rng.choice(["whole", "decimal", "float"])))  # noqa: E731
     chance = ordinary(many, n) * (rng.random((many, n)) < 0.7)
     chance[np.arange(many), rng.integers(0, n, many)] = 1.0
     noise = rng.normal(size=(many, many)) * rng.uniform(0.0, 1.0, many)[:, None]

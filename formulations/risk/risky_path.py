@@ -187,6 +187,12 @@ class RiskyPath(Problem):
                 )
         return tuple(int(s) for s in answer)
 
+    def answer_at_hand(self) -> Path | None:
+        """A walk of least hazard to a goal, or without goals to a reward, if one comes to no state twice."""
+        ends = self.graph.goals or np.nonzero(self.rewards)[0].tolist()
+        walks = (self.moves.walk(end) for end in ends)
+        return next((walk for walk in walks if walk is not None and len(set(walk)) == len(walk)), None)
+
     # -- no answer -----------------------------------------------------------------------------------------------------------
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:

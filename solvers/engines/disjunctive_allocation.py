@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import math
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
@@ -107,10 +108,7 @@ class _Tree(ProofTree[_Node]):
         while self.open and not self.stop.reached() and (most is None or self.looked < most):
             if self.reached(self.open[0][0]):
                 break
-            node = self.open[0][-1]
-            import heapq
-
-            heapq.heappop(self.open)
+            node = heapq.heappop(self.open)[-1]
             if not self.branch(node):
                 self.wait(node)
                 break
