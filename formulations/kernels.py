@@ -38,10 +38,11 @@ def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Ca
 def _once(template: Callable[..., Any]) -> Callable[..., Any]:
     """``template``, which kernels ask for the kernels that they call: not compiled anew for each constant or width of whole numbers."""
     from numba.core import types
+    from numba.core.types.misc import unliteral
 
     def widened(kind: Any) -> Any:
-        kind = types.unliteral(kind)
-        return types.intp if isinstance(kind, types.Integer) and kind.signed else kind
+        kind = unliteral(kind)
+        return types.intp if kind in types.signed_domain else kind
 
     return lambda args, kws: template(tuple(widened(kind) for kind in args), {name: widened(kind) for name, kind in kws.items()})
 

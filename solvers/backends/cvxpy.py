@@ -15,7 +15,7 @@ from ...instances.errors import MissingPackageError, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..program_backend import ProgramBackend
-from .highs import SOUND, named_options
+from .highs import named_options, sound
 
 PRECISION = 1e-9
 """Asked of first-order and interior-point solvers, whose own of 1e-5 to 1e-8 leaves rows broken by more than the checks let pass."""
@@ -150,7 +150,7 @@ def _highs(program: Program, options: Options) -> dict[str, Any]:
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
         made.update(dict.fromkeys(limits, int(options.iterations)))
-    return {**made, **SOUND, **named_options("cvxpy:HIGHS", options.extra)}
+    return {**made, **sound(program, options.extra), **named_options("cvxpy:HIGHS", options.extra)}
 
 
 _CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "ECOS": _ecos, "HIGHS": _highs}
