@@ -51,6 +51,9 @@ CHORDS = 3
 STALLED = 8
 """Rounds without progress after which it ends."""
 
+MOST_NAMED = 60
+"""Chance rows of a contradiction that are left out one by one, to see which of them it takes."""
+
 
 @dataclass
 class Interval:
@@ -135,7 +138,7 @@ class SuccessiveTangents:
             self._use(0.0)
             below = self.session.solve(stop)
             if below.status != "optimal":
-                self._ended(below)
+                self._ended(below, stop)
                 break
             found.rounds += 1
             excess = self._lower(below)
@@ -253,24 +256,45 @@ class SuccessiveTangents:
             self.session.add(piece_rows(at, slope, constant, self.pieces.z, self.pieces.risk, self.problem.names))
         return len(at)
 
-    def _ended(self, made: Solved) -> None:
+    def _ended(self, made: Solved, stop: Stop) -> None:
         """The status, and where there is no answer the evidence, when the relaxation has no optimum."""
+        found = self.found
+        found.status = made.status if found.answer is None or made.status != "unknown" else "feasible"
+        if made.status == "infeasible":
+            proofs = (self._proof(ray) for ray in (self._fewest(made, stop), made))
+            found.prices = next((prices for prices in proofs if prices is not None), None)
+
+    def _fewest(self, made: Solved, stop: Stop) -> Solved:
+        """A contradiction that needs few chance rows: each is left out where the others contradict each other without it."""
+        first = self.pieces.chance
+        priced = np.zeros(0) if made.ray is None else np.abs(made.ray[first : first + len(self.problem.limits)])
+        rows = np.nonzero(priced)[0]
+        if len(rows) > MOST_NAMED:
+            return made
+        for row in rows[np.argsort(priced[rows], kind="stable")].tolist():
+            self.session.change_upper(first + row, np.array([math.inf]))
+            trial = self.session.solve(stop)
+            if trial.status == "infeasible" and trial.ray is not None:
+                made = trial
+            else:
+                self.session.change_upper(first + row, self.problem.limits[[row]])
+        return made
+
+    def _proof(self, made: Solved) -> dict[str, Floats] | None:
+        """Prices that prove that there is no answer, from the ray of a program that has none."""
         from ....formulations.certificate import verified_bound
 
-        found, sign = self.found, self.problem.sign
-        found.status = made.status if found.answer is None or made.status != "unknown" else "feasible"
-        if made.status != "infeasible":
-            return
-        found.prices = None
+        sign = self.problem.sign
         if made.ray is None:
-            return
+            return None
         size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
         nowhere = Solved("infeasible", x=np.zeros(self.pieces.program.num_variables), cone_duals=made.cone_duals / size)
         for turn in (1.0, -1.0):
-            found.prices = self._prices(nowhere, turn * sign * made.ray / size)
-            if verified_bound(self.original, found.evidence(sign)[0]) == sign * math.inf:
-                return
-        found.prices = None
+            prices = self._prices(nowhere, turn * sign * made.ray[: self.pieces.program.num_rows] / size)
+            claimed = Interval("infeasible", prices=prices).evidence(sign)[0]
+            if verified_bound(self.original, claimed) == sign * math.inf:
+                return prices
+        return None
 
 
 def least_margin(slope: Floats, price: Floats, floor: Floats) -> Floats:
