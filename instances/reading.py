@@ -50,11 +50,11 @@ def read_instance(path: str | PathLike[str], format: str | None = None, problem:
 def recognise(text: str, path: str | PathLike[str] = "input", problem: str | None = None) -> Format:
     """The one format whose marks ``text`` bears, and in which ``problem`` may be asked if it bears those of several."""
     found = [entry for entry in FORMATS.values() if entry.recognises(text)]
-    able = [entry for entry in found if problem in entry.problems] if len(found) > 1 else found
+    able = [entry for entry in found if not entry.problems or problem in entry.problems] if len(found) > 1 else found
     if len(able) == 1:
         return able[0]
     if found:
-        choices = "; ".join(f"{entry.name} ({', '.join(entry.problems)})" for entry in found)
+        choices = "; ".join(f"{entry.name} ({', '.join(entry.problems) or 'as the file says'})" for entry in found)
         raise UsageError(f"{path}: the content allows more than one format; choose with --format, or --problem, from {choices}")
     if re.search(r"^\s*route\s*#?\s*\d+\s*:|^\s*TOUR_SECTION", text, re.I | re.M):
         raise InputError("is a solution file, not an instance", file=path)

@@ -33,7 +33,7 @@ class Format:
     problem : str
         The problem that is meant when nothing else is said; "" where the file says it.
     problems : tuple of str
-        Problems that may be asked of its instances.
+        Problems that may be asked of its instances; empty where the file says them.
     convention : str
         Default distance convention.
     sense, answer : str

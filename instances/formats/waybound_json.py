@@ -52,9 +52,7 @@ def write(instance: Any) -> str:
 FORMATS.add(
     "json",
     Format(
-        "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",), "",
-        ("tsp", "cvrp", "vrptw", "min-cost-vrp", "bottleneck", "bottleneck-lp", "winner-takes-all", "selection", "max-min-lp",
-         "risk-allocation", "risky-path", "uncertain-path"),
-        "exact", sense="of the problem", answer="of the problem", kinds=(),
+        "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",),
+        sense="of the problem", answer="of the problem", kinds=(),
     ),
 )  # fmt: skip
