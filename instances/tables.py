@@ -24,8 +24,8 @@ def _code(names: tuple[str, ...]) -> str:
 def formats_table() -> str:
     """Format, default problem, problems allowed, default convention, sense, answer, solution files."""
     rows = [
-        (f"`{f.name}`", f.summary, f"`{f.problem}`" if f.problem else "as the file says", _code(f.problems) or "as the file says", f"`{f.convention}`", f.sense,
-         f.answer, _code(f.solutions), _code(f.suffixes) if f.write else "-")
+        (f"`{f.name}`", f.summary, f"`{f.problem}`" if f.problem else "as the file says", _code(f.problems) or "as the file says",
+         f"`{f.convention}`", f.sense, f.answer, _code(f.solutions), _code(f.suffixes) if f.write else "-")
         for f in FORMATS.values()
     ]  # fmt: skip
     titles = (

@@ -55,7 +55,7 @@ def test_a_mission_that_cannot_begin_decide_or_act_is_none() -> None:
             type("Half", (Idle,), {missing: getattr(Mission, missing)})()
 
 
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize("name", list(MISSIONS))
 def test_every_mission_says_what_it_is_and_begins_with_its_defaults(name: str) -> None:
     mission = MISSIONS[name]()
     assert mission.name == name and mission.summary and "\n" not in mission.summary and mission.headline

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import UsageError
-from waybound.solvers.engines.local_max_min.wanted_levels import MOST_LEVELS, CommonLevels, SteppedLevels, Tested
+from waybound.solvers.engines.local_max_min import wanted_levels
+from waybound.solvers.engines.local_max_min.wanted_levels import MOST_LEVELS, CommonLevels, SteppedLevels
+
+
+def of_least(least: float) -> wanted_levels.Tested:
+    return wanted_levels.Tested(least, 0, np.zeros(1))
 
 
 def test_common_levels_span_half_of_the_least_ceiling_to_the_largest() -> None:
@@ -44,15 +49,15 @@ def test_a_rounding_below_0_is_no_crossing_of_steps() -> None:
 
 
 def test_a_root_settles_within_its_ceiling_and_half_of_it() -> None:
-    found = {4.0: Tested(3.5, 0, np.zeros(1)), 2.0: Tested(0.3, 0, np.zeros(1)), 8.0: Tested(math.inf, 0, np.zeros(1))}
+    found = {4.0: of_least(3.5), 2.0: of_least(0.3), 8.0: of_least(math.inf)}
     assert [SteppedLevels(0.5).settle(u, found) for u in (4.0, 2.0, 8.0)] == [3.5, 1.0, 8.0]
-    assert CommonLevels(0.5).settle(4.0, {0.0: Tested(2.5, 0, np.zeros(1))}) == 2.5
+    assert CommonLevels(0.5).settle(4.0, {0.0: of_least(2.5)}) == 2.5
 
 
 @pytest.mark.parametrize("levels", [CommonLevels(0.1), SteppedLevels(0.5)])
 def test_what_is_said_is_understood(levels: CommonLevels | SteppedLevels) -> None:
     request = levels.wanted([4.0, 3.0])
-    found = {name: Tested(float(k), k, np.arange(3.0) + k) for k, name in enumerate(levels.names(request))}
+    found = {name: wanted_levels.Tested(float(k), k, np.arange(3.0) + k) for k, name in enumerate(levels.names(request))}
     said = levels.message(found)
     heard = levels.read(request, said)
     assert list(heard) == list(found)
