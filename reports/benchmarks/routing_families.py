@@ -163,8 +163,9 @@ def row(family: str, method: str, ran: Ran, known: Known | None) -> tuple[list[s
         return [family, method, f"exit code {ran.code}: {ran.complaint}", *[""] * 4, f"{ran.seconds:.1f}"], False
     values, bound = numbers(ran.said["objective"]), numbers(ran.said["certificate"]["bound"])
     most = ran.said["sense"] == "max"
-    # What a value known does not mention, such as the number of jobs done of VROOM's JSON, comes first.
-    gap = distance(values[-len(known.values) :], known.values) if known else math.nan
+    # What a value known does not mention, such as the number of jobs done of VROOM's JSON, comes first; it is for all that can be had.
+    before = max(0, len(values) - len(known.values)) if known else 0
+    gap = distance(values[before:], known.values) if known and values[:before] == bound[:before] else math.nan
     rising = most and known is not None and len(known.values) == len(values)
     open_ = -distance(bound, values)
     beyond = bool(values) and bool(bound) and (-open_ if most else open_) < -1e-6

@@ -143,7 +143,7 @@ def reasons_from_data(problem: Problem | Compiled | Program, stopped: Callable[[
 
 def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control) -> Explanation:
     if form is not None and isinstance(problem, Problem):
-        FORMS[form]  # a name that does not exist is refused before anything is tried
+        _refuse_restriction(form, FORMS[form].exactness)  # and a name that does not exist, before anything is tried
     notes: list[str] = []
     if isinstance(problem, Problem):
         with suppress(WayboundError):
@@ -165,6 +165,11 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
         if evidence is not None:
             made = replace(made, according_to="the data", evidence=evidence, proof=tuple(in_words(asked, evidence)))
     return replace(made, message="; ".join(m for m in (made.message, *notes) if m))
+
+
+def _refuse_restriction(form: str | None, exactness: Exactness) -> None:
+    if not exactness.infeasibility_is_valid:
+        raise UsageError(f"form {form} is a {exactness.value}: that it has no point would prove nothing")
 
 
 def _exact_form(problem: Problem) -> bool:
@@ -254,8 +259,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
         if form is not None:
             raise
         return Explanation("undecided", message=f"no rows can be named: {error}")
-    if not made.exactness.infeasibility_is_valid:
-        raise UsageError(f"form {made.form} is a {made.exactness.value}: that it has no point would prove nothing")
+    _refuse_restriction(made.form, made.exactness)
     program = made.program.first_level()
     if any(_is_answer(problem, made, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
         return _FEASIBLE

@@ -32,6 +32,8 @@ def test_with_priorities_the_first_level_that_differs_counts() -> None:
 def test_a_cost_behind_what_is_done_is_compared_as_a_cost() -> None:
     cells, good = row("VROOM JSON", "pyvrp", Ran(0, said([50.0, 550.0], [50.0, None], "max"), "", 2.0), Known((500.0,), "500"))
     assert good and cells[4] == "10.0 %"
+    cells, good = row("VROOM JSON", "highs", Ran(0, said([5.0, 200.0], [50.0, None], "max"), "", 2.0), Known((500.0,), "500"))
+    assert good and cells[4] == ""  # what little costs says nothing of what all does
 
 
 def test_a_refusal_shows_what_is_lacking_and_everything_else_is_a_fault() -> None:
