@@ -33,8 +33,7 @@ def expected(text: str) -> str:
 
 
 def program_text(program: Program) -> str:
-    """Objective, rows, circuits and domains of a program without cones, one a line, less coefficients of 0 and bounds that are none."""
-    assert not program.cones
+    """Objective, rows, second-order cones, circuits and domains, one a line, less coefficients of 0 and bounds that are none."""
     names = [program.variable_name(k) for k in range(program.num_variables)]
     terms = [(v, n) for v, n in zip(program.cost.tolist(), names, strict=True) if v] + _products(program, names)
     lines = [f"{program.sense} {_sum(terms, program.offset)}"]
@@ -45,6 +44,14 @@ def program_text(program: Program) -> str:
         entries = slice(matrix.indptr[row], matrix.indptr[row + 1])
         pairs = zip(matrix.data[entries].tolist(), matrix.indices[entries].tolist(), strict=True)
         lines.append(f"{program.row_name(row)}: {_between(_sum([(v, names[j]) for v, j in pairs if v], 0.0), low, high)}")
+    for block in program.cones:
+        assert (block.kind, block.size) == ("second-order", 1)
+        image = block.matrix(program.num_variables).toarray()
+        parts = [
+            _sum([(v, n) for v, n in zip(row, names, strict=True) if v], b)
+            for row, b in zip(image.tolist(), block.offset.tolist(), strict=True)
+        ]
+        lines.append(f"{block.name}: |({', '.join(parts[1:])})| <= {parts[0]}")
     for graph in program.circuits:
         arcs = zip(graph.tail.tolist(), graph.head.tolist(), graph.column.tolist(), strict=True)
         what = "circuits through node 0" if graph.several else "one circuit"

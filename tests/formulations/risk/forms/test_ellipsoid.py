@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from program_text import expected, written
 from risk_problems import problem
 from scipy.stats import chi2
 
@@ -31,3 +34,33 @@ def test_many_constraints_in_few_dimensions_are_of_joint_risk_alone() -> None:
     assert not refuses(problem(quantities=walls, chance=chance, risk__kind="joint"))
     budgets = [{"constraints": ["1"], "risk": 0.01}]
     assert refuses(problem(risk__budgets=budgets)) == {"budgets other than the total"}
+
+
+PLANE = """
+    {
+      "waybound": 1, "kind": "risk-allocation", "name": "plane", "problem": "risk-allocation", "sense": "max",
+      "decisions": 2, "lower": -1, "upper": 6,
+      "quantities": {"map": [[1, 0], [0, 1]], "covariance": [1, 4]},
+      "cost": {"decisions": [1, 3], "terms": [{"kind": "norm", "decisions": [[1, 0], [0, 2]], "constant": [1, 0]}]},
+      "constraints": {"decisions": [[1, -1]], "lower": -2},
+      "chance": {"quantities": [[1, 0], [0, 1], [1, 1]], "limits": [5, 5, 8], "names": ["east", "north", "wall"]},
+      "risk": {"total": 0.1}
+    }
+"""
+
+
+def test_ellipsoid_from_text_to_text(tmp_path: Path) -> None:
+    """Three constraints of noise in two dimensions: rho^2 = -2 ln 0.1, so rho = 2.145966; deviations 1, 2 and the root of 5."""
+    assert written(PLANE, "ellipsoid", tmp_path, ".json") == expected(
+        """
+        ellipsoid, restriction
+        max x[x1] + 3 x[x2] - norm-1[0]
+        constraint[1]: x[x1] - x[x2] >= -2
+        chance[east]: x[x1] <= 2.85403
+        chance[north]: x[x2] <= 0.708068
+        chance[wall]: x[x1] + x[x2] <= 3.20147
+        norm-1: |(x[x1] + 1, 2 x[x2])| <= norm-1[0]
+        -1 <= x[x1], x[x2] <= 6
+        norm-1[0] >= 0
+        """
+    )
