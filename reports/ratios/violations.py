@@ -9,6 +9,7 @@ from pathlib import Path
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
+from ...formulations.risk.uncertain_path import UncertainPath
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
@@ -26,6 +27,8 @@ def instance_of(problem: Problem, note: str = "") -> Instance | None:
         return replace(problem.graph, problem=problem.problem, notes=(*problem.graph.notes, *notes))
     if isinstance(problem, MaxMinLP):
         return replace(problem.instance, notes=(*problem.instance.notes, *notes))
+    if isinstance(problem, UncertainPath):  # the risk is a setting, and no part of the graph
+        return replace(problem.graph, notes=(*problem.graph.notes, f"risk={problem.risk!r}", *notes))
     if isinstance(problem, RoutingProblem) and problem.forbidden is None:
         names = tuple(term.name for level in problem.objective.levels() for _, term in level.terms)
         return RoutingInstance(

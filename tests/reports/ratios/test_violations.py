@@ -13,6 +13,7 @@ from waybound.instances.writing import write_instance
 from waybound.reports.ratios import max_min_families as graphs
 from waybound.reports.ratios import routing_families as routes
 from waybound.reports.ratios import selection_families as random
+from waybound.reports.ratios import uncertain_families as uncertain
 from waybound.reports.ratios.study import Fault, Report
 from waybound.reports.ratios.violations import instance_of, instance_text, summary_lines, write_faults
 from waybound.reports.tables.table import Table
@@ -34,6 +35,15 @@ def test_every_kind_of_instance_is_written_and_read_back(kind, tmp_path):
     assert any("something is wrong here" in note for note in again.notes)
     assert "something is wrong here" in instance_text(problem, "something is wrong here")
     assert problem_from_instance(instance_of(problem)).digest() == problem.digest()
+
+
+def test_the_risk_of_an_uncertain_path_stands_beside_its_graph(tmp_path):
+    problem = uncertain.graphs(0.2).case(1, 1).problem
+    path = tmp_path / "instance.json"
+    write_instance(instance_of(problem, "something is wrong here"), path)
+    again = wb.read(path, risk=0.2)
+    assert again.digest() == problem.digest()
+    assert again.notes == ("risk=0.2", "something is wrong here")
 
 
 def test_a_users_function_has_no_file_and_says_so():
