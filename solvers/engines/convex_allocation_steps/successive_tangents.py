@@ -153,7 +153,7 @@ class SuccessiveTangents:
                 if above.status == "optimal":
                     self._bound(above, less)
                     if not self._upper(above.x, below.x):
-                        self.least *= 10.0  # beyond what the solver rounds
+                        self.least *= 10.0  # beyond what the solver and the judge round
                     added += self._touch(above) if found.gap > aim else 0
             self.publish(found)
             if found.gap <= aim:
@@ -223,15 +223,13 @@ class SuccessiveTangents:
         return float((self.shares @ own).max(initial=1.0 if len(self.shares) == 0 else 0.0)) - 1.0
 
     def _upper(self, inside: Floats, outside: Floats) -> bool:
-        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether it does."""
+        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether any is known."""
         inside = inside[: self.problem.size]
-        keeps = self._excess(self._risks(inside)) <= 0.0
-        if keeps:
-            self.inside = inside
-            self._between(inside, outside[: self.problem.size])
-            if self.found.answer is None:
-                self._take(inside)
-        return keeps
+        if self._excess(self._risks(inside)) > 0.0:
+            return False
+        self.inside = inside
+        self._between(inside, outside[: self.problem.size])
+        return self.found.answer is not None or self._take(inside)
 
     def _between(self, inside: Floats, outside: Floats) -> None:
         """Take the last point that keeps the budgets on the way from a decision that does to one that does not: risks are convex."""
