@@ -53,6 +53,8 @@ class RoutingProblem(Problem):
         Routes that must be used at least.
     forbidden : bool array of shape (sites, sites), optional
         Moves that no route makes. Checkers and the judge know them; what is for whole problems refuses them.
+    team_risk : float, optional
+        Largest probability that any route overruns a limit, where durations are uncertain.
     name : str
     problem : str
         Name of the member of the family ("vrptw", "cvrp", "tsp", ...).
@@ -74,6 +76,7 @@ class RoutingProblem(Problem):
     problem: str
     notes: tuple[str, ...]
     forbidden: NDArray[np.bool_] | None
+    team_risk: float | None
 
     def __init__(
         self,
@@ -86,17 +89,18 @@ class RoutingProblem(Problem):
         problem: str = "cvrp",
         notes: Sequence[str] = (),
         forbidden: NDArray[np.bool_] | None = None,
+        team_risk: float | None = None,
     ) -> None:
         aim = Objective() if objective is None else Objective.of(objective)
         self.__dict__.update(
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
-            notes=tuple(notes), forbidden=forbidden,
+            notes=tuple(notes), forbidden=forbidden, team_risk=team_risk,
         )  # fmt: skip
         if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
             raise InputError(
                 "forbidden moves must be truth values, one for each pair of sites", found=f"{forbidden.dtype} {forbidden.shape}"
             )
-        check_routing_data(sites, travel, self.fleet, min_vehicles)
+        check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk)
 
     # -- construction ------------------------------------------------------------------------------------------------
 
@@ -119,6 +123,8 @@ class RoutingProblem(Problem):
         windows: Mapping[Any, Sequence[tuple[float, float]]] | None = None,
         shipments: Iterable[Sequence[Any]] = (),
         groups: Iterable[Any] = (),
+        variances: Any = None,
+        team_risk: float | None = None,
         problem: str | None = None,
     ) -> RoutingProblem:
         """A problem from a pandas frame, one row a site.
@@ -143,6 +149,10 @@ class RoutingProblem(Problem):
         shipments : iterable of (pickup id, delivery id) or (pickup id, delivery id, load)
         groups : iterable of iterables of ids
             Alternatives, of which exactly one is visited; ``{"sites": [...], "required": False}`` for at most one.
+        variances : array or DataFrame of shape (sites, sites), optional
+            Variances of the durations of moves, independent and normal; ``risk`` in ``fleet`` limits what they do to one route.
+        team_risk : float, optional
+            Largest probability that any route overruns its longest duration or its store.
         problem : str, optional
             Name of the member of the family.
         """
@@ -151,7 +161,7 @@ class RoutingProblem(Problem):
         instance = instance_from_frame(
             sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity, max_duration=max_duration,
             convention=convention, name=name, closing=closing, fleet=fleet, min_vehicles=min_vehicles, windows=windows,
-            shipments=shipments, groups=groups,
+            shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
         )  # fmt: skip
         made = cls.from_instance(instance, problem)
         return made if objective is None else replace(made, objective=Objective.of(objective))
@@ -203,7 +213,7 @@ class RoutingProblem(Problem):
         objective = DEFAULT_OBJECTIVE.get(name, Objective())
         if instance.objective and (name == instance.problem or objective == Objective()):
             objective = Objective.named(instance.objective)
-        return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes)
+        return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes, team_risk=instance.team_risk)
 
     # -- what it is --------------------------------------------------------------------------------------------------
 

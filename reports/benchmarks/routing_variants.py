@@ -53,6 +53,8 @@ class _Draft:
     others: list[dict[str, Any]] = field(default_factory=list)
     closing: Any = None
     durations: Any = None
+    variances: Any = None
+    team_risk: float | None = None
     min_vehicles: int = 0
 
     def __post_init__(self) -> None:
@@ -214,6 +216,19 @@ def _closing(d: _Draft) -> None:
     d.closing = np.where(d.rng.random((d.size, d.size)) < 0.6, drawn, math.inf)
 
 
+def _uncertain(d: _Draft) -> None:
+    d.variances = d.numbers(0, 9, (d.size, d.size))
+
+
+def _risks(d: _Draft) -> float:
+    """Uncertain durations, with a limit that they may overrun; a risk of it."""
+    if d.variances is None:
+        _uncertain(d)
+    if "energy" not in d.vehicle:
+        d.vehicle.setdefault("max_duration", d.around_times(1.0, 2.2))
+    return float(d.rng.choice([0.02, 0.1, 0.3]))
+
+
 def _set(**changes: Callable[[_Draft], Any]) -> Callable[[_Draft], None]:
     """Of the first vehicle type."""
 
@@ -259,6 +274,9 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
     "initial-energy": _initial,
     "closing-moves": _closing,
     "committed-vehicles": lambda d: _second(d, committed=True),
+    "uncertain-durations": _uncertain,
+    "route-risk": _set(risk=_risks),
+    "team-risk": lambda d: setattr(d, "team_risk", _risks(d)),
     **dict.fromkeys(sorted({name for goal in GOALS for name in Objective.of(goal).features()}), lambda d: None),
 }  # fmt: skip
 """By feature: what it changes. Those of objectives choose among ``GOALS``."""
@@ -322,17 +340,19 @@ def _made(rng: np.random.Generator, wanted: tuple[str, ...], name: str) -> Routi
         d.sites["required"][shipment.pickup] = d.sites["required"][shipment.delivery]
     if "count" not in d.vehicle and d.chance(0.4):
         d.vehicle["count"] = int(rng.integers(1, 4))
-    travel = replace(d.travel, duration_matrix=d.durations, closing=d.closing)
+    travel = replace(d.travel, duration_matrix=d.durations, closing=d.closing, variances=d.variances)
     fleet: list[VehicleType] = []
     for k, changes in enumerate(({}, *d.others)):
         given = {"name": f"type-{k + 1}", **d.vehicle, **changes}
         if "travel" in given:
-            given["travel"] = Travel(EXPLICIT, matrix=given["travel"], closing=d.closing, convention=d.travel.convention)
+            given["travel"] = Travel(
+                EXPLICIT, matrix=given["travel"], closing=d.closing, convention=d.travel.convention, variances=d.variances
+            )
         fleet.append(VehicleType(**given))
     total = fleet_size(fleet)
     least = d.min_vehicles if total is None else min(d.min_vehicles, total)
     sites = Sites.of(range(d.size), depot=d.depot, coordinates=d.xy, **d.sites)
-    return RoutingProblem(sites, travel, fleet, goal, least, name)
+    return RoutingProblem(sites, travel, fleet, goal, least, name, team_risk=d.team_risk)
 
 
 def features_of(problem: RoutingProblem) -> frozenset[str]:
