@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..evaluation import Checklist, Evaluation
 from ..tolerance import EQUAL, ROUNDING, allowance, widening
-from .overrun import route_overrun, uncertain
+from .overrun import joint_overrun, route_overrun, uncertain
 from .routes import Route, Routes
 from .schedule import Schedule as Schedule
 from .schedule import closing, opening
@@ -85,8 +85,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
     _check_shipments(problem, answer, judge)
     left = _check_groups(problem, count, judge)
-    # Each route has moves of its own, so that routes overrun independently.
-    joint = 1.0 if 1.0 in overruns else -math.expm1(math.fsum(math.log1p(-p) for p in overruns))
+    joint = joint_overrun(overruns)
     if problem.team_risk is not None:
         words = f"some route overruns a limit with probability {joint:.6g}, {problem.team_risk:g} at most"
         judge.test("team-risk", joint - problem.team_risk, words, allowed=EQUAL * problem.team_risk)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -45,6 +46,11 @@ def uncertain(vehicle: VehicleType, plan: Schedule) -> list[Uncertain]:
 def route_overrun(vehicle: VehicleType, plan: Schedule) -> float:
     """Probability that a route takes too long or draws too much: both depend on the same durations, so the likelier of the two."""
     return max((one.overrun() for one in uncertain(vehicle, plan)), default=0.0)
+
+
+def joint_overrun(overruns: Sequence[float]) -> float:
+    """Probability that any of several routes overruns a limit: each drives by itself, so that they do so independently."""
+    return 1.0 if 1.0 in overruns else 0.0 - math.expm1(math.fsum(math.log1p(-p) for p in overruns))
 
 
 def tail(x: float) -> float:

@@ -172,8 +172,8 @@ class RoutingProblem(Problem):
     ) -> RoutingProblem:
         """The problem that an instance stands for, or another that its data allow.
 
-        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``) and
-        ``convention``.
+        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``)
+        and ``convention``.
         """
         name = problem or instance.problem
         if name not in instance.problems:
@@ -193,6 +193,11 @@ class RoutingProblem(Problem):
         if "capacity" in given:
             fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
             del given["capacity"]
+        risks = {key: _positive(key, given.pop(key)) for key in ("risk", "team-risk") if key in given}
+        if risks and not any(t.uncertain for t in (travel, *(v.travel for v in fleet if v.travel is not None))):
+            raise UsageError(f"durations of {instance.name} are certain, so that a risk limits nothing; its travel needs variances")
+        if "risk" in risks:
+            fleet = tuple(replace(v, risk=risks["risk"]) for v in fleet)
         if {"vehicles", "vehicles-exactly"} <= given.keys():
             raise UsageError("set either vehicles or vehicles-exactly, not both")
         for key in ("vehicles", "vehicles-exactly"):
@@ -206,14 +211,16 @@ class RoutingProblem(Problem):
                 notes = ()
         if given:
             raise UsageError(
-                f"unknown setting {', '.join(sorted(given))}; routing problems take vehicles, vehicles-exactly, capacity, customers"
+                f"unknown setting {', '.join(sorted(given))}; routing problems take vehicles, vehicles-exactly, capacity, customers, risk, "
+                "team-risk"
             )
         from .members import DEFAULT_OBJECTIVE
 
         objective = DEFAULT_OBJECTIVE.get(name, Objective())
         if instance.objective and (name == instance.problem or objective == Objective()):
             objective = Objective.named(instance.objective)
-        return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes, team_risk=instance.team_risk)
+        team_risk = risks.get("team-risk", instance.team_risk)
+        return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes, team_risk=team_risk)
 
     # -- what it is --------------------------------------------------------------------------------------------------
 

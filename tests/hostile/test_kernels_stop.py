@@ -114,6 +114,9 @@ def large(kind: str, part: int = 1) -> Problem:
             return replace(made, sites=sites, objective=Objective.of(Reward()))
         case "routes":
             return routing(of(200), capacity=200)
+        case "risks":
+            made = routing(of(200), max_duration=6e4, risk=0.05)
+            return replace(made, travel=replace(made.travel, variances=np.full((of(200), of(200)), 1e6)))
         case "distances":
             return routing(of(6_000), max_distance=6e4)
         case _:
@@ -145,6 +148,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("lp-rounding", "cardinality", {}),
     ("pure-greedy", "outing", {}),
     ("random", "winner-takes-all", {}),
+    ("safety-margins", "risks", {}),
     ("savings", "tsp", {}),
     ("savings", "distances", {}),
     ("sequential-greedy", "winner-takes-all", {}),

@@ -69,7 +69,8 @@ class Walk:
         ends = zip(sites.ready.tolist(), sites.due.tolist(), strict=True)
         self.windows = [w or (one,) for w, one in zip(several, ends, strict=True)]
         self.service = sites.service.tolist()
-        self.spread = travel.variances.tolist() if travel.variances is not None and travel.uncertain else None
+        limited = vehicle.risk is not None or problem.team_risk is not None
+        self.spread = travel.variances.tolist() if limited and travel.variances is not None else None
         self.demand = np.column_stack([sites.demand, sites.further_demand]) * ~sites.depot[:, None]
         self.pickup = np.column_stack([sites.pickup, sites.further_pickup]) * ~sites.depot[:, None]
         able = [not sites.skills or sites.skills[k] <= vehicle.skills for k in range(every)]

@@ -144,3 +144,16 @@ def test_data_decide_the_digest() -> None:
 def test_a_team_risk_is_not_continued() -> None:
     with pytest.raises(UsageError, match="cannot be continued with team-risk"):
         problem(replace(LASTS, risk=None), 0.3).continue_from(TWO, 2.0)
+
+
+def test_risks_are_set_by_name() -> None:
+    asked = problem(VehicleType(max_duration=20.0))
+    instance = RoutingInstance("i", "test", asked.sites, asked.travel, (asked.fleet[0], replace(asked.fleet[0], name="other")))
+    made = RoutingProblem.from_instance(instance, settings={"risk": "0.05", "team-risk": 0.1})
+    assert [v.risk for v in made.fleet] == [0.05, 0.05] and made.team_risk == 0.1
+    with pytest.raises(InputError, match="the risk of the team must be a probability above 0, and 1/2 at most"):
+        RoutingProblem.from_instance(instance, settings={"team-risk": 0.7})
+    with pytest.raises(UsageError, match="risk must be a number"):
+        RoutingProblem.from_instance(instance, settings={"risk": "low"})
+    with pytest.raises(UsageError, match="durations of i are certain"):
+        RoutingProblem.from_instance(replace(instance, travel=replace(asked.travel, variances=None)), settings={"risk": 0.1})
