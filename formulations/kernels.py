@@ -29,9 +29,22 @@ def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Ca
         except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
             return numba.njit(*signature, **options)(function)  # type: ignore[no-any-return]
         made._cache.save_overload = _forgiving(made._cache.save_overload)
+        made.get_call_template = _once(made.get_call_template)
         return made  # type: ignore[no-any-return]
 
     return compiled
+
+
+def _once(template: Callable[..., Any]) -> Callable[..., Any]:
+    """``template``, which kernels ask for the kernels that they call: not compiled anew for each constant or width of whole numbers."""
+    from numba.core import types
+    from numba.core.types.misc import unliteral
+
+    def widened(kind: Any) -> Any:
+        kind = unliteral(kind)
+        return types.intp if kind in types.signed_domain else kind
+
+    return lambda args, kws: template(tuple(widened(kind) for kind in args), {name: widened(kind) for name, kind in kws.items()})
 
 
 def _forgiving(save: Callable[..., None]) -> Callable[..., None]:

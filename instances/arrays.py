@@ -137,7 +137,7 @@ def names(what: str, given: Iterable[object] | None, count: int) -> tuple[str, .
     if given is None:
         return None
     if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        raise InputError(f"the names of {what}s must be a list", found=repr(given)[:40])
+        raise InputError(f"the names of {_several(what)} must be a list", found=repr(given)[:40])
     made = tuple(str(g) for g in given)
     if len(made) != count:
         raise InputError(f"there must be one name for each {what}", expected=str(count), found=str(len(made)))
@@ -147,8 +147,12 @@ def names(what: str, given: Iterable[object] | None, count: int) -> tuple[str, .
     if len(set(made)) != count:
         seen: set[str] = set()
         twice = next(n for n in made if n in seen or seen.add(n))  # type: ignore[func-returns-value]
-        raise InputError(f"two {what}s have the name {twice!r}", expected="different names")
+        raise InputError(f"two {_several(what)} have the name {twice!r}", expected="different names")
     return made
+
+
+def _several(thing: str) -> str:
+    return "vertices" if thing == "vertex" else f"{thing}s"
 
 
 def positions(what: str, points: ArrayLike | None, count: int) -> Floats | None:

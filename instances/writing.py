@@ -38,7 +38,7 @@ def write_instance(instance: Instance, path: str | PathLike[str], format: str | 
 def format_of_suffix(path: str | PathLike[str], kind: str = "routing") -> Format:
     """The format in which an instance of ``kind`` is written under the suffix of ``path``."""
     suffix = Path(path).suffix.lower()
-    able = [entry for entry in FORMATS.values() if entry.write is not None and kind in entry.kinds]
+    able = [entry for entry in FORMATS.values() if entry.write is not None and (not entry.kinds or kind in entry.kinds)]
     for entry in able:
         if suffix in entry.suffixes:
             return entry

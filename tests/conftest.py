@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from draws import draws
 from hypothesis import settings
 
 # A busy machine is no fault of the code under test. CI repeats its examples; everywhere else each run draws new ones.
-settings.register_profile("waybound", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True)
+settings.register_profile("waybound", deadline=None, max_examples=draws(100))
+settings.register_profile("ci", deadline=None, max_examples=draws(100), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "waybound")
 
 if hasattr(signal, "SIGHUP"):  # ignored under nohup, and by every process that tests start there

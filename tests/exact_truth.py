@@ -19,6 +19,7 @@ from exact_simplex import Tableau, bounded
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
+from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -38,6 +39,8 @@ def truth(problem: Problem) -> Truth:
         return SharesTruth(problem) if problem.fractional else BottleneckTruth(problem)
     if isinstance(problem, MaxMinLP):
         return SharesTruth(problem)
+    if isinstance(problem, RiskyPath):
+        return PathTruth(problem)
     return ProgramTruth(problem)
 
 
@@ -105,6 +108,31 @@ def _mask(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Any:
     mask = np.zeros((1, problem.num_elements), dtype=bool)
     mask[0, list(chosen)] = True
     return mask
+
+
+class PathTruth(Truth):
+    """All paths to a goal, at risks of places, of moves, and of pairs of moves."""
+
+    def __init__(self, problem: RiskyPath) -> None:
+        super().__init__(("min",))
+        self.graph, self.locale, moves = problem.graph, *problem.graph.elements
+        self.risks = {tuple(key): Fraction(r) for *key, r in np.column_stack([moves.before, moves.state, moves.after, moves.risk]).tolist()}
+        others = [state for state in range(self.graph.num_states) if state != self.graph.start]
+        for length in range(len(others) + 1):
+            for rest in itertools.permutations(others, length):
+                value = self.value((self.graph.start, *rest))
+                if value is not None:
+                    self.meet(value, True, (self.graph.start, *rest))
+
+    def value(self, answer: Any) -> Values | None:
+        arcs = set(zip(self.graph.tail.tolist(), self.graph.head.tolist(), strict=True))
+        if answer[-1] not in self.graph.goals or len(set(answer)) < len(answer) or not arcs.issuperset(itertools.pairwise(answer)):
+            return None
+        told = [Fraction(float(self.locale.risk[state])) for state in answer]
+        told += [self.risks.get((-1, *move), Fraction(0)) for move in itertools.pairwise(answer)]
+        told += [self.risks.get(three, Fraction(0)) for three in zip(answer, answer[1:], answer[2:], strict=False)]
+        failing = 1 - math.prod(1 - risk for risk in told)
+        return None if failing == 1 else (Fraction(-math.log1p(-float(failing))),)
 
 
 class BottleneckTruth(Truth):

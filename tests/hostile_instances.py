@@ -20,10 +20,19 @@ from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
 from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.risk.risk_allocation import RiskAllocation
+from waybound.formulations.risk.risky_path import RiskyPath
+from waybound.formulations.risk.uncertain_path import UncertainPath
 from waybound.formulations.routing.objective import Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.instances.risk.allocation import Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
+from waybound.instances.risk.elements import LocaleRisk, MoveRisk
+from waybound.instances.risk.gaussian import Quantities
+from waybound.instances.risk.risky_graph import RiskyGraph
+from waybound.instances.risk.traverse_elements import CollectedRisk
+from waybound.instances.risk.uncertain_graph import UncertainGraph
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
@@ -301,6 +310,71 @@ def arrays(rng: Rng, units: Units) -> ArrayProblem:
     return ArrayProblem(Program("drawn", str(rng.choice(["min", "max"])), columns, (made,), offset))
 
 
+# -- risk ----------------------------------------------------------------------------------------------------------------
+
+
+def _arcs(rng: Rng, size: int) -> tuple[Any, Any]:
+    """Arcs of a small graph in which every vertex can be reached from those before it."""
+    return np.nonzero(((rng.random((size, size)) < 0.5) | np.eye(size, k=1, dtype=bool)) & ~np.eye(size, dtype=bool))
+
+
+def uncertain_path(rng: Rng, units: Units) -> UncertainPath:
+    """Normal costs in units of ``cost``; variances are in its square."""
+    size = int(rng.integers(2, 7))
+    tails, heads = _arcs(rng, size)
+    mean, variance = (numbers(rng, len(tails), style(rng)) for _ in range(2))
+    graph = UncertainGraph(size, tails, heads, mean * units.cost, variance * units.cost**2, 0, size - 1, name="drawn")
+    return UncertainPath(graph, float(rng.choice([0.5, 0.05, 1e-9])))
+
+
+def risky_path(rng: Rng, units: Units) -> RiskyPath:
+    """Risks of places, moves and what was collected, rewards in units of ``reward``; nothing is without risk."""
+    size = int(rng.integers(2, 6))
+    tail, head = _arcs(rng, size)
+    unit = float(rng.choice([1.0, 1e-3, 1e-9]))
+    places, moves = (unit * rng.uniform(0.01, 0.6, many) for many in (size, len(tail)))
+    elements: list[Any] = [LocaleRisk(places), MoveRisk(np.full(len(tail), -1), tail, head, moves)]
+    if rng.random() < 0.5:
+        wet = rng.random(size) < 0.5
+        elements.append(CollectedRisk(wet, np.array([np.zeros(size), unit * rng.uniform(0.0, 0.9, size)]), "mud"))
+    rewards = numbers(rng, size, style(rng))
+    rewards[-1] = 1.0
+    goals = (size - 1,) if rng.random() < 0.6 else ()
+    objective = str(rng.choice(["risk", "hazard", "reward-per-risk"])) if goals else "reward-per-risk"
+    discount = float(rng.choice([1.0, 1.0, 0.5, 0.0]))
+    graph = RiskyGraph(size, tail, head, tuple(elements), 0, True, goals, rewards * units.reward, discount, objective, name="drawn")
+    return RiskyPath(graph)
+
+
+def risk_allocation(rng: Rng, units: Units) -> RiskAllocation:
+    """Decisions in units of ``load``, their noisy quantities in ``weight``, rows in ``budget``, what is bent in ``distance``."""
+    n, many = int(rng.integers(1, 4)), int(rng.integers(1, 5))
+    ordinary = lambda *size: numbers(rng, size, str(rng.choice(["whole", "decimal", "float"])))  # noqa: E731
+    chance = ordinary(many, n) * (rng.random((many, n)) < 0.7)
+    chance[np.arange(many), rng.integers(0, n, many)] = 1.0
+    noise = rng.normal(size=(many, many)) * rng.uniform(0.0, 1.0, many)[:, None]
+    total, none, sense = float(10.0 ** rng.uniform(-6.0, -0.4)), np.zeros, str(rng.choice(["min", "max"]))
+    bent = float(sense == "min")  # of a reward less a cost no digits might be left
+    row, bend = ordinary(1, n), rng.choice([-1.0, 0.0, 1.0], (1, n))
+    covariance = noise @ noise.T
+    instance = RiskAllocationInstance(
+        none(n), np.full(n, 30.0 * units.load), tuple(f"x{k}" for k in range(n)),
+        Quantities(chance * units.weight / units.load, none(many), covariance * units.weight**2, tuple(f"y{k}" for k in range(many))),
+        Affine(ordinary(1, n) * units.cost / units.load, none((1, many)), none(1)),
+        ChanceConstraints(
+            Affine(none((many, n)), np.eye(many), none(many)), (ordinary(many) + 6.0) * units.weight, tuple(f"c{k}" for k in range(many)),
+            np.arange(many),
+        ),
+        Risk(str(rng.choice(["allocated", "allocated", "joint"])), total, np.full(many, total)),
+        Affine(row * units.budget / units.load, none((1, many)), none(1)), np.full(1, -math.inf),
+        (float(row.sum()) + 1.0) * rng.uniform(0.5, 9.0, 1) * units.budget, ("row",),
+        (CostTerm("absolute", bent * units.cost / units.distance,
+                  Affine(bend * units.distance / units.load, none((1, many)), -ordinary(1) * units.distance)),),
+        sense=sense, name="drawn",
+    )  # fmt: skip
+    return RiskAllocation(instance)
+
+
 FAMILIES: dict[str, Callable[[Rng, Units], Problem]] = {
     "routing": routing,
     "bottleneck": lambda rng, units: BottleneckSATA(graph(rng, units)),
@@ -312,3 +386,10 @@ FAMILIES: dict[str, Callable[[Rng, Units], Problem]] = {
     "arrays": arrays,
 }
 """By name, a problem drawn from a generator in the given units."""
+
+UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
+    "uncertain-path": uncertain_path,
+    "risky-path": risky_path,
+    "risk-allocation": risk_allocation,
+}
+"""The same, with values that are no fractions: exact arithmetic has no say on them."""

@@ -84,7 +84,7 @@ def test_generate_repeats_itself_from_the_seed():
 @pytest.fixture(scope="module")
 def solved():
     problem = wb.read("demo-tiny")
-    return problem, wb.solve(problem, heuristic="savings", bound_time=0.5)
+    return problem, wb.solve(problem, heuristic="savings", bound_time=5.0)
 
 
 def test_check_takes_solutions_answers_and_files(solved, tmp_path):

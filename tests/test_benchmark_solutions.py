@@ -147,6 +147,7 @@ def test_every_solution_file_is_accepted_at_its_value(benchmarks: Path, capsys: 
     assert sum(accepted.values()) == len(list(rows(benchmarks))) > 700
 
 
+@pytest.mark.long
 def test_every_solution_file_is_rejected_without_a_visit_that_is_asked_for_and_with_one_doubled(benchmarks: Path) -> None:
     for row in rows(benchmarks):
         problem, answer = load(row)

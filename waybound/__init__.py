@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
     from .formulations.programs.program import Program, Rows, Variables
+    from .formulations.risk.allocations import Allocation
+    from .formulations.risk.risk_allocation import RiskAllocation
+    from .formulations.risk.risky_path import RiskyPath
+    from .formulations.risk.uncertain_path import UncertainPath
     from .formulations.routing.members import (
         cvrp,
         makespan_orienteering,
@@ -64,6 +68,8 @@ if TYPE_CHECKING:
         UsageError,
         WayboundError,
     )
+    from .instances.risk.risky_graph import RiskyGraph
+    from .instances.risk.uncertain_graph import UncertainGraph
     from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
     from .instances.routing.travel import Travel
     from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -82,6 +88,9 @@ _MODULES = {
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
     "formulations.programs.exactness": ("Exactness",),
+    "formulations.risk.uncertain_path": ("UncertainPath",),
+    "formulations.risk.allocations": ("Allocation",),
+    "formulations.risk.risk_allocation": ("RiskAllocation",),
     "formulations.routing.members": (
         "cvrp",
         "makespan_orienteering",
@@ -109,6 +118,7 @@ _MODULES = {
     "formulations.problem": ("Problem",),
     "formulations.max_min.bottleneck_sata": ("BottleneckSATA",),
     "formulations.max_min.max_min_lp": ("MaxMinLP",),
+    "formulations.risk.risky_path": ("RiskyPath",),
     "formulations.routing.problem": ("RoutingProblem",),
     "formulations.selection.submodular_selection": ("SubmodularSelection",),
     "formulations.selection.winner_takes_all_sata": ("WinnerTakesAllSATA",),
@@ -127,6 +137,8 @@ _MODULES = {
         "UsageError",
         "WayboundError",
     ),
+    "instances.risk.uncertain_graph": ("UncertainGraph",),
+    "instances.risk.risky_graph": ("RiskyGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
     "instances.selection.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
     "instances.selection.functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
@@ -143,6 +155,7 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 """Names that are a package and, called, a table of what it holds: ``wb.solvers(problem)``."""
 
 __all__ = [
+    "Allocation",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",
@@ -173,6 +186,9 @@ __all__ = [
     "Problem",
     "Program",
     "Reward",
+    "RiskAllocation",
+    "RiskyGraph",
+    "RiskyPath",
     "Route",
     "Routes",
     "RoutingInstance",
@@ -188,6 +204,8 @@ __all__ = [
     "TotalCost",
     "TotalDuration",
     "Travel",
+    "UncertainGraph",
+    "UncertainPath",
     "UnsupportedError",
     "UsageError",
     "UserFunction",

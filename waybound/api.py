@@ -88,7 +88,7 @@ def generate(kind: str, *, seed: int = 1, problem: str | None = None, convention
     Parameters
     ----------
     kind : str
-        Name of a generator: ``solomon, uchoa, random, sata, sensing-regular, sensing-ring, sensing-geometric, coverage``.
+        Name of a generator: ``solomon, uchoa, random, sata, sensing-regular, sensing-ring, sensing-geometric, coverage, risky-grid``.
     seed : int
     problem, convention : str, optional
         As in ``read``.

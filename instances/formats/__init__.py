@@ -41,7 +41,7 @@ class Format:
     solutions : tuple of str
         Suffixes of solution files.
     kinds : tuple of str
-        Kinds of instances that it can hold.
+        Kinds of instances that it can hold; empty for every kind.
     """
 
     name: str

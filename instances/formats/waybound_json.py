@@ -53,7 +53,8 @@ FORMATS.add(
     "json",
     Format(
         "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",), "",
-        ("tsp", "cvrp", "vrptw", "min-cost-vrp", "bottleneck", "bottleneck-lp", "winner-takes-all", "selection", "max-min-lp"), "exact",
-        sense="of the problem", answer="of the problem", kinds=("routing", "sensing", "selection", "max-min"),
+        ("tsp", "cvrp", "vrptw", "min-cost-vrp", "bottleneck", "bottleneck-lp", "winner-takes-all", "selection", "max-min-lp",
+         "risk-allocation", "risky-path", "uncertain-path"),
+        "exact", sense="of the problem", answer="of the problem", kinds=(),
     ),
 )  # fmt: skip

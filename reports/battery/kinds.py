@@ -17,9 +17,12 @@ from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
 from ...formulations.programs.program import Program, Rows, Variables
+from ...formulations.risk.risky_path import RiskyPath
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...instances.risk.elements import LocaleRisk, MoveRisk
+from ...instances.risk.risky_graph import RiskyGraph
 from ...instances.routing.instance import Sites, VehicleType
 from ...instances.routing.travel import Travel
 from ...instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
@@ -225,6 +228,28 @@ def _constraint(rng: Generator, elements: int) -> Constraint:
     return Knapsack(costs * unit, float(rng.integers(1, 1 + int(costs.sum()))) * unit)
 
 
+# -- risk ------------------------------------------------------------------------------------------------------------
+
+
+def risky_paths(rng: Generator) -> Problem:
+    """Least hazard between two of a few states, by risks of places, moves and pairs of moves: hundredths, tiny, or certain failure."""
+    size = int(rng.integers(3, 6))
+    linked = (rng.random((size, size)) < 0.6) | np.eye(size, k=1, dtype=bool)
+    tail, head = np.nonzero(linked & ~np.eye(size, dtype=bool))
+    pairs = [(a, b, c) for a, b in zip(tail, head, strict=True) for c in range(size) if linked[b, c] and len({a, b, c}) == 3]
+    pairs = [pair for pair in pairs if rng.random() < 0.5]
+    before, state, after = np.array([*((-1, a, b) for a, b in zip(tail, head, strict=True)), *pairs]).T
+    unit = 1e-6 if rng.random() < 0.25 else 1.0
+
+    def risks(count: int) -> Floats:
+        return np.where(rng.random(count) < 0.1, 1.0, unit * whole(rng, count, 0, 50) / 100.0)
+
+    places = risks(size)
+    places[0] = unit * 0.01
+    elements = (LocaleRisk(places), MoveRisk(before, state, after, risks(len(after))))
+    return RiskyPath(RiskyGraph(size, tail, head, elements, 0, True, (size - 1,), objective="hazard", name="battery"))
+
+
 # -- bare programs ---------------------------------------------------------------------------------------------------
 
 
@@ -330,7 +355,7 @@ KINDS: dict[str, Draw] = {
     draw.__name__.replace("_", "-"): draw
     for draw in (
         time_windows, linear, bottleneck, selection, tight_windows, mixed_integer, huge_times, products, equal_distances, packing_covering,
-        fleets, integer, no_routes, winner_takes_all, tiny_times, unbounded, unlimited_limits, bottleneck_shares, squares,
+        fleets, integer, no_routes, winner_takes_all, tiny_times, unbounded, unlimited_limits, bottleneck_shares, squares, risky_paths,
     )
 }  # fmt: skip
 """By name, in the order in which they take turns."""

@@ -18,8 +18,10 @@ from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
 from ...formulations.programs.program import Program
+from ...formulations.risk.risky_path import RiskyPath
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.selection.submodular_selection import SubmodularSelection
+from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.routing.instance import VehicleType
 from ...instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
 from .rational_simplex import ONE, ZERO, Region, Vector, minimised
@@ -49,6 +51,8 @@ def truth(problem: Problem) -> Truth:
         return _best("max", bottleneck_values(problem))
     if isinstance(problem, BottleneckSATA | MaxMinLP):
         return max_min_truth(problem)
+    if isinstance(problem, RiskyPath):
+        return _best("min", path_hazards(problem))
     if isinstance(problem, ArrayProblem):
         return program_truth(problem.program)
     raise NotImplementedError(f"nothing enumerates {problem.problem} problems")
@@ -183,6 +187,36 @@ def _dense(matrix: Any, columns: int) -> list[Vector]:
         for entry in range(int(matrix.indptr[row]), int(matrix.indptr[row + 1])):
             made[row][int(matrix.indices[entry])] += Fraction(float(matrix.data[entry]))
     return made
+
+
+# -- risk ------------------------------------------------------------------------------------------------------------
+
+
+def path_hazards(problem: RiskyPath) -> Iterator[Fraction]:
+    """Hazard of every path to a goal that may survive, from its probability to do so: risks of places, moves and pairs of moves."""
+    graph = problem.graph
+    places, moves = [ONE] * graph.num_states, dict[tuple[int | None, ...], Fraction]()
+    for element in graph.elements:
+        if isinstance(element, LocaleRisk):
+            places = [p * (ONE - Fraction(r)) for p, r in zip(places, element.risk.tolist(), strict=True)]
+        elif isinstance(element, MoveRisk):
+            table = zip(*(column.tolist() for column in (element.before, element.state, element.after, element.risk)), strict=True)
+            for *key, risk in table:
+                moves[tuple(key)] = moves.get(tuple(key), ONE) * (ONE - Fraction(risk))
+        else:
+            raise NotImplementedError(f"nothing enumerates risks of {element.kind}")
+    arcs = list(zip(graph.tail.tolist(), graph.head.tolist(), strict=True))
+    begun: list[tuple[tuple[int, ...], Fraction]] = [((graph.start,), places[graph.start])]
+    while begun:
+        path, survives = begun.pop()
+        if path[-1] in graph.goals:
+            yield Fraction(-math.log1p(float(survives - ONE)))
+        for at, to in arcs:
+            if at == path[-1] and to not in path:
+                before = path[-2] if len(path) > 1 else None
+                left = survives * places[to] * moves.get((-1, at, to), ONE) * moves.get((before, at, to), ONE)
+                if left:
+                    begun.append(((*path, to), left))
 
 
 # -- programs --------------------------------------------------------------------------------------------------------

@@ -1,7 +1,8 @@
-"""CVXPY: Clarabel by default, HiGHS for integer programs, or any other solver that CVXPY finds, as ``cvxpy:NAME``."""
+"""CVXPY: Clarabel by default, HiGHS for integer programs, SCS or ECOS by name, as ``cvxpy:NAME``."""
 
 from __future__ import annotations
 
+import importlib.util
 import time
 import warnings
 from itertools import chain
@@ -14,7 +15,7 @@ from ...instances.errors import MissingPackageError, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..program_backend import ProgramBackend
-from .highs import SOUND, named_options
+from .highs import named_options, sound
 
 PRECISION = 1e-9
 """Asked of first-order and interior-point solvers, whose own of 1e-5 to 1e-8 leaves rows broken by more than the checks let pass."""
@@ -22,18 +23,19 @@ PRECISION = 1e-9
 PROGRAMS = {
     "CLARABEL": (QUADRATIC | CONES,),
     "SCS": (QUADRATIC | CONES,),
+    "ECOS": (CONES,),
     "HIGHS": (INTEGERS,),
 }
 """What each solver takes. HiGHS would take quadratic objectives, but what CVXPY 1.9 makes of them has another optimum."""
 
 
-LIBRARIES = {"CLARABEL": "clarabel", "SCS": "scs", "HIGHS": "highspy"}
-"""Distributions that bring them."""
+LIBRARIES = {"CLARABEL": "clarabel", "SCS": "scs", "ECOS": "ecos", "HIGHS": "highspy"}
+"""Distributions that bring them, and their modules; CVXPY itself brings all but ECOS."""
 
 
 @BACKENDS.register("cvxpy")
 class CVXPY(ProgramBackend):
-    """CVXPY (Diamond & Boyd 2016) over Clarabel, SCS or HiGHS; without a name Clarabel, and HiGHS where variables are whole.
+    """CVXPY (Diamond & Boyd 2016) over Clarabel, SCS, ECOS or HiGHS; without a name Clarabel, and HiGHS where variables are whole.
 
     CVXPY's status is not believed: a limit without a point leaves zeros behind under a status that means that there is one. Values
     count once they meet every row. ``iterations`` counts those of the solver, or nodes for an integer program. Extra options are the
@@ -43,7 +45,7 @@ class CVXPY(ProgramBackend):
     name, title = "cvxpy", "CVXPY's solver"
     package = "cvxpy"
     modules = ("cvxpy",)
-    summary = "CVXPY: Clarabel for linear, quadratic and cone programs; SCS or HiGHS as cvxpy:NAME"
+    summary = "CVXPY: Clarabel for linear, quadratic and cone programs; SCS, ECOS or HiGHS as cvxpy:NAME"
     options = None
     order = 80
     interrupts = "shows no incumbents, and is ended without an answer when it is asked to stop"
@@ -55,23 +57,29 @@ class CVXPY(ProgramBackend):
     def __init__(self, variant: str = "") -> None:
         super().__init__(variant)
         self.solver = variant.upper()
-        self.engine = {"CLARABEL": "Clarabel", "SCS": "SCS"}.get(self.solver, "HiGHS")  # without a name, where there are integers
+        self.engine = {"CLARABEL": "Clarabel", "SCS": "SCS", "ECOS": "ECOS"}.get(self.solver, "HiGHS")  # or where there are integers
         if self.solver and self.solver not in PROGRAMS:
             raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}")
         if self.solver:
             self.programs, self.library = PROGRAMS[self.solver], LIBRARIES[self.solver]
 
     @classmethod
+    def available(cls) -> tuple[str, ...]:
+        """See ``ProgramBackend.available``."""
+        return (cls.name, *(f"{cls.name}:{solver}" for solver in solvers_found()))
+
+    @classmethod
     def takers(cls, features: frozenset[str]) -> tuple[str, ...]:
-        return tuple(f"{cls.name}:{solver}" for solver in PROGRAMS if cls(solver).able(features))
+        return tuple(f"{cls.name}:{solver}" for solver in solvers_found() if cls(solver).able(features))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""
         import cvxpy
 
         solver = self.solver or ("HIGHS" if program.is_integer else "CLARABEL")
-        if solver not in cvxpy.installed_solvers():
-            raise MissingPackageError(f"CVXPY does not find {solver}; found: {', '.join(cvxpy.installed_solvers())}")
+        known = cvxpy.installed_solvers()
+        if solver not in known:
+            raise MissingPackageError(f"CVXPY does not find {solver}: pip install {LIBRARIES[solver]}; found: {', '.join(known)}")
         began = time.perf_counter()
         chosen = _CHOSEN[solver](program, options)
         try:
@@ -83,14 +91,19 @@ class CVXPY(ProgramBackend):
         return _said(model, program, options, solver, time.perf_counter() - began)
 
 
+def solvers_found() -> tuple[str, ...]:
+    """Solvers of ``PROGRAMS`` whose library is there."""
+    return tuple(solver for solver, library in LIBRARIES.items() if importlib.util.find_spec(library) is not None)
+
+
 def _solved(program: Program, solver: str, chosen: dict[str, Any], end: float) -> Any:
     from ...formulations.programs.export.cvxpy import to_cvxpy
 
     model = to_cvxpy(program)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # "solution may be inaccurate": judged here
-        limit = {"SCS": "time_limit_secs"}.get(solver, "time_limit")
-        model.solve(solver=solver, **chosen, **{limit: max(1e-3, end - time.perf_counter())})
+        limit = {"SCS": "time_limit_secs", "ECOS": None}.get(solver, "time_limit")  # ECOS has none: its process is ended
+        model.solve(solver=solver, **chosen, **({limit: max(1e-3, end - time.perf_counter())} if limit else {}))
     return model
 
 
@@ -120,6 +133,13 @@ def _scs(program: Program, options: Options) -> dict[str, Any]:
     return {**made, **own_options("cvxpy:SCS", options.extra, known, common)}
 
 
+def _ecos(program: Program, options: Options) -> dict[str, Any]:
+    made: dict[str, Any] = {"abstol": PRECISION, "reltol": PRECISION, "feastol": PRECISION, "max_iters": int(options.iterations or 1_000)}
+    known = {"abstol": 1e-8, "reltol": 1e-8, "feastol": 1e-8, "abstol_inacc": 5e-5, "reltol_inacc": 5e-5, "feastol_inacc": 1e-4}
+    common = {"max_iters": "the iterations", "verbose": "the verbosity"}
+    return {**made, **own_options("cvxpy:ECOS", options.extra, known, common)}
+
+
 def _highs(program: Program, options: Options) -> dict[str, Any]:
     import highspy
 
@@ -130,10 +150,10 @@ def _highs(program: Program, options: Options) -> dict[str, Any]:
     if options.iterations is not None:
         limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
         made.update(dict.fromkeys(limits, int(options.iterations)))
-    return {**made, **SOUND, **named_options("cvxpy:HIGHS", options.extra)}
+    return {**made, **sound(program, options.extra), **named_options("cvxpy:HIGHS", options.extra)}
 
 
-_CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "HIGHS": _highs}
+_CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "ECOS": _ecos, "HIGHS": _highs}
 
 
 # -- what is believed -----------------------------------------------------------------------------------------------

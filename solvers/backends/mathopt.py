@@ -23,7 +23,7 @@ from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
-from .highs import SOUND, named_options
+from .highs import named_options, sound
 
 FIRST_ORDER_TOLERANCE = 1e-9
 """PDLP's own is 1e-6, relative, which leaves rows broken by more than the checks let pass."""
@@ -120,7 +120,8 @@ def _parameters(solver: str, program: Program, options: Options) -> Any:
 
     made = mathopt.SolveParameters()
     if solver == "highs":
-        made.highs.int_options["threads"] = int(options.threads)  # the common parameter is refused
+        # The common parameter for threads is refused.
+        _put_highs(made, {"threads": int(options.threads), **sound(program, options.extra)})
     elif solver != "gscip":  # with more than one it races copies of itself, and MathOpt does not know their status
         made.threads = int(options.threads)
     if solver != "pdlp":
@@ -147,8 +148,12 @@ def _parameters(solver: str, program: Program, options: Options) -> Any:
 
 
 def _highs_options(parameters: Any, given: dict[str, Any]) -> None:
+    _put_highs(parameters, named_options("mathopt:highs", given))
+
+
+def _put_highs(parameters: Any, chosen: dict[str, Any]) -> None:
     kinds = {bool: "bool_options", int: "int_options", float: "double_options", str: "string_options"}
-    for name, value in {**SOUND, **named_options("mathopt:highs", given)}.items():
+    for name, value in chosen.items():
         getattr(parameters.highs, kinds[type(value)])[name] = value
 
 

@@ -21,7 +21,7 @@ from ..children import scratch
 from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
 from .cbc import find_cbc, run_cbc
-from .highs import SOUND, named_options
+from .highs import named_options, sound
 
 
 @BACKENDS.register("pulp")
@@ -87,9 +87,9 @@ class PuLP(ProgramBackend):
                 if result.status == "error" and program.is_integer and left > 0 and not control.stopped:
                     result = run_cbc(found, program, replace(options, time_limit=left), control, folder)
             return result
-        return _through_pulp(self._solver(options), self.title, program, options)
+        return _through_pulp(self._solver(program, options), self.title, program, options)
 
-    def _solver(self, options: Options) -> Any:
+    def _solver(self, program: Program, options: Options) -> Any:
         """PuLP's solver object for ``variant``, with those of the common options that it knows."""
         import pulp
 
@@ -101,7 +101,7 @@ class PuLP(ProgramBackend):
 
             # Its scheduler keeps the number of threads of the first run in this thread, and refuses another one.
             highspy.Highs.resetGlobalScheduler(True)
-            extra = {"random_seed": options.seed % (2**31 - 1), **SOUND, **named_options(self.label, extra)}
+            extra = {"random_seed": options.seed % (2**31 - 1), **sound(program, extra), **named_options(self.label, extra)}
         elif not any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values()):
             extra = own_options(self.label, extra, dict.fromkeys(known))
         chosen = {name: value for name, value in common.items() if name in known}

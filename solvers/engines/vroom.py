@@ -94,7 +94,7 @@ def _search(problem: RoutingProblem, data: IntegerRouting, level: int, options: 
             left = ends - time.perf_counter()
             if left <= 0 or control.stopped:
                 return replace(last, limit="interrupt" if control.stopped else "time")
-            cost, answer = model.solved(explored, options.threads, left)
+            cost, answer = model.solved(explored, left)
             if options.start is not None:
                 statistics["start"] = "used" if model.routes else "refused"
             if answer is None:

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 LARGEST = 2**32 - 1
 """VROOM reads costs, distances and times as 32 bits without a sign, and refuses costs whose sum along an answer could be larger."""
 
+SEARCHES = 32
+"""The most searches that VROOM makes at once. With fewer threads they wait at a semaphore of libstdc++, which may miss that it is free, and
+then waits for ever (GCC#98033)."""
+
 STAYS = frozenset({"max-duration", "energy:elapsed"})
 """Limits on a route's duration. VROOM has one on time on the move: where nobody waits, services can be added to the moves."""
 
@@ -72,9 +76,9 @@ class Model:
         if self.problem.evaluate(answer).feasible:
             self.routes = {free[route.vehicle].pop(0): route.visits for route in answer}
 
-    def solved(self, level: int, threads: int, seconds: float) -> tuple[int, Routes | None]:
+    def solved(self, level: int, seconds: float) -> tuple[int, Routes | None]:
         """Cost and routes, or None where a required site is left out."""
-        asked = {"exploration_level": level, "nb_threads": threads, "timeout": timedelta(seconds=seconds)}
+        asked = {"exploration_level": level, "nb_threads": SEARCHES, "timeout": timedelta(seconds=seconds)}
         try:
             found = self._input().solve(**asked)
         except Exception as fault:

@@ -38,7 +38,7 @@ def interrupted_at_first_incumbent(*arguments: str) -> tuple[int, str, float]:
         process.kill()
 
 
-@pytest.mark.parametrize("solver", ["pyvrp", "ortools"])
+@pytest.mark.parametrize("solver", ["pyvrp", pytest.param("ortools", marks=pytest.mark.long)])
 def test_an_interrupt_prints_the_best_answer_verified_and_is_exit_0(solver):
     code, out, _ = interrupted_at_first_incumbent("solve", "demo-rc50", "--solver", solver, "--time-limit", "60", "--json")
     data = json.loads(out)

@@ -34,7 +34,7 @@ def test_without_a_study_all_are_listed(run, strict_json):
         "greedy-cardinality", "greedy-partition", "lazy-greedy", "sequential-greedy", "stochastic-greedy", "continuous-greedy",
         "knapsack-greedy", "local", "brute-force", "winner-takes-all", "bottleneck", "layers", "table-3-1",
         "christofides", "tour-partitioning", "split", "tour-splitting", "savings", "insertion", "greedy-assignment", "greedy-orienteering",
-        "safety-margins",
+        "safety-margins", "look-back", "two-stage",
     }  # fmt: skip
     assert all(name in told.stdout for name in names)
     assert {study["name"] for study in strict_json(run("ratio", "--json").stdout)["studies"]} == names

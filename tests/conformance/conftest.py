@@ -13,6 +13,7 @@ import scipy.sparse as sp
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.backends.cvxpy import solvers_found
 from waybound.solvers.program_backend import ProgramBackend
 
 TOLERANCE = 1e-6
@@ -21,7 +22,8 @@ INF = math.inf
 
 def _names(kind: type) -> list[str]:
     names = [n for n in BACKENDS if issubclass(BACKENDS[n], kind) and BACKENDS[n].installed()]
-    more = {"pulp": ["HiGHS"], "mathopt": ["highs", "gscip", "glop", "cp-sat", "pdlp"], "cvxpy": ["SCS", "HIGHS"]}
+    through_cvxpy = [s for s in solvers_found() if s != "CLARABEL"]
+    more = {"pulp": ["HiGHS"], "mathopt": ["highs", "gscip", "glop", "cp-sat", "pdlp"], "cvxpy": through_cvxpy}
     return [*names, *(f"{n}:{v}" for n in names for v in more.get(n, []) if kind is ProgramBackend)]
 
 

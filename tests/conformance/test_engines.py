@@ -102,7 +102,7 @@ def test_engines_agree_with_enumeration_on_any_mix_of_features(engine_name, hete
 @pytest.mark.parametrize("convention", ["exact", "trunc1", "trunc2", "round"])
 def test_fractional_data_give_feasible_answers_of_the_value_told(engine_name, convention):
     problem = middling(25, convention)
-    result = run(engine_name, problem, time_limit=0.3)
+    result = run(engine_name, problem, time_limit=0.15)
     verdict = problem.evaluate(result.answer)
     assert verdict.feasible, verdict.violations
     assert result.objective == pytest.approx(verdict.objective, abs=1e-4)
@@ -158,7 +158,7 @@ def test_a_time_limit_is_named(engine_name):
 
 def test_whichever_limit_comes_first_is_named(engine_name):
     needs_iterations(engine_name)
-    assert run(engine_name, middling(), time_limit=0.7, iterations=10**7).limit == "time"
+    assert run(engine_name, middling(), time_limit=0.3, iterations=10**7).limit == "time"
     assert run(engine_name, middling(20), time_limit=60, iterations=5).limit == "iterations"
 
 
@@ -185,7 +185,7 @@ def test_an_interrupt_in_mid_run_keeps_the_best_answer(engine_name):
 def test_incumbents_are_published_in_order_and_are_feasible(engine_name):
     problem, seen = middling(40), []
     control = Control(lambda event: seen.append(event["objective"]))
-    result = run(engine_name, problem, control, time_limit=0.6)
+    result = run(engine_name, problem, control, time_limit=0.3)
     assert seen == sorted(seen, reverse=True)
     assert problem.evaluate(control.answer).feasible
     assert result.objective <= seen[-1] + 1e-9
@@ -193,7 +193,7 @@ def test_incumbents_are_published_in_order_and_are_feasible(engine_name):
 
 def test_a_start_is_never_made_worse(engine_name):
     problem = middling(40)
-    good = run(engine_name, problem, time_limit=0.6)
+    good = run(engine_name, problem, time_limit=0.3)
     again = run(engine_name, problem, start=good.answer, iterations=3)
     assert again.statistics["start"] == "used"
     assert again.objective <= good.objective + 1e-6
@@ -255,7 +255,7 @@ def test_a_fleet_that_only_a_good_packing_fits_is_used(engine_name):
     loads = np.array([0, 6, 4, 7, 3, 5, 5, 8, 2, 9, 1], dtype=float)
     xy = rng.integers(0, 50, (11, 2)).astype(float)
     problem = RoutingProblem(Sites.of(range(11), demand=loads, coordinates=xy), Travel("EUC_2D", xy), (VehicleType(5, 10.0),))
-    result = run(engine_name, problem, time_limit=3)
+    result = run(engine_name, problem, time_limit=1.5)
     assert result.answer is not None
     assert problem.evaluate(result.answer).feasible
 
@@ -305,6 +305,6 @@ def test_a_real_fleet_of_unlimited_vehicles_may_be_as_large_as_needed(engine_nam
         range(n), demand=np.append(0.0, np.ones(n - 1)), due=due, service=np.append(0.0, np.full(n - 1, 100.0)), coordinates=xy
     )
     problem = RoutingProblem(sites, Travel("EUC_2D", xy), (VehicleType(capacity=100.0),))
-    result = run(engine_name, problem, time_limit=1.5)
+    result = run(engine_name, problem, time_limit=0.75)
     assert problem.evaluate(result.answer).feasible
     assert len(result.answer) == n - 1

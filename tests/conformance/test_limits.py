@@ -24,7 +24,7 @@ NO_WORK_LIMIT = ("mathopt:gscip", "scip")
 NO_START = ("pulp:HiGHS", *CVXPY)
 
 TOLERANCE = 1e-6
-SHORT = 0.4
+SHORT = 0.25
 LATE = 6.0
 """Seconds past a limit after which a backend has overstayed, with room for a busy machine."""
 

@@ -84,7 +84,7 @@ HASTY = ("vroom",)
 
 
 def run(engine, asked, start=None):
-    options = {"iterations": 300} if "iterations" in engine.honours else {}
+    options = {"iterations": 120} if "iterations" in engine.honours else {}
     return engine.run(asked, Options(time_limit=0.4, start=start, **options), Control())
 
 

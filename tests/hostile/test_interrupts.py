@@ -46,6 +46,12 @@ FILES = {
     "sata.json": ("sata", "robots=40", "actions=10", "targets=200"),
     "crowd.json": ("sata", "robots=300", "actions=10", "targets=1500"),
     "sensing.json": ("sensing-geometric", "robots=20000"),
+    "map.json": ("risky-grid", "rows=60", "columns=60", "mud=0.3", "tether=true"),
+    "rewards.json": ("risky-grid", "rows=20", "columns=20", "rewards=200"),
+    "roadmap.json": ("prm-graph", "vertices=3000"),
+    "plan.json": ("risk-allocation", "family=corridor", "steps=100", "constraints=4"),
+    "joint-plan.json": ("risk-allocation", "family=corridor", "steps=15", "constraints=4", "risk=joint"),
+    "obstacles.json": ("risk-allocation", "family=obstacles", "steps=12"),
 }
 """What keeps the methods below busy for long: generators and their settings."""
 
@@ -67,10 +73,14 @@ SOLVED = {
     "mathopt:highs": "routes.txt", "mathopt:cp-sat": "knapsack.json", "mathopt:glop": "sensing.json", "mathopt:pdlp": "sensing.json",
     "cvxpy": "sensing.json", "cvxpy:CLARABEL": "sensing.json", "cvxpy:SCS": "sensing.json", "cvxpy:HIGHS": "sata.json",
     "pulp": "routes.txt", "pulp:CBC": "knapsack.json", "pulp:HiGHS": "routes.txt", "pyvrp": "routes.txt", "ortools": "routes.txt",
-    "saddle": "sensing.json", "vroom": "large.vrp",
+    "saddle": "sensing.json", "vroom": "large.vrp", "risk-labels": "rewards.json", "path-enumeration": "rewards.json",
+    "convex-allocation": "plan.json", "disjunctive-allocation": "obstacles.json", "exact-joint": "joint-plan.json",
+    "non-dominated-paths": "roadmap.json", "supported-paths": "roadmap.json",
 }  # fmt: skip
 
 APPROXIMATED = {
+    "additive-risk": "map.json", "cvar": "joint-plan.json", "iterative": "plan.json", "least-mean": "roadmap.json", "look-back": "map.json",
+    "rags": "roadmap.json", "scenario": "joint-plan.json", "two-stage": "rewards.json",
     "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",
     "greedy-assignment": "tour.json", "greedy-orienteering": "outing.json", "insertion": "large.vrp",
     "knapsack-greedy": "knapsack.json", "lazy-greedy": "cardinality.json", "local": "sensing.json", "lp-rounding": "crowd.json",

@@ -14,7 +14,8 @@ import pytest
 from programs import AnsweredBy
 
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.problem import Problem
+from waybound.formulations.problem import Problem, problem_from_instance
+from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
@@ -22,6 +23,7 @@ from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAll
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import WayboundError
+from waybound.instances.generating import generate
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
@@ -112,6 +114,14 @@ def large(kind: str, part: int = 1) -> Problem:
             made = routing(of(4_000), count=20, max_distance=1e5)
             sites = replace(made.sites, required=np.zeros(of(4_000), dtype=bool), reward=np.ones(of(4_000)))
             return replace(made, sites=sites, objective=Objective.of(Reward()))
+        case "map":
+            return problem_from_instance(generate("risky-grid", 1, rows=of(60), columns=of(60), mud=0.3, tether=True))
+        case "rewards":
+            return problem_from_instance(generate("risky-grid", 1, rows=of(30), columns=of(30), mud=0.3, rewards=of(300)))
+        case "plan":
+            return RiskAllocation(generate("risk-allocation", 1, family="corridor", steps=of(150), constraints=4))
+        case "joint-plan":
+            return RiskAllocation(generate("risk-allocation", 1, family="corridor", steps=of(60), constraints=4, risk="joint"))
         case "routes":
             return routing(of(200), capacity=200)
         case "risks":
@@ -119,16 +129,20 @@ def large(kind: str, part: int = 1) -> Problem:
             return replace(made, travel=replace(made.travel, variances=np.full((of(200), of(200)), 1e6)))
         case "distances":
             return routing(of(6_000), max_distance=6e4)
+        case "roadmap":
+            return problem_from_instance(generate("prm-graph", 1, vertices=of(3_000)))
         case _:
             return routing(of(1_200), capacity=100)
 
 
 LONG: list[tuple[str, str, dict[str, Any]]] = [
+    ("additive-risk", "map", {}),
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),
     ("christofides", "tour", {}),
     ("continuous-greedy", "winner-takes-all", {"steps": 100_000}),
     ("continuous-greedy", "cardinality", {"steps": 1_000_000}),
+    ("cvar", "joint-plan", {"samples": 2_000}),
     ("greedy", "winner-takes-all", {"evaluation": "plain"}),
     ("greedy", "winner-takes-all", {"evaluation": "incremental"}),
     ("greedy", "dense", {"evaluation": "plain"}),
@@ -139,18 +153,23 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("insertion", "routing", {}),
     ("insertion", "distances", {}),
     ("insertion", "tour", {}),
+    ("iterative", "plan", {"epsilon": 0.0, "rounds": 100_000}),
     ("knapsack-greedy", "knapsack", {"enumerate": 3}),
+    ("least-mean", "roadmap", {}),
     ("knapsack-greedy", "user-knapsack", {}),
     ("lazy-greedy", "winner-takes-all", {}),
     ("local", "bottleneck-lp", {"h": 1000}),
     ("local", "bottleneck", {"h": 100, "search": "step", "step": 1e-6}),
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),
+    ("look-back", "map", {"steps": 3}),
     ("lp-rounding", "cardinality", {}),
     ("pure-greedy", "outing", {}),
+    ("rags", "roadmap", {}),
     ("random", "winner-takes-all", {}),
     ("safety-margins", "risks", {}),
     ("savings", "tsp", {}),
     ("savings", "distances", {}),
+    ("scenario", "joint-plan", {"confidence": 0.999999}),
     ("sequential-greedy", "winner-takes-all", {}),
     ("sequential-greedy", "user-groups", {}),
     ("split", "distances", {}),
@@ -159,6 +178,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("stochastic-greedy", "user", {}),
     ("tour-partitioning", "routing", {}),
     ("tour-splitting", "even", {}),
+    ("two-stage", "rewards", {"steps": 3}),
 ]
 
 
@@ -182,7 +202,16 @@ def test_all_heuristics_are_stopped_here() -> None:
     assert {name for name, _, _ in LONG} == set(HEURISTICS)
 
 
-@pytest.mark.parametrize(("name", "kind", "options"), LONG, ids=[f"{n}-{k}" for n, k, _ in LONG])
+FIRST = {name: case for case, (name, _, _) in reversed(list(enumerate(LONG)))}
+"""The case of each heuristic in the fast share."""
+
+CASES = [
+    pytest.param(*case, id=f"{case[0]}-{case[1]}", marks=() if FIRST[case[0]] == number else pytest.mark.hostile)
+    for number, case in enumerate(LONG)
+]
+
+
+@pytest.mark.parametrize(("name", "kind", "options"), CASES)
 def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[str, Any], share: Any, tally: Any) -> None:
     problem, rng = large(kind), np.random.default_rng(7)
     go = _heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options), False).go
@@ -199,7 +228,7 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
         tally["heuristics that were asked to stop"] += 1
 
 
-@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp"])
+@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp", "roadmap"])
 @pytest.mark.parametrize("name", sorted(BOUNDS))
 def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: Any) -> None:
     problem, method, rng = large(kind), BOUNDS[name], np.random.default_rng(8)

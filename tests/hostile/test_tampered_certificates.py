@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from scipy.optimize import linprog, minimize_scalar
+from scipy.special import ndtri
 
 import waybound as wb
 from waybound.formulations.answers import json_text
@@ -25,6 +26,7 @@ from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
 from waybound.formulations.rendering import as_text
+from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.routing.fleet_need import _small_groups, fleet_conflicts, proves, suspicions
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
@@ -35,9 +37,10 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
-from .. import random_sensing, sata_cases, selection_problems
+from .. import random_sensing, risk_problems, risky_cases, sata_cases, selection_problems
 from ..programs import program
 from ..small_routing import small
+from ..uncertain_graphs import WORKED, all_paths, graph_of
 
 NEAR = 1e-6
 """Relative difference up to which a number counts as the true one."""
@@ -164,9 +167,38 @@ def _arrays() -> list[Case]:
     return cases + _cases_of(bent, -3.0, [np.array([1.0, 2.0]), np.array([0.5, 0.0])], proof)
 
 
+def _uncertain_paths() -> list[Case]:
+    cases = []
+    for risk in (0.5, 1e-6):
+        problem = wb.UncertainPath(graph_of(WORKED), risk)
+        best = min(problem.value(*moments) for moments in all_paths(problem.graph).values())
+        cases += _cases_of(problem, best, [problem.answer_of(["S", "A", "G"]), problem.answer_of(["S", "C", "G"])])
+    return cases
+
+
+def _allocations() -> list[Case]:
+    """Two margins that share a risk, the second dearer; as a cost and as a reward, and where no risk is enough."""
+    worth = lambda first: float(-ndtri(first) - 3.0 * ndtri(0.1 - first))  # noqa: E731
+    best = float(minimize_scalar(worth, bounds=(1e-9, 0.05), method="bounded", options={"xatol": 1e-12}).fun)
+    answers = [Allocation.of(margin, risks) for margin, risks in (([2.0, 1.5], None), ([1.7, 1.7], [0.05, 0.05]), ([1.0, 1.0], None))]
+    cases = _cases_of(risk_problems.margins([1.0, 3.0], 0.1), best, answers)
+    reward = risk_problems.problem()
+    cases += _cases_of(reward, 20.0 - best, [Allocation(5.0 - answer.decision, answer.risks) for answer in answers])
+    return cases + _cases_of(risk_problems.problem(constraints={"decisions": [[1, 1]], "lower": 9}), None, [Allocation.of([4.5, 4.5])])
+
+
+def _risky() -> list[Case]:
+    cases = []
+    for problem in (risky_cases.mud(), risky_cases.refusal(), risky_cases.two_ways()):
+        found = risky_cases.best(problem)
+        answers = [path for path in risky_cases.all_paths(problem) if problem.evaluate(path).feasible][:2]
+        cases += _cases_of(problem, found, [*answers, (problem.graph.start,)])
+    return cases
+
+
 @cache
 def pool() -> list[Case]:
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *_uncertain_paths(), *_allocations(), *_risky()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name
@@ -302,7 +334,7 @@ def test_no_tampered_certificate_is_accepted_with_anything_false(share: Callable
     cases = pool()
     tally["certificates that are tampered with"] = len(cases)
     rng = random.Random(20)
-    for number in range(share(800, 50_000)):
+    for number in range(share(400, 50_000)):
         case = cases[number % len(cases)]
         data = tampered(case, cases, rng)
         if number % 5 == 0:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,7 +18,8 @@ from waybound.instances.routing.reach import refuse_unreachable
 
 def test_the_recipes_are_known() -> None:
     assert set(GENERATORS) == {
-        "coverage", "random", "sata", "sensing-geometric", "sensing-regular", "sensing-ring", "solomon", "uchoa",
+        "coverage", "prm-graph", "random", "raster-graph", "risk-allocation", "risky-grid", "sata", "sensing-geometric", "sensing-regular",
+        "sensing-ring", "solomon", "uchoa",
     }  # fmt: skip
 
 
@@ -37,7 +39,7 @@ def test_text_dashes_and_underscores_are_taken() -> None:
 @pytest.mark.parametrize(
     ("kind", "seed", "given", "message"),
     [
-        ("sudoku", 1, {}, "unknown generator 'sudoku'; choose from coverage, random, sata, sensing-geometric, "),
+        ("sudoku", 1, {}, "unknown generator 'sudoku'; choose from coverage, prm-graph, random, raster-graph, risk-allocation, "),
         ("random", -1, {}, "the seed must be a whole number between 0 and 9223372036854775807, not -1"),
         ("random", True, {}, "the seed"),
         ("random", "x", {}, "the seed"),
@@ -82,7 +84,7 @@ SETTINGS = {
 }  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.data(), st.sampled_from(sorted(SETTINGS)), st.integers(0, 10**9))
 def test_whatever_the_settings_every_customer_can_be_served_alone(data: st.DataObject, kind: str, seed: int) -> None:
     made: Any = generate(kind, seed, **data.draw(SETTINGS[kind]))

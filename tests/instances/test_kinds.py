@@ -15,6 +15,9 @@ EXAMPLES = {
     "routing": lambda: generate("random", customers=4, seed=1),
     "sensing": lambda: generate("sata", robots=3, targets=6, phi=40, seed=1),
     "selection": lambda: generate("coverage", elements=5, items=6, per_element=2, k=2, seed=1),
+    "risk-allocation": lambda: generate("risk-allocation", steps=3, seed=1),
+    "uncertain-graph": lambda: generate("prm-graph", vertices=5, seed=1),
+    "risky-graph": lambda: generate("risky-grid", rows=3, columns=3, occupied=0, mud=0.3, tether=True, seed=1),
     "max-min": lambda: MaxMinInstance(SparseMatrix.of([[1.0, 2.0]]), SparseMatrix.of([[3.0, 0.0], [1.0, 1.0]])),
 }
 

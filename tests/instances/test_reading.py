@@ -60,6 +60,9 @@ def test_every_format_recognises_what_it_writes_and_nothing_else_does() -> None:
     written["solomon"] = bundled_path("demo-c25").read_text()
     written["vrplib"] = bundled_path("demo-x40").read_text()
     written["edges"] = bundled_path("figure-3-3").read_text()
+    written["uncertain-edges"] = "# start: a\n# goal: b\nfrom,to,mean,variance\na,b,1,1\n"
+    written["risk-map"] = "# risk map\n# conditional: yes\n# length: 0.1\nS.G\n"
+    written["risk-states"] = "# conditional: yes\n# reach: 2\n# start: a\nstate,easting,northing,risk\na,0,0,0.1\nb,1,0,0.2\n"
     written |= {name: "\n".join(BASES[name]) for name in FORMATS if name in BASES}
     assert set(written) == set(FORMATS)
     for name, text in written.items():

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, note, settings
 from hypothesis import strategies as st
 from ratio_strategies import assignments, bottlenecks, selections
@@ -17,8 +18,8 @@ from waybound.reports.ratios.studies.knapsack_greedy import SHARES
 from waybound.reports.ratios.studies.local import degrees
 from waybound.reports.ratios.violations import instance_text
 
-SHORT = settings(max_examples=80)
-FULL = settings(max_examples=3000)
+SHORT = settings(max_examples=draws(80))
+FULL = settings(max_examples=draws(3000))
 
 THREE = ("cardinality", "partition", "knapsack")
 GROUPED = st.one_of(selections("cardinality", "partition"), assignments())
@@ -110,7 +111,7 @@ def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
 
     seen = {}
 
-    @settings(max_examples=300, database=None)
+    @settings(max_examples=draws(300), database=None)
     @given(selections("cardinality"))
     def claim(problem):
         outcome = Outcome(Selection(tuple(range(problem.constraint.limit))), Guarantee(2.0, "f(S) >= f(OPT) / 2", (), "nowhere"))

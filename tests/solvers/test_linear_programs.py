@@ -30,7 +30,7 @@ SILENT = ("mathopt:gscip", "pulp:HiGHS")
 
 SOLVERS = [*takers(LINEAR), "pulp:HiGHS"]
 PRICING = [name for name in SOLVERS if name not in SILENT]
-OTHERWISE_LONG = ("cvxpy:SCS", "cvxpy:HIGHS")
+OTHERWISE_LONG = ("cvxpy:SCS", "cvxpy:ECOS", "cvxpy:HIGHS")
 SMALL = program([3, 5], [[1, 0], [0, 2], [3, 2]], -np.inf, [4, 12, 18], sense="max")
 
 

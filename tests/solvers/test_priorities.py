@@ -47,9 +47,9 @@ def test_a_level_of_whole_steps_is_held_exactly_and_any_other_as_closely_as_solv
     assert held([1.0, -1.0], [8.5, 8.25], []) == pytest.approx(0.25 + 16.75e-6)
 
 
-def test_an_answer_that_is_worse_by_less_than_solvers_see_does_not_take_the_place_of_the_best() -> None:
-    """A makespan of 1.0000005 with a cost of 1, and one of 1 with a cost of 2."""
-    made = program([0.0, 0.0, 1.0], [[1, 1, 0], [1.0000005, 1, -1]], [1, -np.inf], [1, 0], 0, [1, 1, 9], integer=[0, 1])
+def test_an_answer_that_is_worse_by_less_than_a_millionth_does_not_take_the_place_of_the_best() -> None:
+    """A makespan of 100.10005 with a cost of 1, and one of 100.1 with a cost of 2."""
+    made = program([0.0, 0.0, 1.0], [[1, 1, 0], [100.10005, 100.1, -1]], [1, -np.inf], [1, 0], 0, [1, 1, 900], integer=[0, 1])
     found = Highs().run(replace(made, further=(FurtherLevel("min", np.array([1.0, 2.0, 0.0])),)), Options(time_limit=5.0), Control())
     assert found.status == "optimal"
     assert found.answer[:2] == pytest.approx([0, 1], abs=1e-6)

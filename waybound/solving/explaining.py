@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -142,6 +143,10 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
         FORMS[form]  # a name that does not exist is refused before anything is tried
     notes: list[str] = []
     if isinstance(problem, Problem):
+        with suppress(WayboundError):
+            at_hand = problem.answer_at_hand()
+            if at_hand is not None and problem.evaluate(at_hand).feasible:
+                return _FEASIBLE
         quick = [name for name in _QUICK if not HEURISTICS[name].missing(problem)]
         if _has_answer(problem, quick, (end - time.perf_counter()) / 4.0, notes):
             return _FEASIBLE

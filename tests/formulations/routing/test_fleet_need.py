@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -158,7 +159,7 @@ def test_the_bin_packing_bound_never_exceeds_the_true_number_of_bins(demand):
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 def test_a_conflict_is_never_told_where_an_answer_exists(seed):
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 5))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -80,7 +81,7 @@ def test_load_and_distance_accumulate_visit_by_visit():
     assert plan.total_distance == 14.0
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=draws(80), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_the_shortest_duration_is_the_best_over_all_departures(seed):
     rng = np.random.default_rng(seed)
@@ -242,7 +243,7 @@ def shape(verdict) -> tuple:
 SEEDS = st.integers(0, 10**6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(seed=SEEDS)
 def test_the_order_of_sites_in_the_file_does_not_matter(seed):
     problem, answer = random_case(seed)
@@ -254,7 +255,7 @@ def test_the_order_of_sites_in_the_file_does_not_matter(seed):
     assert shape(moved.evaluate(renamed)) == shape(problem.evaluate(answer))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(seed=SEEDS)
 def test_another_unit_of_length_and_time_scales_the_value_and_keeps_the_verdict(seed):
     problem, answer = random_case(seed)
@@ -268,7 +269,7 @@ def test_another_unit_of_length_and_time_scales_the_value_and_keeps_the_verdict(
     assert [(a.check, a.site) for a in other.violations] == [(a.check, a.site) for a in mine.violations]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(seed=SEEDS)
 def test_a_vehicle_type_or_an_optional_site_that_nobody_uses_changes_nothing(seed):
     problem, answer = random_case(seed)
@@ -284,7 +285,7 @@ def test_a_vehicle_type_or_an_optional_site_that_nobody_uses_changes_nothing(see
     assert shape(RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix), problem.fleet).evaluate(answer)) == shape(problem.evaluate(answer))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(seed=SEEDS)
 def test_the_order_of_routes_does_not_matter(seed):
     problem, answer = random_case(seed)

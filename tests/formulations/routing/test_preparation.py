@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TW_4, routing, small_problems
 
@@ -17,7 +18,7 @@ from waybound.instances.routing.instance import Energy
 from waybound.reports.benchmarks.exact_routing import routes
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(problem=small_problems())
 def test_every_feasible_route_keeps_its_arcs_and_runs_within_the_ranges(problem: RoutingProblem) -> None:
     prep = prepare(problem)

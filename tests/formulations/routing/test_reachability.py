@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
 from small_routing import few, varied
@@ -24,7 +25,7 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth, routes
 from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence
 
-DRAWN = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+DRAWN = settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @DRAWN
@@ -34,14 +35,14 @@ def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProb
     assert not visited & set(unreachable(problem))
 
 
-@settings(DRAWN, max_examples=60)
+@settings(DRAWN, max_examples=draws(60))
 @given(problem=small_problems(most=3, hetero=True))
 def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
     visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
 
 
-@settings(DRAWN, max_examples=300)
+@settings(DRAWN, max_examples=draws(300))
 @given(problem=small_problems(most=3, hetero=True))
 def test_sites_are_called_servable_alone_exactly_where_a_route_of_their_own_is_feasible(problem: RoutingProblem) -> None:
     for site, good in zip(problem.customers.tolist(), servable_alone(problem).tolist(), strict=True):

@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -38,7 +39,7 @@ def subsets(count):
     return itertools.chain.from_iterable(itertools.combinations(range(count), k) for k in range(count + 1))
 
 
-@settings(max_examples=30)
+@settings(max_examples=draws(30))
 @given(seeds)
 def test_every_function_has_the_value_of_its_definition(seed):
     for function, matrix in random_functions(np.random.default_rng(seed)):
@@ -49,7 +50,7 @@ def test_every_function_has_the_value_of_its_definition(seed):
             assert problem.evaluate(Selection(chosen)).values[0] == pytest.approx(expected, abs=1e-12)
 
 
-@settings(max_examples=30)
+@settings(max_examples=draws(30))
 @given(seeds)
 def test_gains_are_differences_of_values(seed):
     rng = np.random.default_rng(seed)
@@ -63,7 +64,7 @@ def test_gains_are_differences_of_values(seed):
         assert frame["element"].tolist() == [str(e + 1) for e in order]
 
 
-@settings(max_examples=30)
+@settings(max_examples=draws(30))
 @given(seeds)
 def test_relabelling_changes_no_value_and_scaled_weights_scale_it(seed):
     rng = np.random.default_rng(seed)
@@ -79,7 +80,7 @@ def test_relabelling_changes_no_value_and_scaled_weights_scale_it(seed):
         assert problems[2].value(list(chosen)) == pytest.approx(2.5 * before, abs=1e-12)
 
 
-@settings(max_examples=30)
+@settings(max_examples=draws(30))
 @given(seeds)
 def test_exactly_the_sets_that_a_constraint_allows_are_feasible(seed):
     rng = np.random.default_rng(seed)

@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +21,7 @@ def salesman(travel: Travel, **fleet: float) -> RoutingProblem:
     return RoutingProblem(Sites.of(range(len(travel)), demand=1.0), travel, (VehicleType(**fleet),))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 8), st.booleans())
 def test_the_tour_is_at_most_half_as_long_again_as_the_shortest(seed: int, n: int, improve: bool) -> None:
     travel = Travel("manhattan", np.random.default_rng(seed).integers(0, 9, (n, 2)))

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -48,7 +49,7 @@ def test_three_robots_on_the_square() -> None:
     assert lengths == [6.0, 8.0, 12.0]
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=draws(100), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 9), st.booleans(), st.sampled_from(["greedy-assignment", "pure-greedy"]))
 def test_what_it_serves_it_serves_within_all_limits(seed: int, n: int, windows: bool, name: str) -> None:
     rng = np.random.default_rng(seed)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -35,7 +36,7 @@ def tours(seed: int, n: int, windows: bool, fleet: int, *, ends: bool = False) -
     return RoutingProblem(sites, Travel("euclidean", rng.integers(0, 20, (size, 2))), (vehicle,), Reward())
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=draws(120), deadline=None)
 @example(555, 1, True, 1, True)  # which must set out before the first site opens, and waits there for longer than it may be under way
 @given(st.integers(0, 10**6), st.integers(1, 6), st.booleans(), st.integers(1, 3), st.booleans())
 def test_answers_keep_all_limits_and_are_no_better_than_the_optimum(seed: int, n: int, windows: bool, fleet: int, ends: bool) -> None:

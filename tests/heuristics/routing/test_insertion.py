@@ -6,6 +6,7 @@ from dataclasses import replace
 import hostile_instances
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,7 +26,7 @@ CONTEXT = Context(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, L
 LINE = Travel("euclidean", np.column_stack([[0.0, 10, 8, -3, 1], np.zeros(5)]))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=draws(150), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 8))
 def test_answers_are_feasible_wherever_everybody_can_be_served_alone(seed: int, n: int) -> None:
     problem = hostile_instances.routing(np.random.default_rng(seed), hostile_instances.Units(), most=n, plain=True)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -40,7 +41,7 @@ def problem_of(rng: np.random.Generator, n: int, *, windows: bool, limit: bool) 
     return RoutingProblem(sites, travel, (vehicle,))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(40), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 25), st.booleans(), st.booleans())
 def test_answers_are_feasible_and_no_worse_than_one_route_a_customer(seed: int, n: int, windows: bool, limit: bool) -> None:
     problem = problem_of(np.random.default_rng(seed), n, windows=windows, limit=limit)

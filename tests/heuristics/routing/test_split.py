@@ -7,6 +7,7 @@ from dataclasses import replace
 import hostile_instances
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -31,7 +32,7 @@ def loaded(seed: int, n: int, **fleet: float) -> RoutingProblem:
     return RoutingProblem(Sites.of(range(n + 1), demand=demand), travel, (VehicleType(capacity=capacity, **fleet),))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 40))
 def test_it_costs_no_more_than_partitioning_the_same_tour(seed: int, n: int) -> None:
     problem = loaded(seed, n, fixed_cost=2.0)
@@ -41,7 +42,7 @@ def test_it_costs_no_more_than_partitioning_the_same_tour(seed: int, n: int) -> 
     assert split.guarantee is not None and cut.guarantee is not None and split.guarantee.ratio == cut.guarantee.ratio
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 6))
 def test_the_routes_of_an_optimum_in_a_row_are_split_into_an_optimum(seed: int, n: int) -> None:
     rng = np.random.default_rng(seed)
@@ -72,7 +73,7 @@ def test_windows_and_limits_are_kept() -> None:
     assert judged.feasible and judged.values[0] == 24.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 8))
 def test_with_windows_it_costs_no_more_than_insertion(seed: int, n: int) -> None:
     problem = hostile_instances.routing(np.random.default_rng(seed), hostile_instances.Units(), most=n, plain=True)

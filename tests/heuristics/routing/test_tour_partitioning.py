@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -49,7 +50,7 @@ def test_customers_above_half_a_vehicle_go_alone() -> None:
     assert {(2,), (4,)} <= {route.visits for route in found.answer}
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=draws(80), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 6), st.sampled_from([1, 9, 0.7]), st.sampled_from(["exact", "round", "trunc1"]))
 def test_its_ratio_holds(seed: int, n: int, unit: float, convention: str) -> None:
     rng = np.random.default_rng(seed)

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -59,7 +60,7 @@ BY_RULE = {
 }
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(PAIRS), st.booleans())
 def test_every_method_that_can_do_with_less_takes_them(seed: int, pair: tuple[str, str], whole: bool) -> None:
     kind, rule = pair
@@ -86,7 +87,7 @@ def test_every_method_that_can_do_with_less_takes_them(seed: int, pair: tuple[st
 WRITTEN = [("own-items", rule) for rule in CONSTRAINTS] + [(kind, "own-rows") for kind in (*KINDS[:4], "own-items")]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=draws(30), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(WRITTEN))
 def test_forms_write_them_down_and_their_duals_bound_them(seed: int, pair: tuple[str, str]) -> None:
     problem = random_problem(np.random.default_rng(seed), *pair, 6)

@@ -31,7 +31,10 @@ def test_the_version_stands_first() -> None:
         ({"waybound": True}, "waybound must be a whole number"),
         ({"waybound": "drop"}, "is JSON, but no waybound instance"),
         ({"kind": "drop"}, "the document lacks the key 'kind'"),
-        ({"kind": "sudoku"}, "kind is unknown; expected max-min, routing, selection, sensing"),
+        (
+            {"kind": "sudoku"},
+            "kind is unknown; expected max-min, risk-allocation, risky-graph, routing, selection, sensing, uncertain-graph",
+        ),
         ({"waybound": "drop", "answer": None}, "is a solution file, not an instance"),
         ({"colour": "red"}, "the document has an unknown key 'colour'"),
     ],

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -142,7 +143,7 @@ def test_everything_an_instance_can_hold_reads_back_the_same(differences: Callab
 numbers = st.floats(0, 1e150, allow_nan=False)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=draws(50), deadline=None)
 @given(st.lists(st.tuples(numbers, numbers, numbers, numbers), min_size=2, max_size=5))
 def test_numbers_read_back_to_the_bit(rows: list[tuple[float, float, float, float]]) -> None:
     x, y, demand, reward = (np.array(column) for column in zip(*rows, strict=True))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -74,7 +75,7 @@ def test_what_some_vehicle_reaches_under_some_convention_is_accepted(arguments: 
     refuse_unreachable(instance(**arguments))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(CONVENTIONS[1:]))
 def test_nothing_that_a_route_could_serve_is_ever_refused(seed: int, convention: str) -> None:
     """Against all orders of all subsets: a refused customer is late in every one, under every convention."""
@@ -130,7 +131,7 @@ def walks(steps: Any, first: int, lower: Any, upper: Any) -> Any:
     return best
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 20))
 def test_least_levels_are_those_of_the_best_walk_however_few_moves_are_looked_at_at_once(seed: int, strip: int) -> None:
     rng = np.random.default_rng(seed)
@@ -146,7 +147,7 @@ def test_least_levels_are_those_of_the_best_walk_however_few_moves_are_looked_at
     assert found.tolist() == walks(steps, 0, lower, upper).tolist()
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(40), deadline=None)
 @given(st.integers(0, 10**6))
 def test_ways_out_and_back_are_those_between_all_pairs(seed: int) -> None:
     rng = np.random.default_rng(seed)

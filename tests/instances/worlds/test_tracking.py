@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -53,7 +54,7 @@ def test_the_targets_go_their_way_whatever_the_robots_do_and_however_badly_they_
     assert np.array_equal(still, noisy)
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(
     seed=st.integers(0, 2**32), width=st.floats(2, 50), height=st.floats(2, 50), share=st.floats(0, 1),
     every=st.integers(0, 4), chance=st.floats(0, 1), length=st.floats(0.01, 0.5),
@@ -199,7 +200,7 @@ def test_scenarios_hold_the_numbers_of_the_source_and_settings_override_them():
     assert len({tuple(values) for values in SCENARIOS.values()}) == 1
 
 
-@settings(max_examples=50)
+@settings(max_examples=draws(50))
 @given(st.integers(1, 12), st.integers(0, 2**32), st.floats(0, 0.5))
 def test_linked_finds_the_connected_components(size, seed, density):
     import networkx as nx

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -76,7 +77,7 @@ def test_sites_left_out_are_drawn_hollow(solution):
     assert sum(len(c.get_offsets()) for c in hollow) == len(solution.problem.customers) - len(solution.answer.routes[0])
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=draws(25), deadline=None)
 @given(st.integers(2, 12), st.integers(0, 2**32 - 1))
 def test_scaling_recovers_distances_of_points_in_the_plane(n, seed):
     xy = np.random.default_rng(seed).normal(size=(n, 2))

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from ratio_strategies import assignments, graphs, selections
 from sata_cases import CASES
@@ -33,7 +34,7 @@ def test_reference_cases(name):
     assert optimum(WinnerTakesAllSATA(case.graph)).value == pytest.approx(case.winner)
 
 
-@settings(max_examples=60)
+@settings(max_examples=draws(60))
 @given(selections("cardinality", "partition", "knapsack"))
 def test_every_subset_is_valued_and_allowed_as_the_problem_does(problem):
     values, allowed = set_values(problem), allowed_sets(problem)
@@ -47,7 +48,7 @@ def test_every_subset_is_valued_and_allowed_as_the_problem_does(problem):
     assert optimum(problem).value == pytest.approx(best, rel=1e-12, abs=1e-12)
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(assignments())
 def test_the_best_assignment_is_that_of_plain_enumeration(problem):
     g = problem.graph
@@ -57,7 +58,7 @@ def test_the_best_assignment_is_that_of_plain_enumeration(problem):
     assert optimum(problem).value == pytest.approx(best)
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(graphs())
 def test_whole_actions_are_worth_no_more_than_shares(graph):
     whole, shares = optimum(BottleneckSATA(graph)), optimum(BottleneckSATA(graph, fractional=True))

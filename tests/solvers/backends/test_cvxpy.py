@@ -10,14 +10,15 @@ import pytest
 from programs import program
 
 from waybound.formulations.programs.program import LINEAR, QUADRATIC
-from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.instances.errors import MissingPackageError, UnsupportedError, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends import cvxpy as module
-from waybound.solvers.backends.cvxpy import CVXPY, PROGRAMS
+from waybound.solvers.backends.cvxpy import CVXPY, solvers_found
 from waybound.solvers.backends.highs import Highs
 
 INF = math.inf
-CONTINUOUS = [s for s in PROGRAMS if CVXPY(s).able(LINEAR)]
+CONTINUOUS = [s for s in solvers_found() if CVXPY(s).able(LINEAR)]
+ECOS = pytest.mark.skipif("ECOS" not in solvers_found(), reason="ECOS is not installed")
 
 
 def run(p, variant="", **options):
@@ -81,7 +82,13 @@ def test_a_maximised_bound_has_the_sign_of_the_program():
 
 
 @pytest.mark.parametrize(
-    ("solver", "extra"), [("CLARABEL", {"max_step_fraction": "0.9"}), ("SCS", {"alpha": "1.4"}), ("HIGHS", {"presolve": "off"})]
+    ("solver", "extra"),
+    [
+        ("CLARABEL", {"max_step_fraction": "0.9"}),
+        ("SCS", {"alpha": "1.4"}),
+        ("HIGHS", {"presolve": "off"}),
+        pytest.param("ECOS", {"feastol": "1e-8"}, marks=ECOS),
+    ],
 )
 def test_own_options_are_taken(solver, extra):
     assert run(program([1, 1], [[1, 2]], 4, INF), solver, extra=extra).objective == pytest.approx(2.0, abs=1e-6)
@@ -92,6 +99,7 @@ def test_own_options_are_taken(solver, extra):
     [
         ("CLARABEL", {"max_iter": 3}), ("CLARABEL", {"no_such": 1}), ("CLARABEL", {"tol_feas": "tight"}), ("SCS", {"max_iters": 3}),
         ("SCS", {"no_such": 1}), ("HIGHS", {"time_limit": 1}), ("HIGHS", {"no_such": 1}),
+        pytest.param("ECOS", {"max_iters": 3}, marks=ECOS),
     ],
 )  # fmt: skip
 def test_options_that_have_a_common_name_or_none_are_refused(solver, extra):
@@ -112,7 +120,7 @@ def test_a_failure_of_cvxpy_is_an_error_with_its_words(monkeypatch):
     assert run(program([1], [[1]], 1, INF), iterations=1).limit == "iterations"
 
 
-@pytest.mark.parametrize("solver", [s for s in PROGRAMS if CVXPY(s).able(QUADRATIC)])
+@pytest.mark.parametrize("solver", [s for s in solvers_found() if CVXPY(s).able(QUADRATIC)])
 def test_who_takes_quadratic_objectives_finds_their_optimum(solver):
     p = program([-5, 1], [[1, 1]], -INF, 4, -1, 3, quadratic=[[2, -1], [-1, 2]])
     result = run(p, solver)
@@ -124,3 +132,14 @@ def test_an_inaccurate_end_within_all_limits_is_no_limit(monkeypatch):
     held = {"x0": SimpleNamespace(value=np.array([3.0]))}
     result = run(program([1], [[1]], 2, INF))
     assert (result.status, result.limit) == ("feasible", "none")
+
+
+def test_a_solver_whose_library_is_missing_is_not_offered_and_named_with_what_brings_it(monkeypatch):
+    import cvxpy
+
+    find = module.importlib.util.find_spec
+    monkeypatch.setattr(module.importlib.util, "find_spec", lambda name: None if name == "ecos" else find(name))
+    assert "cvxpy:ECOS" not in (*CVXPY.available(), *CVXPY.takers(LINEAR)) and "cvxpy:SCS" in CVXPY.available()
+    monkeypatch.setattr(cvxpy, "installed_solvers", lambda: ["CLARABEL"])
+    with pytest.raises(MissingPackageError, match="does not find ECOS: pip install ecos; found: CLARABEL"):
+        run(program([1], [[1]], 1, INF), "ECOS")

@@ -10,8 +10,9 @@ from programs import program
 from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import UsageError
+from waybound.reports.benchmarks.routing_variants import drawn
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
-from waybound.solvers.backends.highs import INTERIOR_POINT, STATUS_MAP, Highs, named_options
+from waybound.solvers.backends.highs import INTERIOR_POINT, SOUND, STATUS_MAP, Highs, named_options, sound
 
 
 def lp(size: int = 2) -> Program:
@@ -45,6 +46,20 @@ def test_linear_programs_of_some_forms_go_to_the_interior_point_unless_overridde
 
 def test_forms_whose_linear_programs_go_to_the_interior_point_exist() -> None:
     assert set(INTERIOR_POINT) <= set(FORMS)
+
+
+def test_small_integer_programs_are_searched_without_presolve_unless_the_user_has_a_word() -> None:
+    small = program(np.ones(4), [[1, 1, 1, 1]], 2, np.inf, 0, 1, integer=range(4))
+    endless = program([-1.0], [[1.0]], 0, np.inf, 0, np.inf, integer=[0])
+    large = program(np.ones(80), np.ones((80, 80)), 2, np.inf, 0, 1, integer=range(80))
+    assert sound(small, {}) == sound(small, {"presolve": "on"}) == {**SOUND, "presolve": "off"}  # the user's own overrule it
+    assert sound(small, {"presolve_rule_off": 0}) == sound(large, {}) == sound(endless, {}) == sound(lp(), {}) == SOUND
+
+
+def test_an_optimum_that_presolve_loses_is_found() -> None:
+    made = drawn(1, 721).compile("three-index").program
+    found = Highs().run(made, Options(time_limit=20.0), Control())
+    assert (found.status, found.objective) == ("optimal", pytest.approx(40.4))
 
 
 @pytest.mark.parametrize(

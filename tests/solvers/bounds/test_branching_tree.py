@@ -10,6 +10,7 @@ import time
 import numpy as np
 import pytest
 from branching_programs import hard, knapsack, random_program, without_answer
+from draws import draws
 from exact_truth import truth
 from programs import program
 
@@ -21,7 +22,7 @@ from waybound.solvers.bounds import BOUNDS, branching_tree
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", range(draws(200)))
 def test_optimum_and_infeasibility_of_small_programs_are_proved(seed: int) -> None:
     problem = random_program(seed)
     known = truth(problem)

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -80,7 +81,7 @@ def integer_feasible(problem: RoutingProblem, visits: tuple[int, ...]) -> bool:
     return earliest - low <= data.max_duration[0]
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(rough_problems())
 def test_what_is_feasible_for_the_integers_is_feasible_for_the_data(problem: RoutingProblem) -> None:
     for visits in ((1,), (2, 3), (3, 1, 2)):
@@ -89,7 +90,7 @@ def test_what_is_feasible_for_the_integers_is_feasible_for_the_data(problem: Rou
             assert not [v for v in verdict.violations if v.check != "visits"]
 
 
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=draws(100), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(rough_problems())
 def test_exactly_scaled_data_lose_no_answer(problem: RoutingProblem) -> None:
     data = integer_routing(problem)

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import HealthCheck, given, settings
 from random_sensing import chain_graph, even_graph, optimum, random_graph
 from ratio_strategies import graphs
@@ -46,7 +47,7 @@ def weighted(graph, weights) -> SensingGraph:
 # -- optima -----------------------------------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@settings(deadline=None, max_examples=draws(60), suppress_health_check=[HealthCheck.too_slow])
 @given(graphs(every_target_seen=True))
 def test_tiny_graphs_are_solved_to_their_optimum(graph):
     result = run(graph)

@@ -29,7 +29,7 @@ def test_types_that_no_route_can_use_are_left_out() -> None:
 
 def test_it_costs_what_the_problem_says() -> None:
     problem = small("capacity", 0, "round")
-    cost, routes = model(problem).solved(5, 1, 5.0)
+    cost, routes = model(problem).solved(5, 5.0)
     assert routes is not None
     assert problem.evaluate(routes).values == pytest.approx([cost])
 
@@ -48,4 +48,4 @@ def test_it_begins_with_answers_that_keep_the_rules_alone() -> None:
 def test_a_required_site_that_is_left_out_is_no_answer() -> None:
     problem = small("capacity", 0, "round")
     alone = replace(problem, fleet=(replace(problem.fleet[0], count=1, capacity=float(problem.sites.demand.max())),))
-    assert model(alone).solved(0, 1, 5.0) == (0, None)
+    assert model(alone).solved(0, 5.0) == (0, None)

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
@@ -79,7 +80,7 @@ def no_better(problem, bound: float, value: float) -> bool:
     return bound <= value + slack if problem.sense == "min" else bound >= value - slack
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=draws(80), deadline=None)
 @given(seed=st.integers(0, 10**6), integer=st.booleans(), free=st.booleans(), scale=st.sampled_from([0.1, 1.0, 100.0]))
 def test_no_duals_however_wrong_prove_more_than_the_optimum(seed, integer, free, scale):
     problem = random_arrays(seed, integer=integer, free=free)
@@ -92,7 +93,7 @@ def test_no_duals_however_wrong_prove_more_than_the_optimum(seed, integer, free,
         assert no_better(problem, check_lp_dual(problem, {"duals": duals.tolist()}), value)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=draws(80), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_optimal_duals_of_a_bounded_program_prove_its_optimum(seed):
     problem = random_arrays(seed)
@@ -146,7 +147,7 @@ def test_huge_duals_prove_nothing():
     assert check_lp_dual(problem, {"duals": [1e300]}) == -math.inf
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=draws(150), deadline=None)
 @given(seed=st.integers(0, 10**6), free=st.booleans(), scale=st.sampled_from([1e-180, 1e-6, 1.0, 1e6, 1e180]))
 def test_a_ray_proves_that_there_is_no_point_only_where_there_is_none(seed, free, scale):
     problem = random_arrays(seed, free=free)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
@@ -48,7 +49,7 @@ def optimum(problem: MaxMinLP) -> float:
     return float(sign * found.fun)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=draws(300), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(["max", "min"]), st.data())
 def test_any_prices_prove_a_bound_that_holds(seed, sense, data):
     problem = random_problem(np.random.default_rng(seed), sense)
@@ -59,7 +60,7 @@ def test_any_prices_prove_a_bound_that_holds(seed, sense, data):
     assert bound >= best - slack if sense == "max" else bound <= best + slack
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=draws(100), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(["max", "min"]))
 def test_optimal_prices_prove_the_optimum(seed, sense):
     from waybound.solvers.backend import BACKENDS, Control, Options

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from draws import draws
 from exported import PROGRAMS, arrays_of, everything, highs_value, read_back, reference, rows_of, variables
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -65,7 +66,7 @@ def test_other_suffixes_and_crossing_sides_are_refused_and_leave_no_file(tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@settings(max_examples=draws(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(data=st.data())
 def test_random_programs_survive_both_formats(data: st.DataObject, tmp_path: Path) -> None:
     """Any mixture of sides comes back: from MPS to the bit (ranges to a rounding), from LP with the same columns."""

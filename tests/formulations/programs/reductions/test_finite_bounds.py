@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import program
@@ -63,7 +64,7 @@ def test_products_keep_a_variable_from_being_cut():
     assert upper == [INF, INF]
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=draws(80), deadline=None)
 @given(st.integers(0, 10**6))
 def test_the_optimum_stays_where_bounds_are_added(seed):
     rng = np.random.default_rng(seed)

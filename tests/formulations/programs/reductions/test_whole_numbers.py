@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from draws import draws
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from programs import program
@@ -144,7 +145,7 @@ def test_squares_of_binaries_are_the_binaries_and_others_are_products():
     assert counted.factors.tolist() == [-1, -2]
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=draws(150), deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**6))
 def test_every_point_of_the_program_is_one_of_the_integer_program(seed):
     """For whole x and any level of z that the program allows there are steps at least as good."""
@@ -184,7 +185,7 @@ def test_points_of_the_integer_program_break_a_row_by_no_more_than_stated():
                 assert p.residual(counted.vector(z)) <= ROW_ERROR
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=draws(60), deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**6))
 def test_cp_sat_and_highs_agree_on_random_programs_that_can_be_counted(seed):
     rng = np.random.default_rng(seed)

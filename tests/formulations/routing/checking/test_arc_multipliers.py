@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
@@ -31,7 +32,7 @@ def nothing(sites: int) -> dict:
     return {"out": [0.0] * sites, "in": [0.0] * sites, "fleet": 0.0}
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(40), deadline=None)
 @given(seed=SEEDS, scale=st.sampled_from([0.1, 1.0, 10.0, 1e3, 1e9]))
 def test_no_multipliers_however_wrong_prove_more_than_the_optimum(random_problem, optimum, seed, scale):
     problem = random_problem(seed, customers=seed % 4 + 1)
@@ -41,7 +42,7 @@ def test_no_multipliers_however_wrong_prove_more_than_the_optimum(random_problem
         assert bound <= best + 1e-9 * max(1.0, abs(best))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=draws(25), deadline=None)
 @given(seed=SEEDS)
 def test_bounds_stay_below_the_optimum_on_the_way_to_the_best_multipliers(random_problem, optimum, ascent, seed):
     problem = random_problem(seed, customers=seed % 3 + 2)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from draws import draws
 from small_routing import small
 
 from waybound.formulations.certificate import verified_bound
@@ -81,7 +82,7 @@ def test_restricted_problems_keep_every_answer_of_their_decisions_and_no_evidenc
     judged = [(answer, moves(whole, answer), whole.evaluate(answer)) for answer in answers(whole)]
     judged = [(answer, made, e) for answer, made, e in judged if e.feasible]
     n = len(whole.sites)
-    for _ in range(12):
+    for _ in range(draws(12)):
         decisions = drawn(whole, rng)
         problem = whole.restricted(decisions)
         for answer, made, _ in judged:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,7 +19,7 @@ from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, V
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_a_proof_is_given_only_where_there_is_no_answer(random_problem, optimum, seed):
     problem = random_problem(seed, customers=seed % 4 + 1)

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +21,7 @@ from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_every_feasible_answer_is_in_the_relaxation_at_no_greater_cost(random_problem, seed):
     problem = random_problem(seed)

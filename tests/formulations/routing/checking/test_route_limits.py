@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from oracles import routing, small_problems
 
@@ -34,7 +35,7 @@ def servable(problem: RoutingProblem, kind: int = 0, most: int = 9) -> set[froze
     return {frozenset(int(c) for k, c in enumerate(customers) if mask >> k & 1) for mask in masks}
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=draws(80), deadline=None)
 @given(problem=small_problems(most=3, hetero=True))
 def test_every_route_that_can_be_driven_is_found_possible(problem: RoutingProblem) -> None:
     customers = problem.customers.tolist()

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import small
@@ -34,7 +35,7 @@ def evidence(prices: Any, memory: int = ALL, **more: Any) -> dict[str, Any]:
     return {"visits": [float(p) for p in prices], "memory": memory, **more}
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(seed=SEEDS, scale=st.sampled_from([0.1, 1.0, 10.0, 1e3, 1e9]))
 def test_no_prices_however_wrong_prove_more_than_the_optimum(random_problem, optimum, seed, scale):
     problem = random_problem(seed, customers=seed % 4 + 1)
@@ -45,7 +46,7 @@ def test_no_prices_however_wrong_prove_more_than_the_optimum(random_problem, opt
             assert check_set_partitioning_duals(problem, data) <= best + 1e-9 * max(1.0, abs(best))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=draws(30), deadline=None)
 @given(seed=SEEDS, memory=st.integers(0, 4))
 def test_bounds_stay_below_the_optimum_on_the_way_to_the_best_prices(random_problem, optimum, ascent, seed, memory):
     problem = random_problem(seed, customers=seed % 3 + 2)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,7 +23,7 @@ def data_from(vector: np.ndarray) -> dict:
     return {"multipliers": vector[:-1].tolist(), "depot": float(vector[-1])}
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(40), deadline=None)
 @given(seed=SEEDS, scale=st.sampled_from([0.1, 1.0, 10.0, 1e3, 1e9]))
 def test_no_prices_however_wrong_prove_more_than_the_optimum(random_problem, optimum, seed, scale):
     problem = random_problem(seed, customers=seed % 4 + 1)
@@ -32,7 +33,7 @@ def test_no_prices_however_wrong_prove_more_than_the_optimum(random_problem, opt
         assert bound <= best + 1e-9 * max(1.0, abs(best))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=draws(25), deadline=None)
 @given(seed=SEEDS)
 def test_bounds_stay_below_the_optimum_on_the_way_to_the_best_prices(random_problem, optimum, ascent, seed):
     problem = random_problem(seed, customers=seed % 3 + 2)

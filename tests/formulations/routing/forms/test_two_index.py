@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import HealthCheck, assume, given, settings
 from oracles import SQUARE_4, TW_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
 from program_text import expected, program_text, written
@@ -194,7 +195,7 @@ def duals_of(program: Program) -> tuple[float, np.ndarray]:
     return float(model.getInfo().objective_function_value), np.array(model.getSolution().row_dual)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+@settings(max_examples=draws(40), deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 @given(problem=small_problems(most=4))
 def test_duals_of_the_flow_relaxation_prove_its_value_and_no_more_than_the_optimum(problem: RoutingProblem) -> None:
     assume("two-index-time-flow" in problem.forms())
@@ -216,7 +217,7 @@ def test_duals_of_the_flow_relaxation_prove_its_value_and_no_more_than_the_optim
         assert bound >= value - 1e-4 * max(1.0, abs(value))
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+@settings(max_examples=draws(30), deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 @given(problem=small_problems(most=3))
 def test_wrong_duals_prove_no_more_than_the_optimum(problem: RoutingProblem) -> None:
     assume("two-index-time-flow" in problem.forms())

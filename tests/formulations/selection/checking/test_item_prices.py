@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, cover_30, half_tight, optimum, random_problem
@@ -30,7 +31,7 @@ def check(problem, prices) -> float:
     return CHECKERS[KIND](problem, {"prices": [float(p) for p in prices]})
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=draws(300), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(FUNCTIONS), st.sampled_from(CONSTRAINTS), st.booleans(), st.data())
 def test_any_prices_prove_a_bound_that_holds(seed, function, constraint, whole, data):
     problem = random_problem(np.random.default_rng(seed), function, constraint, most=6, whole=whole)

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -72,7 +73,7 @@ def test_one_way_moves_are_told_from_symmetric_ones() -> None:
     assert found.length == 1 + 4 + 2  # the shorter of both directions
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=draws(80), deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 7), st.sampled_from(["exact", "round", "trunc1"]), st.booleans())
 def test_a_tour_is_within_its_ratio(seed: int, n: int, convention: str, improved: bool) -> None:
     travel = plane(seed, n, convention)

@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -29,7 +30,7 @@ def weight_of(weights: np.ndarray, partner: np.ndarray) -> int:
     return int(weights[every, partner].sum()) // 2
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=draws(300), deadline=None)
 @given(st.integers(0, 10**6), st.integers(0, 7), st.sampled_from([2, 4, 30, 10**9]), st.booleans())
 def test_it_weighs_least(seed: int, half: int, most: int, plane: bool) -> None:
     rng, n = np.random.default_rng(seed), 2 * half

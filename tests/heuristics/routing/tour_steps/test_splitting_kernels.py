@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -31,7 +32,7 @@ def ways(n: int) -> list[np.ndarray]:
     return [np.array([*cut, True]) for cut in itertools.product([False, True], repeat=n - 1)]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=draws(150), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 7), st.integers(1, 4))
 def test_an_even_split_has_the_shortest_longest_route(seed: int, n: int, most: int) -> None:
     costs = np.random.default_rng(seed).integers(0, 20, (3, n)).astype(float)
@@ -40,7 +41,7 @@ def test_an_even_split_has_the_shortest_longest_route(seed: int, n: int, most: i
     assert last.sum() <= most and max(cost(costs, p) for p in parts(last)) == min(longest)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=draws(150), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 8), st.integers(2, 12), st.integers(0, 3))
 def test_a_cut_is_the_cheapest_of_all_offsets(seed: int, n: int, segment: int, most: int) -> None:
     rng = np.random.default_rng(seed)
@@ -68,7 +69,7 @@ def timed(rng: np.random.Generator, n: int) -> RoutingProblem:
     return RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix, duration_matrix=times), (vehicle,))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=draws(200), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(1, 6))
 def test_a_best_split_costs_least_of_all_that_keep_the_limits(seed: int, n: int, most: int) -> None:
     problem = timed(np.random.default_rng(seed), n)
@@ -109,7 +110,7 @@ def test_asked_to_stop_they_end() -> None:
     assert cheapest_cut(HALT, ones, 50.0, 50.0, n, rows).sum() <= n / 50 + 1
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=draws(200), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 30), st.integers(1, 30))
 def test_where_only_loads_limit_routes_the_linear_split_finds_the_same(seed: int, n: int, most: int) -> None:
     rng = np.random.default_rng(seed)

@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,7 +26,7 @@ def nearest(costs: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.argsort(costs + np.diag(np.full(len(costs), np.inf)), axis=1, kind="stable")[:, :-1])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=draws(100), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 12))
 def test_paths_are_shortest(seed: int, n: int) -> None:
     matrix = np.random.default_rng(seed).integers(0, 30, (n, n)).astype(float)
@@ -39,7 +40,7 @@ def test_paths_are_shortest(seed: int, n: int) -> None:
     assert not close(HALT, matrix)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=draws(100), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 6))
 def test_the_tree_is_the_lightest_of_all(seed: int, n: int) -> None:
     costs = plane(np.random.default_rng(seed), n, 6)
@@ -61,7 +62,7 @@ def _rooted(parents: tuple[int, ...]) -> bool:
     return True
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=draws(100), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 15))
 def test_a_walk_around_a_doubled_tree_meets_everybody_once_within_twice_its_weight(seed: int, n: int) -> None:
     costs = plane(np.random.default_rng(seed), n)
@@ -71,7 +72,7 @@ def test_a_walk_around_a_doubled_tree_meets_everybody_once_within_twice_its_weig
     assert length(costs, tour) <= 2 * sum(costs[k, parent[k]] for k in range(1, n)) + 1e-9
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=draws(200), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 14), st.integers(2, 30))
 def test_no_move_is_left_that_shortens_the_tour(seed: int, n: int, most: int) -> None:
     rng = np.random.default_rng(seed)

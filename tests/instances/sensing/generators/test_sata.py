@@ -7,6 +7,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -31,7 +32,7 @@ def test_the_density_is_exact(robots: int, targets: int, phi: float) -> None:
         assert g.density == pytest.approx(phi, abs=50 / (2 * robots * targets) + 1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(st.integers(1, 9), st.integers(1, 4), st.integers(1, 12), st.floats(1, 100), st.integers(0, 10**9))
 def test_every_action_and_target_has_an_edge_and_all_is_connected(robots: int, actions: int, targets: int, phi: float, seed: int) -> None:
     try:

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import AnsweredBy
@@ -45,7 +46,7 @@ def problem(graph, **kind):
     return BottleneckSATA(graph, **{"fractional": True, **kind})
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=draws(60))
 @given(graphs(every_target_seen=True), st.integers(1, 5), st.integers(0, 10), st.randoms(use_true_random=False))
 def test_a_ball_bounds_the_optimum_from_above_wherever_it_grows(graph, seeds, most_edges, random):
     covered = np.array([random.random() for _ in range(graph.num_targets)])
@@ -56,7 +57,7 @@ def test_a_ball_bounds_the_optimum_from_above_wherever_it_grows(graph, seeds, mo
         assert evidence.value == pytest.approx(proved, rel=1e-9)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=draws(40))
 @given(graphs(every_target_seen=True))
 def test_a_ball_that_is_everything_is_exact(graph):
     evidence = ball_evidence(problem(graph), None, Stop(60.0), Solver(), seeds=graph.num_targets)

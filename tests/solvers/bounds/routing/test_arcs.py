@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import assume, given, settings
 from oracles import SQUARE_4, TW_4, optimum, routing, small_problems
 
@@ -25,7 +26,7 @@ def arcs_of(problem: RoutingProblem) -> Arcs:
     return made
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(problem=small_problems(most=3, hetero=True))
 def test_no_route_that_can_be_driven_pays_less_than_its_arcs(problem: RoutingProblem) -> None:
     assume(not lacks_arc_costs(problem))
@@ -40,7 +41,7 @@ def test_no_route_that_can_be_driven_pays_less_than_its_arcs(problem: RoutingPro
             assert sum(made.cost[i, j] for i, j in itertools.pairwise(through)) <= paid + 1e-9
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(problem=small_problems(most=3))
 def test_the_number_of_routes_of_every_answer_is_within_its_limits(problem: RoutingProblem) -> None:
     assume(not lacks_arc_costs(problem) and optimum(problem) is not None)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from oracles import set_partitioning_bound, small_problems
 from small_routing import plane, small
@@ -58,7 +59,7 @@ def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
         assert again.bound == pytest.approx(best[0], rel=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(40), deadline=None)
 @given(problem=small_problems(most=3, hetero=True))
 def test_nothing_more_than_the_optimum_is_proved(problem: RoutingProblem) -> None:
     if BOUNDS["column-generation"].missing(problem):

@@ -6,6 +6,7 @@ import json
 import math
 
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from oracles import small_problems
 from small_routing import small
@@ -38,7 +39,7 @@ def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
         assert again.bound == pytest.approx(best[0], rel=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(60), deadline=None)
 @given(problem=small_problems(most=4))
 def test_trees_never_prove_more_than_the_optimum(problem: RoutingProblem) -> None:
     if BOUNDS["branching-tree"].missing(problem):

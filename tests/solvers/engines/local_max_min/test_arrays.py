@@ -5,6 +5,7 @@ from fractions import Fraction as F
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from local_oracles import FIGURE_33, ExactLocal, Robots, cycle, graph_of, optimum, random_graph, regular_tree, robots_of
@@ -195,7 +196,7 @@ def test_a_robot_of_two_nested_actions_has_a_closed_form_on_which_the_bound_is_m
 # -- the exact oracle ----------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
+@settings(max_examples=draws(60))
 @given(st.integers(0, 10**6), st.integers(1, 4), st.sampled_from([0.02, 0.1, 0.5]))
 @example(123, 4, 0.02)  # a copy that is in no tree of the root falls to -5e6 caps
 def test_the_secant_search_agrees_with_exact_arithmetic(seed: int, h: int, eps: float) -> None:
@@ -211,7 +212,7 @@ def test_the_secant_search_agrees_with_exact_arithmetic(seed: int, h: int, eps: 
     assert found.shares == pytest.approx(exact.spread(exact.shares(used)), abs=1e-12)
 
 
-@settings(max_examples=20)
+@settings(max_examples=draws(20))
 @given(st.integers(0, 10**6), st.integers(2, 13), st.sampled_from(["secant", "step"]))
 @example(107, 13, "secant")
 @example(22, 12, "step")
@@ -227,7 +228,7 @@ def test_weights_of_many_sizes_bury_no_level_under_rounding(seed: int, h: int, s
         assert (levels * (1 + found.relative_eps) >= best * (1 - MARGIN)).all()
 
 
-@settings(max_examples=60)
+@settings(max_examples=draws(60))
 @given(st.integers(0, 10**6), st.integers(1, 4), st.sampled_from(["0.1", "0.25", "1"]))
 def test_the_step_search_agrees_with_exact_arithmetic(seed: int, h: int, step: str) -> None:
     graph = random_graph(np.random.default_rng(seed), most_robots=5)
@@ -241,7 +242,7 @@ def test_the_step_search_agrees_with_exact_arithmetic(seed: int, h: int, step: s
     assert found.shares == pytest.approx(exact.spread(exact.shares(used)), abs=1e-12)
 
 
-@settings(max_examples=60)
+@settings(max_examples=draws(60))
 @given(st.integers(0, 10**6), st.integers(1, 4))
 def test_smoothing_over_balls_uses_no_larger_levels(seed: int, h: int) -> None:
     graph = random_graph(np.random.default_rng(seed), most_robots=6)
@@ -266,7 +267,7 @@ def test_smoothing_over_balls_uses_no_larger_levels(seed: int, h: int) -> None:
 # -- properties ----------------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
+@settings(max_examples=draws(60))
 @given(st.integers(0, 10**6), st.sampled_from([1, 2, 5, 10]), st.sampled_from(["secant", "step"]), st.booleans())
 def test_shares_are_feasible_and_normalising_never_takes_from_a_target(seed: int, h: int, search: str, ball: bool) -> None:
     rng = np.random.default_rng(seed)
@@ -290,7 +291,7 @@ def test_shares_are_feasible_and_normalising_never_takes_from_a_target(seed: int
     assert (full[own] - plain[own] <= 1e-9).all()
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(st.integers(0, 10**6), st.sampled_from([1, 2, 4]), st.sampled_from(["secant", "step"]))
 def test_numbering_does_not_matter(seed: int, h: int, search: str) -> None:
     rng = np.random.default_rng(seed)
@@ -307,7 +308,7 @@ def test_numbering_does_not_matter(seed: int, h: int, search: str) -> None:
     assert b[action] == pytest.approx(a, abs=1e-9 if search == "step" else 1e-11)
 
 
-@settings(max_examples=30)
+@settings(max_examples=draws(30))
 @given(st.integers(0, 10**6), st.sampled_from([1, 2, 3]), st.sampled_from([0.005, 0.1]))
 def test_where_the_search_looks_first_does_not_change_a_bit(seed: int, h: int, eps: float) -> None:
     rng = np.random.default_rng(seed)

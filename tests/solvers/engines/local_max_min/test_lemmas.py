@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction as F
 
 import numpy as np
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from local_oracles import ExactLocal, random_graph, robots_of
@@ -33,7 +34,7 @@ def pair_optimum(exact: ExactLocal) -> float:
     return -float(found.fun)
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(st.integers(0, 10**6), st.integers(1, 4))
 def test_the_pairs_optimum_and_half_the_ceiling_are_valid_and_nothing_above_the_ceiling_is(seed: int, h: int) -> None:
     exact = exact_case(seed, h)
@@ -43,7 +44,7 @@ def test_the_pairs_optimum_and_half_the_ceiling_are_valid_and_nothing_above_the_
         assert float(level) >= best * (1 - 1e-7)
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(st.integers(0, 10**6), st.integers(1, 4))
 def test_a_level_is_valid_exactly_up_to_the_largest(seed: int, h: int) -> None:
     exact = exact_case(seed, h)
@@ -53,7 +54,7 @@ def test_a_level_is_valid_exactly_up_to_the_largest(seed: int, h: int) -> None:
         assert not exact.valid(root, above)
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(st.integers(0, 10**6), st.integers(1, 4))
 def test_the_layered_solution_is_feasible_and_every_copy_gets_its_smoothed_level(seed: int, h: int) -> None:
     exact = exact_case(seed, h)
@@ -69,7 +70,7 @@ def test_the_layered_solution_is_feasible_and_every_copy_gets_its_smoothed_level
                     assert exact.weight(k, v) * z["B", v, layer] + others >= smoothed(v, layer)
 
 
-@settings(max_examples=40)
+@settings(max_examples=draws(40))
 @given(st.integers(0, 10**6), st.integers(1, 4))
 def test_averages_are_shares_and_every_target_gets_its_part_of_the_smoothed_levels(seed: int, h: int) -> None:
     exact = exact_case(seed, h)

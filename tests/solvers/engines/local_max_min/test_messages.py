@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from local_oracles import cycle, random_graph
@@ -17,7 +18,7 @@ from waybound.solvers.engines.local_max_min.arrays import local_shares
 from waybound.solvers.engines.local_max_min.messages import BYTES_A_NUMBER, Network, exchange
 
 
-@settings(max_examples=120)
+@settings(max_examples=draws(120))
 @given(
     st.integers(0, 10**6), st.integers(1, 5), st.sampled_from(["secant", "step"]), st.sampled_from(["layers", "ball"]), st.booleans(),
     st.sampled_from([0.03, 0.1, 0.7]),

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from draws import draws
 from hypothesis import given, settings
 from random_sensing import even_graph, optimum, random_graph
 from ratio_strategies import graphs
@@ -24,7 +25,7 @@ def is_division(graph, shares):
     return (shares >= 0).all() and load == pytest.approx(np.ones(graph.num_robots))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=draws(60))
 @given(graphs(every_target_seen=True))
 def test_descent_never_raises_the_deficits_and_keeps_shares_a_division(graph):
     game = Game(graph, Record(graph, 1e-3), Limits(Stop(60.0)), Programs(Stop(60.0)))

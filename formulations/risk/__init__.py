@@ -1,0 +1,3 @@
+"""Problems under risk."""
+
+from ... import _guard as _guard

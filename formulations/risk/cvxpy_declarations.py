@@ -1,0 +1,111 @@
+"""Risk allocation declared with CVXPY: its canonical cone program becomes the data, so that CVXPY is needed once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...instances.errors import InputError, UnsupportedError
+from ...instances.risk.allocation import MOST_RISK, Affine, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
+from ...instances.risk.gaussian import Quantities
+
+Floats = NDArray[np.float64]
+
+Places = dict[str, tuple[int, tuple[int, ...]]]
+"""By the name of a variable: the column of its first entry, and its shape."""
+
+
+def declared_instance(
+    model: Any, quantities: Any, covariance: ArrayLike, limits: ArrayLike, *, total: float | None, each: ArrayLike | None, risk: str,
+    name: str, names: Sequence[str] | None,
+) -> tuple[RiskAllocationInstance, Places]:  # fmt: skip
+    """The instance of ``RiskAllocation.from_cvxpy``, and where CVXPY's variables are among its decisions."""
+    import cvxpy as cp
+
+    expression = cp.vec(cp.Expression.cast_to_const(quantities), order="F")
+    if not expression.is_affine():
+        raise InputError("the quantities of chance constraints must be affine in the variables", found=str(quantities)[:60])
+    if not isinstance(model, cp.Problem) or not model.is_dcp():
+        raise InputError("the model must be a convex cvxpy.Problem (DCP)", found=type(model).__name__)
+    if model.is_mixed_integer():
+        raise UnsupportedError("risk allocation by CVXPY", {"integer variables"})
+    q = expression.size
+    mean = cp.Variable(q, name="quantities")
+    own = {v.name(): cp.Variable(v.shape, name=v.name()) for v in model.variables()}  # which keep their places, whatever attributes v has
+    if len(own) < len(model.variables()):
+        raise InputError("two variables of the model have the same name", expected="different names")
+    held = [own[v.name()] == v for v in model.variables()]
+    whole = cp.Problem(model.objective, [*model.constraints, *held, mean == expression])
+    data = whole.get_problem_data(cp.CLARABEL)[0]
+    stuffed, dims = data["param_prob"], data["dims"]
+    if dims.exp or dims.psd or dims.p3d or getattr(dims, "pnd", None):
+        raise UnsupportedError("risk allocation by CVXPY", {"exponential, power or semidefinite cones"})
+    matrix, side = np.asarray(data["A"].todense(), dtype=np.float64), np.asarray(data["b"], dtype=np.float64)
+    n = matrix.shape[1]
+    maximise = isinstance(model.objective, cp.Maximize)
+    sign = -1.0 if maximise else 1.0
+    linear = sign * np.asarray(data["c"], dtype=np.float64)
+    offset = sign * float(np.asarray(stuffed.apply_parameters(quad_obj=data.get("P") is not None)[-3]).item())
+
+    def affine(part: Floats, constant: Floats) -> Affine:
+        return Affine(part, np.zeros((len(constant), q)), constant)
+
+    linear_rows = dims.zero + dims.nonneg
+    lower_sides = np.where(np.arange(linear_rows) < dims.zero, side[:linear_rows], -math.inf)
+    cones, start = [], linear_rows
+    for width in dims.soc:
+        t, v = start, slice(start + 1, start + width)
+        cones.append(Cone(affine(-matrix[v], side[v]), affine(-matrix[t : t + 1], side[t : t + 1])))
+        start += width
+    columns = stuffed.var_id_to_col
+    at = columns[mean.id]
+    selection = np.zeros((q, n))
+    selection[np.arange(q), at + np.arange(q)] = 1.0
+    constraint_names = tuple(str(k + 1) for k in range(q)) if names is None else tuple(map(str, names))
+    caps = min(MOST_RISK, total if total is not None else MOST_RISK) if each is None else each
+    instance = RiskAllocationInstance(
+        _bound(data.get("lower_bounds"), n, -math.inf), _bound(data.get("upper_bounds"), n, math.inf),
+        _names([*own.values(), mean], columns, n), Quantities(selection, np.zeros(q), np.asarray(covariance, dtype=np.float64),
+        _numbered("y", q)), Affine(linear[None], np.zeros((1, q)), np.array([offset])),
+        ChanceConstraints(Affine(np.zeros((q, n)), np.eye(q), np.zeros(q)), np.broadcast_to(np.asarray(limits, dtype=np.float64), q).copy(),
+                          constraint_names, np.arange(q)),
+        Risk(risk, total, np.broadcast_to(np.asarray(caps, dtype=np.float64), q).copy()),
+        affine(matrix[:linear_rows], np.zeros(linear_rows)), lower_sides, side[:linear_rows], _numbered("row", linear_rows),
+        _squares(data.get("P"), q), tuple(cones), "max" if maximise else "min", name, "cvxpy",
+    )  # fmt: skip
+    places = {name: (columns[v.id], v.shape) for name, v in own.items()}
+    return instance, places
+
+
+def _numbered(letter: str, count: int) -> tuple[str, ...]:
+    return tuple(f"{letter}{k + 1}" for k in range(count))
+
+
+def _bound(given: Any, n: int, none: float) -> Floats:
+    return np.full(n, none) if given is None else np.asarray(given, dtype=np.float64)
+
+
+def _names(variables: Sequence[Any], columns: dict[int, int], n: int) -> tuple[str, ...]:
+    """The variables' own names; others are CVXPY's."""
+    made = [f"auxiliary {k + 1}" for k in range(n)]
+    for v in variables:
+        for k in range(v.size):
+            made[columns[v.id] + k] = v.name() if v.size == 1 else f"{v.name()}[{k + 1}]"
+    return tuple(made)
+
+
+def _squares(quadratic: Any, q: int) -> tuple[CostTerm, ...]:
+    """``x P x / 2`` as the square of rows."""
+    if quadratic is None or not quadratic.nnz:
+        return ()
+    dense = np.asarray(quadratic.todense(), dtype=np.float64)
+    if not np.tril(dense, -1).any():
+        dense = dense + np.triu(dense, 1).T
+    values, vectors = np.linalg.eigh(dense)
+    kept = values > 1e-12 * max(float(values[-1]), 0.0)
+    rows = np.sqrt(values[kept])[:, None] * vectors[:, kept].T
+    return (CostTerm("square", 0.5, Affine(rows, np.zeros((len(rows), q)), np.zeros(len(rows)))),)

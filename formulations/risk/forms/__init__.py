@@ -1,0 +1,3 @@
+"""Forms of problems under risk."""
+
+from .... import _guard as _guard

@@ -1,0 +1,137 @@
+"""Programs in which risks are variables, beside the normal tail in pieces.
+
+    a_i x + s_i z_i <= b_i,   z_i >= z(largest risk of i)
+    r_i >= tail(p) - density(p) (z_i - p)                               ``tangents`` at the points p: below the tail, a relaxation
+    r_i >= the chord of the tail between neighbouring points            ``secants``: above it, a restriction
+    sum of r_i over a budget <= its risk
+
+The tail of the normal distribution is convex where risks are at most 1/2. Risks are counted in parts of a mean one, so that solvers see
+numbers near 1. Constraints with alternatives have one z for all their rows, and a binary each that lets a row be broken.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from ...programs.program import Program, Rows, Variables
+from ...programs.rows import rows
+from ..risk_allocation import RiskAllocation
+from ._blocks import Blocks, dense_rows
+from ._fixed_risks import add_choices, largest
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+STEEPEST = 1e-7
+"""Part of a mean risk below which the pieces end: smaller coefficients are lost on solvers."""
+
+
+def density(z: Floats) -> Floats:
+    """Of the normal distribution."""
+    return np.asarray(np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi))
+
+
+def points(problem: RiskAllocation, unit: float, count: int, least: float = STEEPEST) -> Floats:
+    """Ascending arguments of the tail, risks geometrically spaced from the largest of each constraint; shape (constraints, count)."""
+    shares = np.geomspace(1.0, 1.0, count) if count == 1 else np.linspace(0.0, 1.0, count)
+    low = np.minimum(least * unit, problem.caps * 0.5)
+    risks = problem.caps[:, None] * (low / problem.caps)[:, None] ** shares
+    return np.asarray(-ndtri(risks))
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """A program, and where its parts are.
+
+    Attributes
+    ----------
+    program : Program
+    z, risk : int
+        Columns of the first z and the first risk, one each constraint.
+    unit : float
+        In which risks are counted.
+    tangent : slice
+        Rows of the pieces.
+    budget, chance : int
+        First rows of the budgets and of the chance rows.
+    choice : int
+        Column of the first binary, one a chance row; -1 where there are none.
+    """
+
+    program: Program
+    z: int
+    risk: int
+    unit: float
+    budget: int
+    chance: int
+    choice: int
+
+
+def piecewise_program(problem: RiskAllocation, name: str, at: Floats, *, above: bool) -> Pieces:
+    """The program with pieces at ``at``, shape (constraints, points); ``above`` the tail (secants) or below it (tangents)."""
+    blocks, many = Blocks(problem), len(problem.names)
+    each = np.arange(many)
+    unit = mean_risk(problem)
+    floor = -ndtri(problem.caps)
+    if above:
+        slope, constant = _chords(at, unit)
+        most = at[:, -1]
+    else:
+        slope, constant = tangents(at, unit)
+        most = np.max(constant / slope, axis=1) + 1e-6  # where all tangents are below 0
+    choice = add_choices(blocks) if problem.disjunctive else -1
+    top = np.full(many, math.inf)
+    shared = np.bincount(problem.constraint, minlength=many) > 1
+    top[shared] = most[shared]
+    z = blocks.add(Variables("z", (each,), (problem.names,), floor, np.maximum(top, floor), np.zeros(many)))
+    least = ndtr(-at[:, -1]) / unit if above else np.zeros(many)
+    risk = blocks.add(Variables("risk", (each,), (problem.names,), least, np.maximum(problem.caps / unit, least), np.zeros(many)))
+    row, limits = np.arange(len(problem.limits)), problem.limits.copy()
+    extra = [(row, z + problem.constraint, problem.deviation)]
+    if problem.disjunctive:
+        slack = np.maximum(largest(problem) + problem.deviation * np.where(shared, top, 0.0)[problem.constraint] - limits, 0.0)
+        slack[~shared[problem.constraint]] = 0.0
+        extra.append((row, choice + row, slack))
+        limits += slack
+    first = sum(block.size for block in blocks.rows)
+    keys = (problem.constraint,) if not problem.disjunctive else (problem.constraint, row)
+    blocks.rows.append(dense_rows("chance", problem.chance, -math.inf, limits, extra, keys, (problem.names,)))
+    budget = first + len(row)
+    for k, b in enumerate(problem.budgets):
+        part = [(np.zeros(len(b.constraints), dtype=np.int64), risk + b.constraints, 1.0)]
+        blocks.rows.append(rows(f"budget-{k + 1}", 1, part, -math.inf, b.risk / unit))
+    count = slope.shape[1]
+    blocks.rows.append(piece_rows(np.repeat(each, count), slope.ravel(), constant.ravel(), z, risk, problem.names))
+    return Pieces(blocks.program(name), z, risk, unit, budget, first, choice)
+
+
+def mean_risk(problem: RiskAllocation) -> float:
+    """The unit of risks: of the largest budget, the part of one of its constraints."""
+    parts = [b.risk / len(b.constraints) for b in problem.budgets if len(b.constraints)]
+    return max(parts, default=float(problem.caps.max(initial=0.0)) or 1.0)
+
+
+def tangents(at: Floats, unit: float) -> tuple[Floats, Floats]:
+    """Slope and constant of ``risk / unit >= constant - slope z`` that touch the tail at ``at``."""
+    slope = density(at) / unit
+    return slope, ndtr(-at) / unit + slope * at
+
+
+def _chords(at: Floats, unit: float) -> tuple[Floats, Floats]:
+    tail = ndtr(-at) / unit
+    slope = -np.diff(tail, axis=1) / np.diff(at, axis=1)
+    return slope, tail[:, :-1] + slope * at[:, :-1]
+
+
+def piece_rows(constraint: Ints, slope: Floats, constant: Floats, z: int, risk: int, names: tuple[str, ...]) -> Rows:
+    """Rows ``slope z + risk >= constant``, one a piece."""
+    many = len(constraint)
+    indices, data = np.empty(2 * many, dtype=np.int32), np.ones(2 * many)
+    indices[::2], indices[1::2], data[::2] = z + constraint, risk + constraint, slope
+    starts = np.arange(0, 2 * many + 1, 2, dtype=np.int32)
+    return Rows("piece", (constraint, np.arange(many)), (names,), starts, indices, data, constant, np.full(many, math.inf))

@@ -1,0 +1,131 @@
+"""Evaluation of risk allocations from the data alone: the independent judge of cost, constraints and risks.
+
+It knows no program and no solver, and shares no code with the forms.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from ..evaluation import Check, Evaluation, Violation, judge
+from ..tolerance import LIMIT, ROUNDING, VECTOR
+
+if TYPE_CHECKING:
+    from .allocations import Allocation
+    from .risk_allocation import RiskAllocation
+
+Floats = NDArray[np.float64]
+Judged = tuple[Check, list[Violation]]
+
+SMALLEST_RISK = 1e-300
+"""Of a constraint, as far as its quantile is concerned: 37 standard deviations."""
+
+
+def evaluate_allocation(problem: RiskAllocation, answer: Allocation) -> Evaluation:
+    """Objective and violations of ``answer``; see ``RiskAllocation.evaluate``."""
+    p, x, names = problem, answer.decision, problem.instance.decision_names
+    known = bool(np.isfinite(x).all())
+    with np.errstate(invalid="ignore", over="ignore"):
+        outside = np.maximum(p.lower - x, x - p.upper)
+        size = np.maximum.reduce([np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.lower, p.upper)])
+        size = np.maximum(size, np.abs(x))
+        near = np.clip(x, p.lower, p.upper) if known and (outside <= VECTOR * size).all() else x
+        value, terms = p.value(near) if known else (math.nan, math.nan)
+        judged = [
+            judge("bounds", outside, lambda k: f"{names[k]} is {x[k]:.9g}, outside its bounds", VECTOR * size),
+            _judge_rows(p, near),
+            *([_judge_cones(p, near)] if p.cones else []),
+        ]
+        own = safest_risks(p, near) if known else np.ones(len(p.names))
+        if p.risk.kind == "allocated":
+            given = own if answer.risks is None else answer.risks
+            judged += [_judge_chance(p, near, given), _judge_risks(p, given), _judge_budgets(p, given)]
+        else:
+            judged += [_judge_risks(p, own), _judge_joint(p, near, known)]
+    checks, violations = tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found)
+    return Evaluation((value,), checks, violations, _quantities(p, near, own) if known else {}, (terms,), VECTOR)
+
+
+def safest_risks(p: RiskAllocation, x: Floats) -> Floats:
+    """For each constraint the probability that its safest row fails at the decision ``x``."""
+    slack, certain = p.limits - p.chance @ x, p.deviation == 0.0
+    rows = ndtr(-slack / np.where(certain, 1.0, p.deviation))
+    if certain.any():
+        rows = np.where(certain, (slack < -VECTOR * _row_sizes(p, x)).astype(np.float64), rows)
+    made = np.ones(len(p.names))
+    np.minimum.at(made, p.constraint, rows)
+    return made
+
+
+def _row_sizes(p: RiskAllocation, x: Floats) -> Floats:
+    """Of each chance row the largest number in it."""
+    return np.asarray(np.maximum(np.abs(p.limits), np.abs(p.chance * x).max(axis=1, initial=0.0)))
+
+
+def _quantities(p: RiskAllocation, x: Floats, own: Floats) -> dict[str, float]:
+    joint = next(iter(p.joint_risk(x).values()))
+    told = {"sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high}
+    if p.risk.total is not None:
+        told["unused_share_of_risk"] = 1.0 - joint.value / p.risk.total
+    return told
+
+
+def _judge_rows(p: RiskAllocation, x: Floats) -> Judged:
+    parts = p.rows * x
+    activity, size = parts.sum(axis=1), np.abs(parts).max(axis=1, initial=0.0)
+    for side in (p.row_lower, p.row_upper):
+        size = np.maximum(size, np.where(np.isfinite(side), np.abs(side), 0.0))
+    names = p.instance.constraint_names
+    excess = np.maximum(p.row_lower - activity, activity - p.row_upper)
+    return judge("constraints", excess, lambda k: f"constraint {names[k]} is {activity[k]:.9g}, outside its limits", VECTOR * size)
+
+
+def _judge_cones(p: RiskAllocation, x: Floats) -> Judged:
+    norms = np.array([float(np.linalg.norm(f @ x + c)) for f, c, _, _ in p.cones])
+    limits = np.array([float(g @ x + h) for _, _, g, h in p.cones])
+    size = np.maximum(norms, np.abs(limits))
+    return judge("cones", norms - limits, lambda k: f"cone {k + 1}: the norm is {norms[k]:.9g}, above {limits[k]:.9g}", VECTOR * size)
+
+
+def _judge_chance(p: RiskAllocation, x: Floats, risks: Floats) -> Judged:
+    """Whether each constraint has a row that keeps its limit with its quantile added."""
+    quantile = -ndtri(np.maximum(risks, SMALLEST_RISK))[p.constraint]
+    margin = np.where(p.deviation == 0.0, 0.0, p.deviation * quantile)
+    excess = np.where(np.isnan(margin), math.inf, p.chance @ x + margin - p.limits)
+    best, size, own = np.full(len(p.names), math.inf), np.zeros(len(p.names)), safest_risks(p, x)
+    np.minimum.at(best, p.constraint, excess)
+    np.maximum.at(size, p.constraint, np.maximum(_row_sizes(p, x), np.abs(margin)))
+    best = np.where(best <= 4.0 * ROUNDING * size, np.minimum(best, 0.0), best)
+    return judge(
+        "chance", best, lambda k: f"chance constraint {p.names[k]} has the risk {own[k]:.9g}, allowed {risks[k]:.9g}", VECTOR * size
+    )
+
+
+def _judge_risks(p: RiskAllocation, risks: Floats) -> Judged:
+    most = p.risk.each
+    excess = np.where(risks < 0.0, -risks, risks - most)
+    allowed = np.where(risks < 0.0, 0.0, VECTOR * most)
+    return judge("risks", excess, lambda k: f"chance constraint {p.names[k]} has the risk {risks[k]:.9g}, at most {most[k]:.9g}", allowed)
+
+
+def _judge_budgets(p: RiskAllocation, risks: Floats) -> Judged:
+    spent = np.array([math.fsum(risks[b.constraints].tolist()) for b in p.budgets])
+    most = np.array([b.risk for b in p.budgets])
+    return judge("budgets", spent - most, lambda k: _over(p, k, spent[k]), LIMIT * most)
+
+
+def _judge_joint(p: RiskAllocation, x: Floats, known: bool) -> Judged:
+    """Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer."""
+    found = p.joint_risk(x) if known else {}
+    spent = np.array([found[b.name].high if known else math.nan for b in p.budgets])
+    most = np.array([b.risk for b in p.budgets])
+    return judge("joint-risk", spent - most, lambda k: _over(p, k, spent[k]), VECTOR * most)
+
+
+def _over(p: RiskAllocation, k: int, spent: float) -> str:
+    return f"the risk of {p.budgets[k].name} is {spent:.9g}, at most {p.budgets[k].risk:.9g}"

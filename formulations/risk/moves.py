@@ -1,0 +1,211 @@
+"""Moves of a graph with risk, and which may follow each other: the graph on which least hazards are shortest ways.
+
+Hazards ``-ln(1 - r)`` add up along a path, and an element that looks at three states is a length between two moves. So least hazards of all
+walks that do not turn back on themselves are Dijkstra's on moves as vertices, exact for locale and action elements, a lower bound for
+traverse elements. Source: Xiao (2019), algorithm 2 in logarithms; docs/formulations/risky-path.md#search-over-moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...instances.arrays import entries_of
+from ...instances.errors import UsageError
+from ...instances.risk.elements import TraverseElement
+from ...instances.risk.risky_graph import RiskyGraph
+from ..evidence import Evidence
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+MOST_PAIRS = 30_000_000
+"""Pairs of moves that are written down at most: 24 bytes each, and as much again while they are made."""
+
+
+class MoveGraph:
+    """The moves of ``graph`` and their successors.
+
+    Parameters
+    ----------
+    graph : RiskyGraph
+    priced : bool
+        False counts every risk as none.
+
+    Attributes
+    ----------
+    first, second : array, shape (pairs,)
+        Numbers of two moves, the second of which may follow the first.
+    hazard : array, shape (pairs,)
+        Least hazard of the second move after the first, finite.
+    own_hazard : array, shape (pairs,)
+        The part of it that is the same on every path: that of locale and action elements.
+    begin, begin_hazard, own_begin_hazard : array
+        Moves that leave the start, and their hazards.
+    start_hazard : float
+        Of the start itself.
+    """
+
+    def __init__(self, graph: RiskyGraph, priced: bool = True) -> None:
+        self.graph, self._priced = graph, priced
+        tail, head = graph.tail.astype(np.int64), graph.head.astype(np.int64)
+        away = np.nonzero(head != graph.start)[0]  # no path comes back to its start
+        at, counts = entries_of(graph.indptr, head[away])
+        if len(at) > MOST_PAIRS:
+            raise UsageError(f"{graph.name} has {len(at)} pairs of moves that follow each other; at most {MOST_PAIRS} are searched")
+        first, second = np.repeat(away, counts), at
+        kept = (head[second] != graph.start) & (head[second] != tail[first])
+        first, second = first[kept], second[kept]
+        own, hazard = self._hazards(tail[first], tail[second], head[second])
+        passable = np.isfinite(hazard)
+        self.first, self.second = first[passable], second[passable]
+        self.own_hazard, self.hazard = own[passable], hazard[passable]
+        begin = np.arange(graph.indptr[graph.start], graph.indptr[graph.start + 1])
+        own, hazard = self._hazards(np.full(len(begin), -1), tail[begin], head[begin])
+        passable = np.isfinite(hazard)
+        self.begin, self.own_begin_hazard, self.begin_hazard = begin[passable], own[passable], hazard[passable]
+        self.start_hazard = self._start_hazard()
+
+    def _hazards(self, before: Indices, state: Indices, after: Indices) -> tuple[Floats, Floats]:
+        """Of locale and action elements, and of all of them at least."""
+        own, more = np.zeros(len(after)), np.zeros(len(after))
+        for element in self.graph.elements if self._priced else ():
+            with np.errstate(divide="ignore"):
+                hazard = -np.log1p(-self.graph.least_risks(element, before, state, after))
+            if isinstance(element, TraverseElement):
+                more += hazard
+            else:
+                own += hazard
+        return own, own + more
+
+    def _start_hazard(self) -> float:
+        if not self._priced:
+            return 0.0
+        start = self.graph.start
+        risks = [e.begin(self.graph, start)[1] for e in self.graph.traverse]
+        memoryless = [e for e in self.graph.elements if not isinstance(e, TraverseElement)]
+        risks += [float(self.graph.least_risks(e, [-1], [-1], [start])[0]) for e in memoryless]
+        return math.inf if any(r >= 1.0 for r in risks) else math.fsum(-math.log1p(-r) for r in risks)
+
+    def with_any_risk(self) -> MoveGraph:
+        """The same moves without their risks."""
+        return MoveGraph(self.graph, priced=False)
+
+    @property
+    def num_moves(self) -> int:
+        return len(self.graph.tail)
+
+    @cached_property
+    def _matrix(self) -> Any:
+        """Moves and, last, the start as vertices."""
+        import scipy.sparse as sp
+
+        m = self.num_moves
+        rows, columns = np.concatenate([self.first, np.full(len(self.begin), m)]), np.concatenate([self.second, self.begin])
+        return sp.csr_matrix((np.concatenate([self.hazard, self.begin_hazard]), (rows, columns)), shape=(m + 1, m + 1))
+
+    @cached_property
+    def _reach(self) -> Floats:
+        from scipy.sparse.csgraph import dijkstra
+
+        return np.asarray(dijkstra(self._matrix, indices=self.num_moves))
+
+    @property
+    def to_moves(self) -> Floats:
+        """Least hazard of a walk from the start that ends with each move, that of the start included; the start last."""
+        return self._reach + self.start_hazard
+
+    def priced(self, prices: Floats) -> Floats:
+        """Least hazard of a walk from the start that ends with each move, where each state that it comes to costs ``prices`` more.
+
+        Parameters
+        ----------
+        prices : array, shape (states,)
+            Not negative.
+        """
+        from scipy.sparse.csgraph import dijkstra
+
+        dearer = self._matrix.copy()
+        dearer.data = dearer.data + prices[self.graph.head[dearer.indices]]
+        return np.asarray(dijkstra(dearer, indices=self.num_moves))[:-1] + self.start_hazard
+
+    def to_states(self) -> Floats:
+        """Least hazard of a walk from the start to each state: shape (states,)."""
+        least = np.full(self.graph.num_states, math.inf)
+        np.minimum.at(least, self.graph.head, self.to_moves[:-1])
+        least[self.graph.start] = self.start_hazard
+        return least
+
+    def from_moves(self, goals: Sequence[int]) -> Floats:
+        """Least hazard of what follows each move until one of ``goals``: shape (moves + 1,), the start last."""
+        from scipy.sparse.csgraph import dijkstra
+
+        ends = np.nonzero(np.isin(self.graph.head, list(goals)))[0]
+        if self.graph.start in goals:
+            ends = np.append(ends, self.num_moves)
+        if not len(ends):
+            return np.full(self.num_moves + 1, math.inf)
+        return np.asarray(dijkstra(self._matrix.T.tocsr(), indices=ends, min_only=True))
+
+    @cached_property
+    def successors(self) -> list[tuple[list[int], list[float]]]:
+        """By move, the start last: what may follow, and the hazards that are the same on every path."""
+        m = self.num_moves
+        order = np.argsort(self.first, kind="stable")
+        ends = np.cumsum(np.bincount(self.first, minlength=m))[:-1]
+        rows = zip(np.split(self.second[order], ends), np.split(self.own_hazard[order], ends), strict=True) if m else ()
+        made = [(moves.tolist(), hazards.tolist()) for moves, hazards in rows]
+        return [*made, (self.begin.tolist(), self.own_begin_hazard.tolist())]
+
+    @cached_property
+    def _walks(self) -> Indices:
+        """Predecessor of each move on a walk of least hazard, of these one of the fewest moves; -9999 for none."""
+        import scipy.sparse as sp
+        from scipy.sparse.csgraph import breadth_first_order
+
+        m, reach = self.num_moves, self._reach
+        entries = self._matrix.tocoo()
+        tight = np.isfinite(reach[entries.row]) & (reach[entries.row] + entries.data == reach[entries.col])
+        among = sp.csr_matrix((np.ones(int(tight.sum())), (entries.row[tight], entries.col[tight])), shape=(m + 1, m + 1))
+        return np.asarray(breadth_first_order(among, m, return_predecessors=True)[1], dtype=np.int64)
+
+    def walk(self, state: int) -> tuple[int, ...] | None:
+        """A walk of least hazard to ``state``, of these one of few moves; None where there is none."""
+        if state == self.graph.start:
+            return (state,)
+        into = np.nonzero(self.graph.head == state)[0]
+        into = into[np.isfinite(self._reach[into])]
+        if not len(into):
+            return None
+        best = into[self._reach[into] == self._reach[into].min()]
+        return min((self._walk_of(int(move)) for move in best), key=len)
+
+    def _walk_of(self, move: int) -> tuple[int, ...]:
+        states = []
+        while move != self.num_moves:
+            states.append(int(self.graph.head[move]))
+            move = int(self._walks[move])
+        return (self.graph.start, *reversed(states))
+
+    def free_path(self, states: Sequence[int]) -> tuple[int, ...] | None:
+        """A path without repetition to one of ``states`` at no risk, if the walks of least hazard hold one."""
+        if self.start_hazard > 0.0 or self.graph.traverse:
+            return None
+        reach = self.to_states()
+        for state in states:
+            if reach[state] > 0.0:
+                continue
+            walk = self.walk(state)
+            if walk is not None and len(set(walk)) == len(walk):
+                return walk
+        return None
+
+    def evidence(self, value: float) -> Evidence:
+        """Evidence ``move-potentials``: least hazards to the moves."""
+        potentials = [None if math.isinf(p) else p for p in self.to_moves[:-1].tolist()]
+        return Evidence("move-potentials", "least hazards of walks", value, {"potentials": potentials})

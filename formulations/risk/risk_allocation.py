@@ -1,0 +1,390 @@
+"""Risk allocation: a convex cost under constraints on Gaussian quantities that may fail with a given probability."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...instances.errors import InputError, UsageError
+from ...instances.generators.settings import Setting
+from ...instances.printable import printable
+from ...instances.risk.allocation import RISKS, Risk, RiskAllocationInstance
+from ..evaluation import Evaluation
+from ..evidence import Evidence
+from ..problem import PROBLEMS, Decision, Problem
+from .allocations import Allocation
+from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
+from .judge import evaluate_allocation, safest_risks
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SETTINGS = {
+    "risk": Setting(None, "how risk is counted: allocated (Boole) or joint", type=str, choices=RISKS),
+    "total": Setting(None, "risk of all constraints together", type=float),
+}
+
+SHOWN_NAMES = 6
+"""Constraints that are named where they cannot be kept."""
+
+
+class RiskAllocation(Problem):
+    """Choose decisions x and risks, for ``min c x + sum of convex terms`` (or the ``max`` of a reward less these)::
+
+        L <= A x <= U,  l <= x <= u,  |F x + f| <= g x + h          deterministic, on means
+        P(a_i x + w_i > b_i) <= risk_i,  w ~ N(0, S)                each chance constraint
+        sum of risk_i over a budget <= its risk                     ``allocated``
+        P(any of a budget's constraints fails) <= its risk          ``joint``
+
+    A constraint with alternatives holds where one of its rows does; the risk of one of them is an upper limit of its own.
+
+    Parameters
+    ----------
+    instance : RiskAllocationInstance
+
+    Attributes
+    ----------
+    chance, limits : arrays of shape (rows, decisions) and (rows,)
+        a and b.
+    covariance, deviation : arrays of shape (rows, rows) and (rows,)
+        S and the roots of its diagonal.
+    constraint : array of shape (rows,)
+        The constraint of each row.
+    caps : array of shape (constraints,)
+        The most risk that each can have under all budgets.
+    open : array of shape (rows,)
+        Whether a row may be the safest of its constraint; all of them, but where the problem is restricted.
+
+    Notes
+    -----
+    Source: Ono and Williams (2008), "Iterative risk allocation"; Blackmore and Ono (2009), "Convex chance constrained predictive control
+    without sampling"; docs/formulations/risk-allocation.md.
+    """
+
+    family: ClassVar[str] = "risk-allocation"
+
+    def __init__(self, instance: RiskAllocationInstance) -> None:
+        self.instance, self.risk = instance, instance.risk
+        self.name, self.problem, self.notes = instance.name, "risk-allocation", instance.notes
+        given, chance = instance.quantities, instance.chance
+        self.lower, self.upper = instance.lower, instance.upper
+        self.linear, offset = (part[0] for part in instance.cost.mean(given))
+        self.offset = float(offset)
+        self.terms = tuple((t.kind, t.weight, *t.rows.mean(given)) for t in instance.terms)
+        self.rows, shift = instance.constraints.mean(given)
+        self.row_lower, self.row_upper = instance.constraint_lower - shift, instance.constraint_upper - shift
+        self.cones = tuple((*c.rows.mean(given), *(part[0] for part in c.limit.mean(given))) for c in instance.cones)
+        self.chance, shift = chance.rows.mean(given)
+        self.limits = chance.limits - shift
+        self.covariance = chance.rows.quantities @ given.covariance @ chance.rows.quantities.T
+        self.deviation = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        self.constraint, self.names, self.caps = chance.constraint, chance.names, instance.risk.caps()
+        self.budgets = instance.risk.all_budgets()
+        self.places: dict[str, tuple[int, tuple[int, ...]]] = {}
+        self.open = np.ones(len(self.limits), dtype=bool)
+        self._joint: tuple[bytes, dict[str, Probability]] = (b"", {})
+
+    @classmethod
+    def from_cvxpy(
+        cls, model: Any, quantities: Any, covariance: ArrayLike, limits: ArrayLike, *, total: float | None = None,
+        each: ArrayLike | None = None, risk: str = "allocated", name: str = "risk-allocation", names: Sequence[str] | None = None,
+    ) -> RiskAllocation:  # fmt: skip
+        """A problem declared with CVXPY: ``quantities`` plus noise must not exceed ``limits``.
+
+        Parameters
+        ----------
+        model : cvxpy.Problem
+            Cost and deterministic constraints: linear, quadratic, and second-order cones.
+        quantities : cvxpy expression with q entries
+            Affine in the model's variables.
+        covariance : array of shape (q, q)
+            Of the noise.
+        limits : array of shape (q,)
+        total : float, optional
+            Risk of all of them together.
+        each : float or array of shape (q,), optional
+            The most risk of one, at most 1/2.
+        risk : str
+            ``allocated`` or ``joint``.
+        name : str
+        names : sequence of str, optional
+            Of the quantities.
+
+        Returns
+        -------
+        RiskAllocation
+            ``values(answer)`` tells the variables' values by name. Its other decisions are CVXPY's own auxiliary variables.
+
+        Raises
+        ------
+        InputError
+            If the model is not convex, the quantities not affine, or the risks out of range.
+        UnsupportedError
+            If it has integers, or exponential, power or semidefinite cones.
+        """
+        from .cvxpy_declarations import declared_instance
+
+        instance, places = declared_instance(
+            model, quantities, covariance, limits, total=total, each=each, risk=risk, name=name, names=names
+        )
+        made = cls(instance)
+        made.places = places
+        return made
+
+    def values(self, answer: Any) -> dict[str, Floats]:
+        """The values of the variables of ``from_cvxpy``, by name and in their shapes."""
+        x = self.answer_of(answer).decision
+        found = {name: x[at : at + math.prod(shape)] for name, (at, shape) in self.places.items()}
+        return {name: part.reshape(self.places[name][1], order="F") for name, part in found.items()}
+
+    # -- what it is --------------------------------------------------------------------------------------------------
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return (self.instance.sense,)
+
+    @property
+    def convention(self) -> str:
+        return "exact"
+
+    @property
+    def size(self) -> int:
+        return len(self.lower)
+
+    @property
+    def sign(self) -> float:
+        """1 where a cost is minimised, -1 where a reward is maximised."""
+        return 1.0 if self.instance.sense == "min" else -1.0
+
+    @property
+    def disjunctive(self) -> bool:
+        """Whether some constraint has alternatives."""
+        return len(self.names) < len(self.constraint)
+
+    def digest(self) -> str:
+        return self.instance.digest()
+
+    def features(self) -> frozenset[str]:
+        """How risk is counted, and ``alternatives``, ``quadratic-cost``, ``cones`` where it has them."""
+        kinds = {t[0] for t in self.terms}
+        marks = {"alternatives": self.disjunctive, "quadratic-cost": "square" in kinds, "cones": bool(self.cones) or "norm" in kinds}
+        return frozenset({f"{self.risk.kind}-risk", *(name for name, present in marks.items() if present)})
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes and budgets."""
+        q = self.instance.quantities
+        return {
+            "decisions": len(self.lower), "quantities": len(q.names), "constraints": len(self.row_lower),
+            "chance_constraints": len(self.names), "risk": self.risk.kind, "budgets": {b.name: b.risk for b in self.budgets},
+        }  # fmt: skip
+
+    # -- judging -----------------------------------------------------------------------------------------------------
+
+    def value(self, x: Floats) -> tuple[float, float]:
+        """Objective of a decision, and the sum of the absolute values of what was added up."""
+        parts = [*(self.linear * x).tolist(), self.offset]
+        for kind, weight, matrix, constant in self.terms:
+            r = matrix @ x + constant
+            size = {"absolute": np.abs(r).sum(), "norm": np.linalg.norm(r), "square": r @ r}[kind]
+            parts.append(self.sign * weight * float(size))
+        return math.fsum(parts), math.fsum(map(abs, parts))
+
+    def risks(self, x: Floats) -> Floats:
+        """For each constraint the risk of its safest row at the decision x."""
+        return safest_risks(self, x)
+
+    def joint_risk(self, x: Floats) -> dict[str, Probability]:
+        """For each budget, the total first, the probability that any of its constraints fails at the decision x."""
+        key = x.tobytes()
+        if self._joint[0] != key:
+            slack, made = self.limits - self.chance @ x, {}
+            points = MORE_POINTS if self.risk.kind == "joint" else POINTS
+            every = [(b.name, b.constraints) for b in self.budgets]
+            if self.risk.total is None:
+                every.insert(0, ("total", np.arange(len(self.names))))
+            for name, constraints in every if self.risk.kind == "joint" else every[:1]:
+                at = np.isin(self.constraint, constraints)
+                made[name] = any_fails(slack[at], self.covariance[np.ix_(at, at)], self.constraint[at], points=points)
+            self._joint = (key, made)
+        return self._joint[1]
+
+    def evaluate(self, answer: Any) -> Evaluation:
+        """Recompute cost, every constraint, every risk, and the probability that any of them fails.
+
+        Deterministic rows and the limits of chance rows may be broken by ``VECTOR`` of the largest number in them, as solvers count;
+        ``concession`` says what that can be worth.
+        """
+        return evaluate_allocation(self, self.answer_of(answer))
+
+    def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
+        """How much less ``evidence`` proves where every limit is as wide as the answer's largest residuals make it."""
+        from ..certificate import verified_bound
+
+        residual = {check.name: check.residual for check in evaluation.checks}
+        if not any(residual.values()):
+            return 0.0
+        return abs(verified_bound(self, evidence) - verified_bound(self.widened(residual), evidence))
+
+    def widened(self, residual: Mapping[str, float]) -> RiskAllocation:
+        """The same with limits wider by so much, by the names of the checks."""
+        made = copy.copy(self)
+        wider = residual.get("constraints", 0.0)
+        made.row_lower, made.row_upper = made.row_lower - wider, made.row_upper + wider
+        made.limits = made.limits + residual.get("chance", 0.0)
+        made.cones = tuple((f, c, g, h + residual.get("cones", 0.0)) for f, c, g, h in made.cones)
+        more = residual.get("budgets", 0.0) + residual.get("joint-risk", 0.0)
+        made.budgets = tuple(replace(b, risk=b.risk + more) for b in made.budgets)
+        made.caps = np.minimum(made.caps + residual.get("risks", 0.0) + more, 0.5)
+        return made
+
+    def choosing(self, rows: Ints) -> RiskAllocation:
+        """The same with these chance rows alone, ascending, and the constraints that have one."""
+        made = copy.copy(self)
+        kept, constraint = np.unique(self.constraint[rows], return_inverse=True)
+        made.chance, made.limits, made.deviation = self.chance[rows], self.limits[rows], self.deviation[rows]
+        made.covariance, made.constraint, made.open = self.covariance[np.ix_(rows, rows)], constraint, np.ones(len(rows), dtype=bool)
+        made.names, made.caps = tuple(self.names[k] for k in kept.tolist()), self.caps[kept]
+        made.risk = Risk(self.risk.kind, self.risk.total, self.risk.each[kept])
+        made.budgets = tuple(
+            replace(b, constraints=np.nonzero(np.isin(kept, b.constraints))[0]) for b in self.budgets if np.isin(kept, b.constraints).any()
+        )
+        made._joint = (b"", {})
+        return made
+
+    def by_allocation(self) -> RiskAllocation:
+        """The same with allocated risk: a restriction where risk is joint."""
+        made = copy.copy(self)
+        made.risk = replace(self.risk, kind="allocated", budgets=())
+        made._joint = (b"", {})
+        return made
+
+    def convex_part(self) -> tuple[RiskAllocation, Ints]:
+        """A convex relaxation, and the chance rows in it: no undecided alternatives, and joint risk as a limit of each constraint."""
+        left = np.bincount(self.constraint, weights=self.open)
+        rows = np.nonzero(self.open & (left[self.constraint] == 1))[0]
+        made = self.choosing(rows) if self.disjunctive else copy.copy(self)
+        if self.risk.kind == "joint":
+            made.risk, made.budgets = Risk("allocated", None, made.caps), ()
+        return made, rows
+
+    # -- parts of all answers ----------------------------------------------------------------------------------------
+
+    def check_statement(self, statement: Any) -> None:
+        """``{"safest": row}``: of the rows of its constraint, this chance row has the least risk, or is the first that does."""
+        row = statement.get("safest") if isinstance(statement, Mapping) and len(statement) == 1 else None
+        if type(row) is not int or not 0 <= row < len(self.limits):
+            expected = f'{{"safest": row}}, a chance row from 0 to {len(self.limits) - 1}'
+            raise InputError("not a statement on the rows of a chance constraint", expected=expected, found=printable(str(statement), 80))
+
+    def restricted(self, decisions: Sequence[Decision]) -> RiskAllocation:
+        """The same with fewer rows open."""
+        made = copy.copy(self)
+        made.open = self.open.copy()
+        for statement, holds in decisions:
+            self.check_statement(statement)
+            row = statement["safest"]
+            if holds:
+                kept = made.open[row]
+                made.open[self.constraint == self.constraint[row]] = False
+                made.open[row] = kept
+            else:
+                made.open[row] = False
+        return made
+
+    def in_words(self, statement: Any, holds: bool) -> str:
+        row = statement["safest"]
+        place = int(np.count_nonzero(self.constraint[:row] == self.constraint[row])) + 1
+        return f"alternative {place} of {self.names[self.constraint[row]]} is {'' if holds else 'not '}the safest"
+
+    def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
+        if kind != "risk-allocation-duals":
+            return super().why_none(kind, data)
+        given = data["chance"]
+        priced = dict(zip(given["at"], given["values"], strict=True)) if isinstance(given, Mapping) else dict(enumerate(given))
+        worst = sorted((row for row, price in priced.items() if price > 0.0), key=lambda row: -priced[row])
+        names = [self.names[self.constraint[row]] for row in worst]
+        shown = ", ".join(names[:SHOWN_NAMES]) + (f" and {len(names) - SHOWN_NAMES} more" if len(names) > SHOWN_NAMES else "")
+        if not names:
+            return "the deterministic constraints contradict each other"
+        return f"no decision keeps the risk of {shown}, however it is allocated"
+
+    # -- answers -----------------------------------------------------------------------------------------------------
+
+    def answer_of(self, given: Any) -> Allocation:
+        """An ``Allocation``, or a vector of shape (decisions,)."""
+        made = given if isinstance(given, Allocation) else None
+        if made is None:
+            try:
+                made = Allocation.of(given)
+            except (TypeError, ValueError):
+                raise InputError("an answer of risk allocation is an Allocation, or a vector with one number a decision") from None
+        if made.decision.shape != self.lower.shape or (made.risks is not None and made.risks.shape != (len(self.names),)):
+            expected = f"{len(self.lower)} decisions and {len(self.names)} risks"
+            raise InputError("the answer is one of other data", expected=expected, found=str(made.decision.shape))
+        return made
+
+    def answer_to_json(self, answer: Any) -> dict[str, Any]:
+        made = self.answer_of(answer)
+        data = {"kind": "allocation", "decision": dict(zip(self.instance.decision_names, made.decision.tolist(), strict=True))}
+        return data if made.risks is None else {**data, "risks": dict(zip(self.names, made.risks.tolist(), strict=True))}
+
+    def answer_from_json(self, data: Any) -> Allocation:
+        if not isinstance(data, Mapping) or data.get("kind") != "allocation":
+            raise InputError("not an answer of risk allocation", expected='{"kind": "allocation", "decision": {...}, "risks": {...}}')
+        risks = None if data.get("risks") is None else _named(data["risks"], self.names, "risks")
+        return Allocation(_named(data.get("decision"), self.instance.decision_names, "decision"), risks)
+
+    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+        """One row a chance constraint: constraint, risk allowed, risk there is."""
+        import pandas as pd
+
+        made = self.answer_of(answer)
+        own = self.risks(made.decision)
+        return pd.DataFrame({"constraint": self.names, "allowed": own if made.risks is None else made.risks, "risk": own})
+
+    def allocated(self, x: Floats) -> Allocation:
+        """The answer with decision x and its own risks, what is left of the total shared out in proportion where that breaks nothing."""
+        own = self.risks(x)
+        if self.risk.kind == "joint":
+            return Allocation(x)
+        spent = [(float(own[b.constraints].sum()), b.risk) for b in self.budgets]
+        factor = min((risk / used for used, risk in spent if used > 0.0), default=1.0)
+        factor = min([factor, *(self.risk.each[own > 0.0] / own[own > 0.0]).tolist()]) if (own > 0.0).any() else 1.0
+        return Allocation(x, own * factor * (1.0 - 1e-14) if factor > 1.0 else own)
+
+    def __repr__(self) -> str:
+        return f"<RiskAllocation {self.name}: {self.risk.kind}, {len(self.lower)} decisions, {len(self.names)} chance constraints>"
+
+
+def _named(data: Any, names: Sequence[str], what: str) -> Floats:
+    if not isinstance(data, Mapping) or set(data) != set(names):
+        raise InputError(f"the answer's {what} must name each of them", expected=", ".join(names[:4]) + (", ..." if len(names) > 4 else ""))
+    if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data.values()):
+        raise InputError(f"the answer's {what} must be numbers")
+    return np.array([float(data[name]) for name in names])
+
+
+@PROBLEMS.register("risk-allocation")
+def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocation:
+    if not isinstance(instance, RiskAllocationInstance):
+        raise UsageError(f"{instance.name} holds no chance constraints, so it cannot be read as {problem}")
+    settings = {key: value for key, value in settings.items() if key != "convention" or value != "exact"}
+    unknown = settings.keys() - SETTINGS.keys()
+    if unknown:
+        raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}")
+    given = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
+    changes: dict[str, Any] = {"kind": given["risk"]} if given.get("risk") else {}
+    if given.get("total") is not None:
+        old = instance.risk
+        each = np.full(len(old.each), given["total"]) if old.total is not None and (old.each == old.total).all() else old.each
+        changes |= {"total": given["total"], "each": each}
+    return RiskAllocation(instance.with_risk(**changes) if changes else instance)

@@ -1,0 +1,3 @@
+"""Approximations for problems under risk."""
+
+from ... import _guard as _guard

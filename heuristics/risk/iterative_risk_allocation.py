@@ -1,0 +1,139 @@
+"""Iterative risk allocation: constraints that leave risk unused give it to those that are active, and the plan is made again."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from ...formulations.risk.allocations import Allocation
+from ...formulations.risk.forms._fixed_risks import fixed_margins_program, margins
+from ...formulations.risk.forms.uniform import uniform_risks
+from ...formulations.risk.risk_allocation import RiskAllocation
+from ...instances.errors import UsageError
+from ...solvers.engines.convex_allocation_steps.session import open_session
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+
+Floats = NDArray[np.float64]
+
+ACTIVE = 1e-7
+"""Deviations by which the argument of an active constraint's tail may lie above that of its allowed risk."""
+
+
+def iterative(
+    problem: RiskAllocation, context: Context, *, alpha: float = 0.7, decay: float = 1.0, epsilon: float = 2e-7, rounds: int = 200
+) -> Outcome:
+    """Iterative risk allocation (Ono and Williams 2008), from equal risks.
+
+    Each round plans for fixed risks. Constraints that are not active keep ``alpha`` of the risk that they do not use; what they give
+    is shared evenly among the active ones. The plan of a round stays allowed in the next, so that the cost never grows, and the risks
+    always keep the budgets.
+
+    Parameters
+    ----------
+    problem : RiskAllocation
+        Every constraint in one budget.
+    context : Context
+    alpha : float
+        In (0, 1).
+    decay : float
+        In (0, 1]: factor of ``alpha`` from round to round.
+    epsilon : float
+        It ends when a round gains less than this share of the cost.
+    rounds : int
+        At most so many.
+
+    Returns
+    -------
+    Outcome
+        ``statistics["end"]``: ``small gain``; ``all active`` (it stalls: no constraint has risk to give, however unequal its worth, so that
+        the allocation may be far from the best); ``none active``; ``rounds``; or ``infeasible`` where equal risks allow no plan. No
+        guarantee.
+
+    Raises
+    ------
+    UsageError
+        If a parameter is out of its range.
+
+    Notes
+    -----
+    Source: Ono and Williams (2008), "Iterative risk allocation: a new approach to robust model predictive control with a joint chance
+    constraint"; docs/formulations/risk-allocation.md#iterative.
+    """
+    if not (0.0 < alpha < 1.0 and 0.0 < decay <= 1.0 and epsilon >= 0.0 and rounds >= 1):
+        raise UsageError("iterative: alpha must lie between 0 and 1, decay above 0 up to 1, epsilon at 0 or more, rounds at 1 or more")
+    stop, p = context.begin(), problem
+    risks, budget = uniform_risks(p), _shared(p)
+    program = fixed_margins_program(p, "fixed-risks", margins(p, -ndtri(risks)))
+    session, first = open_session(program, context.linear.seed), sum(block.size for block in program.rows[:-1])
+    noisy = p.deviation > 0.0
+    answer: Allocation | None = None
+    values: list[float] = []
+    end, keep = "rounds", alpha
+    while len(values) < rounds:
+        if stop.reached():
+            end = "stopped"
+            break
+        if values:
+            session.change_upper(first, p.limits - margins(p, -ndtri(risks)))
+        made = session.solve(stop)
+        if made.status != "optimal":
+            end = "stopped" if stop.reached() else made.status if answer is None else "solver"
+            break
+        decision = np.clip(made.x[: p.size], p.lower, p.upper)
+        value = p.sign * made.value
+        if values and value > values[-1]:  # by the solver's rounding
+            end = "small gain"
+            break
+        values.append(value)
+        answer = Allocation(decision, risks.copy())
+        context.publish(answer)
+        if len(values) > 1 and values[-2] - value < epsilon * abs(value):
+            end = "small gain"
+            break
+        slack = p.limits - p.chance @ decision
+        z = np.where(noisy, slack / np.where(noisy, p.deviation, 1.0), math.inf)
+        used, active = ndtr(-z), z + ndtri(risks) <= ACTIVE
+        if not active.any() or active.all():
+            end = "all active" if active.any() else "none active"
+            break
+        risks = np.where(active, risks, keep * risks + (1.0 - keep) * np.minimum(used, risks))
+        risks[active] += max(0.0, budget - math.fsum(risks.tolist())) / np.count_nonzero(active)
+        risks = np.minimum(risks, p.risk.each)
+        keep *= decay
+    statistics: dict[str, Any] = {"rounds": len(values), "end": end, "values": [p.sign * v for v in values[:10]]}
+    return Outcome(answer, statistics=statistics, message=_said(end), limit=stop.reached() or "none")
+
+
+def _shared(problem: RiskAllocation) -> float:
+    """The one budget, a little less for rounding."""
+    return problem.budgets[0].risk * (1.0 - 1e-15 * len(problem.names))
+
+
+def _said(end: str) -> str:
+    if end == "all active":
+        return "it stalled: all constraints are active, so that none has risk to give; convex-allocation decides what each is worth"
+    if end == "infeasible":
+        return "there is no plan with equal risks, from which it starts; convex-allocation finds one with others, or that there is none"
+    return ""
+
+
+def _refuses(problem: RiskAllocation) -> frozenset[str]:
+    return frozenset() if len(problem.budgets) == 1 and problem.risk.total is not None else frozenset({"budgets other than the total"})
+
+
+HEURISTICS.add(
+    "iterative",
+    Heuristic(
+        name="iterative",
+        families=("risk-allocation",),
+        features=frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"}),
+        run=iterative,
+        summary="iterative risk allocation: unused risk goes to the active constraints, plan after plan",
+        stated="no guarantee (never worse than equal risks; stalls where all constraints are active)",
+        refuses=_refuses,
+    ),
+)

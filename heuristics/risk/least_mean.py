@@ -1,0 +1,28 @@
+"""Heuristic ``least-mean``: the path of the least mean cost, whatever its variance (naive A*)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...formulations.evidence import Guarantee
+from ...solvers.engines.path_search.supported_paths import shortest_path
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+
+if TYPE_CHECKING:
+    from ...formulations.risk.uncertain_path import UncertainPath
+
+
+def least_mean(problem: UncertainPath, context: Context) -> Outcome:
+    """A shortest path by means (Dijkstra 1959)."""
+    path = shortest_path(problem.graph, (1.0, 0.0)).path
+    exact = Guarantee(1.0, "mean of the path = least mean", ("the risk is 1/2, where the value is the mean",), "Dijkstra (1959)")
+    return Outcome(path, None if problem.z else exact)
+
+
+HEURISTICS.add(
+    "least-mean",
+    Heuristic(
+        "least-mean", ("uncertain-path",), frozenset({"normal-costs", "risk-aversion"}), least_mean,
+        "the path of the least mean cost (naive A*)", "1 at a risk of 1/2, else no guarantee",
+    ),
+)  # fmt: skip

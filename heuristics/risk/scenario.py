@@ -1,0 +1,120 @@
+"""Scenario approach: a plan that keeps every constraint in each of so many samples keeps the risk with a stated confidence."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.risk.allocations import Allocation
+from ...formulations.risk.forms._fixed_risks import fixed_margins_program
+from ...formulations.risk.risk_allocation import RiskAllocation
+from ...instances.errors import UsageError
+from ...solvers.engines.convex_allocation_steps.session import open_session
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+
+Floats = NDArray[np.float64]
+
+MOST_SAMPLES = 5_000_000
+PORTION = 2_000_000
+"""Numbers that are drawn at a time."""
+
+
+def enough_samples(risk: float, confidence: float, support: int) -> int:
+    """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``.
+
+    The least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
+    Source: Campi and Garatti (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
+    """
+    from scipy.stats import binom
+
+    low, high = support, support
+    while binom.cdf(support - 1, high, risk) > 1.0 - confidence:
+        low, high = high, 2 * high
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if binom.cdf(support - 1, middle, risk) <= 1.0 - confidence else (middle + 1, high)
+    return high
+
+
+def root(covariance: Floats) -> Floats:
+    """A matrix whose product with its transpose is the covariance, which may be singular."""
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0.999, samples: int = 0) -> Outcome:
+    """The best plan that no sample of the noise breaks.
+
+    As the noise does not depend on the decision, each constraint is as tight as its worst sample.
+
+    Parameters
+    ----------
+    problem : RiskAllocation
+        With joint risk, and a total alone.
+    context : Context
+    confidence : float
+        In (0, 1), over the samples drawn, that the plan's probability to fail is the total at most.
+    samples : int
+        How many; 0 for as many as the confidence takes, for as many decisions as there are, or constraints if these are fewer.
+
+    Returns
+    -------
+    Outcome
+        ``statistics``: ``samples``, ``confidence`` (NaN for fewer samples than it takes), ``support``. The judge computes what is true of
+        the plan.
+
+    Raises
+    ------
+    UsageError
+        If a parameter is out of its range, or more samples are needed than can be drawn.
+
+    Notes
+    -----
+    Source: Calafiore and Campi (2006), "The scenario approach to robust control design"; docs/formulations/risk-allocation.md#samples.
+    """
+    if not 0.0 < confidence < 1.0 or samples < 0:
+        raise UsageError("scenario: confidence must lie between 0 and 1, and samples at 0 or more")
+    assert problem.risk.total is not None
+    support = min(problem.size, len(problem.limits))
+    needed = enough_samples(problem.risk.total, confidence, support)
+    many = samples or needed
+    if many > MOST_SAMPLES:
+        raise UsageError(f"scenario: {many} samples are needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
+    stop, noise = context.begin(), root(problem.covariance)
+    worst = np.full(len(problem.limits), -math.inf)
+    portion = max(1, PORTION // max(1, len(worst)))
+    for begin in range(0, many, portion):
+        if stop.reached():
+            return Outcome(None, message="its samples were not drawn in time", limit=stop.reached())
+        drawn = context.rng.standard_normal((min(portion, many - begin), len(worst))) @ noise.T
+        worst = np.maximum(worst, drawn.max(axis=0))
+    made = open_session(fixed_margins_program(problem, "scenario", worst), context.linear.seed).solve(stop)
+    known = confidence if many >= needed else math.nan
+    statistics: dict[str, Any] = {"samples": many, "confidence": known, "support": support}
+    if made.status != "optimal":
+        message = f"the program of {many} samples is {made.status}"
+        return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
+    return Outcome(Allocation(np.clip(made.x[: problem.size], problem.lower, problem.upper)), statistics=statistics)
+
+
+def only_total(problem: RiskAllocation) -> frozenset[str]:
+    """What methods of one joint probability lack."""
+    alone = problem.risk.total is not None and len(problem.budgets) == 1 and bool((problem.caps >= problem.risk.total).all())
+    return frozenset() if alone else frozenset({"budgets other than the total"})
+
+
+HEURISTICS.add(
+    "scenario",
+    Heuristic(
+        name="scenario",
+        families=("risk-allocation",),
+        features=frozenset({"joint-risk", "quadratic-cost", "cones"}),
+        run=scenario,
+        summary="the best plan that keeps every constraint in each of so many samples",
+        stated="no guarantee of the cost; the joint risk is kept with the confidence asked for (Campi and Garatti 2008)",
+        refuses=only_total,
+    ),
+)

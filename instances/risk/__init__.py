@@ -1,0 +1,3 @@
+"""Data of problems under risk."""
+
+from ... import _guard as _guard

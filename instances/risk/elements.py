@@ -1,0 +1,325 @@
+"""Risk elements: what can end a path at a state, as a probability given that nothing did before.
+
+An element depends on the state alone (locale), on it and the two before (action), or on the whole path (traverse). A path's elements are
+put together as a list; the risk of the path is ``1 - prod (1 - r)`` over states and elements.
+
+Source: Xiao (2019), chapter 3; docs/formulations/risky-path.md#risk-elements.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arrays import reals, refuse_outside, whole_numbers
+from ..errors import InputError
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+CATEGORIES = ("locale", "action", "traverse")
+
+
+class Space(Protocol):
+    """What elements know of the states."""
+
+    @property
+    def num_states(self) -> int: ...
+    @property
+    def positions(self) -> Floats | None: ...
+
+
+class RiskElement(ABC):
+    """One source of risk.
+
+    Attributes
+    ----------
+    kind : str
+        Its name in files.
+    category : str
+        ``locale``, ``action`` or ``traverse``.
+    label : str
+        Its name for people.
+    """
+
+    kind: ClassVar[str]
+    category: ClassVar[str]
+    label: str
+
+    @abstractmethod
+    def check(self, space: Space) -> None:
+        """Raise InputError where it does not fit the states, or is no probability."""
+
+    @abstractmethod
+    def parts(self) -> tuple[Any, ...]:
+        """All data that risks depend on, for digests."""
+
+    @abstractmethod
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        """The risk of ``after`` on reaching it from ``state``, reached from ``before``, whatever the path was until then: exact for locale
+        and action elements, a lower bound for others. -1 stands for states that the path does not have."""
+
+
+class MemorylessElement(RiskElement):
+    """Depends on at most the last three states: ``least`` is the risk."""
+
+
+class TraverseElement(RiskElement):
+    """Depends on the whole path, through a memory of it that each move carries on."""
+
+    category: ClassVar[str] = "traverse"
+
+    @abstractmethod
+    def begin(self, space: Space, state: int) -> tuple[Hashable, float]:
+        """Memory and risk at the first state."""
+
+    @abstractmethod
+    def step(self, space: Space, memory: Any, state: int, after: int) -> tuple[Hashable, float]:
+        """Memory and risk after the move from ``state`` to ``after``."""
+
+    def no_worse(self, memory: Any, other: Any) -> bool:
+        """Whether whatever follows is at most as risky with ``memory`` as with ``other``, at every state."""
+        return bool(memory == other)
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        return np.zeros(len(after))
+
+
+def probabilities(what: str, values: ArrayLike) -> Floats:
+    """``values`` as an array; raises InputError for the first one outside [0, 1]."""
+    made = reals(what, values)
+    wrong = ~((made >= 0.0) & (made <= 1.0))
+    if wrong.any():
+        at = np.argwhere(wrong)[0].tolist()
+        raise InputError(f"{what} must lie in [0, 1]", found=f"{made[tuple(at)]:g} at {', '.join(map(str, at))}")
+    return made
+
+
+def rate_of(what: str, value: float) -> float:
+    """``value`` as a number of at least 0; raises InputError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
+        raise InputError(f"{what} must be a number of at least 0", found=str(value)[:40])
+    return float(value)
+
+
+def placed(element: RiskElement, space: Space) -> Floats:
+    """Places of the states; raises InputError where they have none."""
+    if space.positions is None:
+        raise InputError(f"risk element {element.label} needs positions of the states")
+    return space.positions
+
+
+@dataclass(frozen=True, eq=False)
+class LocaleRisk(MemorylessElement):
+    """A risk for each state: of its clearance, visibility, terrain, traffic.
+
+    Parameters
+    ----------
+    risk : array-like, shape (states,)
+    label : str
+    """
+
+    kind: ClassVar[str] = "locale"
+    risk: Floats
+    label: str = "locale"
+    category: ClassVar[str] = "locale"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "risk", probabilities(f"risks of {self.label}", self.risk))
+
+    def check(self, space: Space) -> None:
+        if self.risk.shape != (space.num_states,):
+            raise InputError(f"risks of {self.label} must be one a state", expected=str(space.num_states), found=str(self.risk.shape))
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.risk)
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        return self.risk[after]
+
+
+GROWTHS = ("linear", "exponential")
+
+
+@dataclass(frozen=True, eq=False)
+class LengthRisk(MemorylessElement):
+    """Of the length L of the move: ``rate * L`` (linear, as the source has it) or ``1 - exp(-rate * L)``, which cutting a move into shorter
+    ones does not change.
+
+    Parameters
+    ----------
+    rate : float, per unit of length
+    growth : str
+        ``linear`` or ``exponential``.
+    label : str
+    """
+
+    kind: ClassVar[str] = "length"
+    rate: float
+    growth: str = "exponential"
+    label: str = "length"
+    category: ClassVar[str] = "action"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
+        if self.growth not in GROWTHS:
+            raise InputError(f"the growth of {self.label} is unknown", expected=", ".join(GROWTHS), found=str(self.growth))
+
+    def check(self, space: Space) -> None:
+        placed(self, space)
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.rate, self.growth)
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        at = placed(self, space)
+        length = np.where(state >= 0, np.linalg.norm(at[after] - at[state], axis=-1), 0.0)
+        return self.rate * length if self.growth == "linear" else -np.expm1(-self.rate * length)
+
+
+MEASURES = ("norm", "angle", "change")
+
+
+@dataclass(frozen=True, eq=False)
+class TurnRisk(MemorylessElement):
+    """Of a turn, which takes three states: ``rate`` times a measure of it.
+
+    Parameters
+    ----------
+    rate : float
+        Per unit of length (``norm``), per 45 degrees (``angle``), or for any change (``change``).
+    measure : str
+        ``norm``: of the difference of the two moves, as the source's text has it; it charges a change of length as well. ``angle``: of the
+        headings, as its table 3.1. ``change``: 1 where the moves differ, as its chapter 7.
+    label : str
+    """
+
+    kind: ClassVar[str] = "turn"
+    rate: float
+    measure: str = "angle"
+    label: str = "turn"
+    category: ClassVar[str] = "action"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
+        if self.measure not in MEASURES:
+            raise InputError(f"the measure of {self.label} is unknown", expected=", ".join(MEASURES), found=str(self.measure))
+
+    def check(self, space: Space) -> None:
+        placed(self, space)
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.rate, self.measure)
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        at = placed(self, space)
+        first, second = at[state] - at[before], at[after] - at[state]
+        sizes = np.linalg.norm(first, axis=-1), np.linalg.norm(second, axis=-1)
+        if self.measure == "angle":
+            with np.errstate(divide="ignore", invalid="ignore"):
+                a, b = first / sizes[0][:, None], second / sizes[1][:, None]
+            chord, sum_ = np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)
+            value = np.nan_to_num(2.0 * np.arctan2(chord, sum_) / (math.pi / 4.0))
+        else:
+            value = np.linalg.norm(second - first, axis=-1)
+            if self.measure == "change":
+                value = (value > 1e-9 * np.maximum(*sizes)).astype(np.float64)
+        return np.where((before >= 0) & (state >= 0), self.rate * value, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class AccessRisk(MemorylessElement):
+    """Of a change in how wide a place is, which costs in one direction more than in the other: ``narrowing`` times what a move loses of the
+    width, or ``widening`` times what it gains.
+
+    Parameters
+    ----------
+    width : array-like, shape (states,)
+    narrowing, widening : float, per unit of width
+    label : str
+    """
+
+    kind: ClassVar[str] = "access"
+    width: Floats
+    narrowing: float
+    widening: float = 0.0
+    label: str = "access"
+    category: ClassVar[str] = "action"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "width", reals(f"widths of {self.label}", self.width))
+        for key in ("narrowing", "widening"):
+            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
+
+    def check(self, space: Space) -> None:
+        if self.width.shape != (space.num_states,) or not np.isfinite(self.width).all():
+            raise InputError(f"widths of {self.label} must be one finite number a state", expected=str(space.num_states))
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.width, self.narrowing, self.widening)
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        gain = np.where(state >= 0, self.width[after] - self.width[state], 0.0)
+        return np.where(gain < 0, -gain * self.narrowing, gain * self.widening)
+
+
+@dataclass(frozen=True, eq=False)
+class MoveRisk(MemorylessElement):
+    """A table: risks of some moves, or of some pairs of moves; all others have none.
+
+    Parameters
+    ----------
+    before, state, after : array-like of int, shape (entries,)
+        States; -1 in ``before`` stands for any, the start of the path included.
+    risk : array-like, shape (entries,)
+    label : str
+    """
+
+    kind: ClassVar[str] = "moves"
+    before: Indices
+    state: Indices
+    after: Indices
+    risk: Floats
+    label: str = "moves"
+    category: ClassVar[str] = "action"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "risk", probabilities(f"risks of {self.label}", self.risk))
+        for key in ("before", "state", "after"):
+            column = whole_numbers(f"{key} of {self.label}", getattr(self, key))
+            if column.shape != self.risk.shape:
+                raise InputError(f"{key} of {self.label} must be one state a risk", expected=str(self.risk.shape), found=str(column.shape))
+            object.__setattr__(self, key, column)
+        entries = list(zip(self.before.tolist(), self.state.tolist(), self.after.tolist(), strict=True))
+        if len(set(entries)) < len(entries):
+            twice = next(e for k, e in enumerate(entries) if e in entries[:k])
+            raise InputError(f"{self.label} has two risks for one move", found=str(twice))
+
+    def check(self, space: Space) -> None:
+        for key in ("state", "after"):
+            refuse_outside(f"{key} {{}} of {self.label}", getattr(self, key), space.num_states, "state")
+        refuse_outside(f"before {{}} of {self.label}", self.before + 1, space.num_states + 1, "state")
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.before, self.state, self.after, self.risk)
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        survives = np.ones(len(after))
+        width = space.num_states + 1
+        for whole in (True, False):  # a pair of moves may have a risk of its own beside that of its second move
+            chosen = (self.before >= 0) == whole
+            if not chosen.any():
+                continue
+            known = ((self.before[chosen] + 1) * width + self.state[chosen] + 1) * width + self.after[chosen]
+            asked = ((before + 1 if whole else 0) * width + state + 1) * width + after
+            order = np.argsort(known, kind="stable")
+            at = np.minimum(np.searchsorted(known[order], asked), len(known) - 1)
+            found = known[order][at] == asked
+            survives *= np.where(found, 1.0 - self.risk[chosen][order][at], 1.0)
+        return 1.0 - survives

@@ -1,0 +1,3 @@
+"""File formats of instances under risk."""
+
+from .... import _guard as _guard

@@ -1,0 +1,76 @@
+"""What the text formats of risky graphs say in their comment lines: the objective, and elements of risk by a few numbers each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ...errors import InputError
+from ...formats.table import Settings
+from ...text import is_number, shown
+from ..elements import GROWTHS, MEASURES, LengthRisk, RiskElement, TurnRisk
+from ..risky_graph import OBJECTIVES
+from ..tether import Tether
+from ..traverse_elements import TetherRisk, TravelledRisk
+
+COMMON = ("name", "objective", "conditional", "discount", "length", "turn", "travelled", "tether")
+"""Settings of both formats."""
+
+YES = {"yes": True, "true": True, "no": False, "false": False}
+
+
+def numbers_of(settings: Settings, key: str, least: int, most: int, words: Sequence[str] = ()) -> tuple[list[float], str]:
+    """The numbers of a setting, ``least`` to ``most`` of them, and the word of ``words`` that may follow, "" for none."""
+    line, text = settings[key]
+    tokens = text.split()
+    word = tokens.pop() if tokens and words and not is_number(tokens[-1]) else ""
+    if word and word not in words:
+        raise InputError(f"{key} has an unknown word {shown(word)}", line=line, expected=", ".join(words))
+    wrong = next((token for token in tokens if not is_number(token)), None)
+    if wrong is not None or not least <= len(tokens) <= most:
+        count = str(least) if least == most else f"{least} to {most}"
+        raise InputError(f"{key} needs {count} numbers", line=line, found=shown(text if wrong is None else wrong))
+    return [float(token) for token in tokens], word
+
+
+def graph_settings(settings: Settings) -> dict[str, Any]:
+    """Keyword arguments of a graph: name, objective, discount, and whether risks are conditional, which must be said."""
+    if "conditional" not in settings:
+        raise InputError("it must be said whether risks are conditional", line=1, expected="a line '# conditional: yes', or no")
+    line, text = settings["conditional"]
+    if text.lower() not in YES:
+        raise InputError("conditional must be yes or no", line=line, found=shown(text))
+    made: dict[str, Any] = {"conditional": YES[text.lower()]}
+    if "objective" in settings:
+        line, made["objective"] = settings["objective"]
+        if made["objective"] not in OBJECTIVES:
+            raise InputError("the objective is unknown", line=line, expected=", ".join(OBJECTIVES), found=shown(made["objective"]))
+    if "discount" in settings:
+        (made["discount"],), _ = numbers_of(settings, "discount", 1, 1)
+    return made
+
+
+def at_line(settings: Settings, key: str, make: Callable[[], Any]) -> Any:
+    """What ``make`` returns; its complaints get the line of the setting."""
+    try:
+        return make()
+    except InputError as error:
+        raise error.at(line=settings[key][0]) from None
+
+
+def elements_of(settings: Settings, obstacles: Any, spacing: float | None) -> list[RiskElement]:
+    """The elements of action and traverse that the settings ask for."""
+    made: list[RiskElement] = []
+    if "length" in settings:
+        (rate,), growth = numbers_of(settings, "length", 1, 1, GROWTHS)
+        made.append(at_line(settings, "length", lambda: LengthRisk(rate, growth or "exponential")))
+    if "turn" in settings:
+        (turn,), measure = numbers_of(settings, "turn", 1, 1, MEASURES)
+        made.append(at_line(settings, "turn", lambda: TurnRisk(turn, measure or "angle")))
+    if "travelled" in settings:
+        way, _ = numbers_of(settings, "travelled", 1, 2)
+        made.append(at_line(settings, "travelled", lambda: TravelledRisk(way[0], way[1] if len(way) > 1 else 0.0)))
+    if "tether" in settings:
+        (x, y, long, contact), _ = numbers_of(settings, "tether", 4, 4)
+        made.append(at_line(settings, "tether", lambda: TetherRisk(Tether((x, y), obstacles, spacing), long, contact)))
+    return made

@@ -1,0 +1,98 @@
+"""Maps drawn in text, a character a cell, with the elements of risk in comment lines above; documented in ``docs/formats.md``.
+
+``.`` is free, ``@`` occupied, ``S`` the start, ``G`` a goal, ``~`` mud, and a digit a reward. The last line is the lowest row.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...formats.table import Settings, settings_of
+from ...text import label, shown
+from ..elements import LocaleRisk, RiskElement
+from ..occupancy import OccupancyGrid, classed, faded
+from ..risky_graph import RiskyGraph
+from ..traverse_elements import CollectedRisk
+from ._settings import COMMON, at_line, elements_of, graph_settings, numbers_of
+
+KEYS = (*COMMON, "cell", "connectivity", "clearance", "visibility", "scale", "mud")
+CELLS = ".@SG~0123456789"
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line says so."""
+    return text.lstrip().split("\n", 1)[0].lstrip("# ").rstrip().lower() == "risk map"
+
+
+def read(text: str, path: Path) -> RiskyGraph:
+    """The instance; see ``Format.read``."""
+    settings, first = settings_of(text, KEYS, ("a map",))
+    drawn, lines = _cells(text, first)
+    occupied, cell = drawn == "@", numbers_of(settings, "cell", 1, 1)[0][0] if "cell" in settings else 1.0
+    grid = at_line(settings, "cell", lambda: OccupancyGrid(occupied, cell)) if "cell" in settings else OccupancyGrid(occupied)
+    marks = drawn[tuple(grid.cells.T)]
+    (start,) = _one(np.nonzero(marks == "S")[0].tolist(), lines)
+    neighbours = int(numbers_of(settings, "connectivity", 1, 1)[0][0]) if "connectivity" in settings else 8
+    tail, head = at_line(settings, "connectivity", lambda: grid.arcs(neighbours)) if "connectivity" in settings else grid.arcs(neighbours)
+    elements = [*_places(settings, grid), *elements_of(settings, grid.boxes, cell)]
+    if "mud" in settings:
+        (risk,), _ = numbers_of(settings, "mud", 1, 1)
+        muddy = marks == "~"
+        table = np.array([np.zeros(len(marks)), np.where(muddy, risk, 0.0)])
+        elements.append(at_line(settings, "mud", lambda: CollectedRisk(muddy, table, "mud")))
+    rewards = np.array([float(mark) if mark.isdigit() else 0.0 for mark in marks.tolist()])
+    return RiskyGraph(
+        len(marks), tail, head, tuple(elements), start, goals=tuple(np.nonzero(marks == "G")[0].tolist()), rewards=rewards,
+        positions=grid.positions, obstacles=grid.boxes, state_names=grid.names, format="risk-map",
+        name=label(settings["name"][1] if "name" in settings else path.stem), **graph_settings(settings),
+    )  # fmt: skip
+
+
+def _cells(text: str, first: int) -> tuple[NDArray[np.str_], int]:
+    """Characters of the map, the lowest row first, and the line in which it begins."""
+    rows = [line.rstrip() for line in text.split("\n")[first:]]
+    while rows and not rows[-1]:
+        rows.pop()
+    for k, row in enumerate(rows):
+        strange = next((character for character in row if character not in CELLS), None)
+        if strange is not None:
+            raise InputError(f"the map holds {shown(strange)}", line=first + 1 + k, expected=f"one of {' '.join(CELLS)}")
+        if len(row) != len(rows[0]) or not row:
+            raise InputError("row has a wrong length", line=first + 1 + k, expected=f"{len(rows[0])} cells", found=f"{len(row)} cells")
+    return np.array([list(row) for row in reversed(rows)]), first + 1
+
+
+def _one(starts: list[int], line: int) -> list[int]:
+    if len(starts) != 1:
+        raise InputError("the map must hold one start S", line=line, found=str(len(starts)))
+    return starts
+
+
+def _places(settings: Settings, grid: OccupancyGrid) -> list[RiskElement]:
+    """Locale elements: risks that fade with clearance and visibility, and by class of scale."""
+    made: list[RiskElement] = []
+    if "clearance" in settings:
+        (most, low, high), _ = numbers_of(settings, "clearance", 3, 3)
+        made.append(at_line(settings, "clearance", lambda: LocaleRisk(faded(grid.clearance(), low, high, most), "clearance")))
+    if "visibility" in settings:
+        (most_seen, near, far, *rays), _ = numbers_of(settings, "visibility", 3, 4)
+        seen = at_line(settings, "visibility", lambda: grid.visibility(int(rays[0]) if rays else 16))
+        made.append(at_line(settings, "visibility", lambda: LocaleRisk(faded(seen, near, far, most_seen), "visibility")))
+    if "scale" in settings:
+        (size, *risks), _ = numbers_of(settings, "scale", 3, 4)
+        made.append(at_line(settings, "scale", lambda: LocaleRisk(classed(grid.scale(size), *risks), "scale")))
+    return made
+
+
+FORMATS.add(
+    "risk-map",
+    Format(
+        "risk-map", "map with risks drawn in text, a character a cell", recognises, read, None, (), "risky-path", ("risky-path",), "exact",
+        sense="min or max", answer="path", solutions=(".json",), kinds=("risky-graph",),
+    ),
+)  # fmt: skip

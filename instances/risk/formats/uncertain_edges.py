@@ -1,0 +1,103 @@
+"""Graphs of uncertain edge costs as edge lists in CSV: one row an edge; documented in ``docs/formats.md``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError, UsageError
+from ...formats import FORMATS, Format
+from ...formats.table import Table, settings_of, table_of, titles_of, written
+from ...text import label, number, plain, shown
+from ..uncertain_graph import PROBLEMS, UncertainGraph
+from ..uncertain_sources import COLUMNS, graph_of_names, is_undirected
+
+KEYS = ("name", "start", "goal", "undirected")
+FLAGS = {"true": True, "false": False}
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line that is no comment holds the titles ``from``, ``to``, ``mean`` and ``variance``."""
+    return set(COLUMNS[:4]) <= titles_of(text)
+
+
+def read(text: str, path: Path) -> UncertainGraph:
+    """The instance; see ``Format.read``."""
+    settings, start = settings_of(text, KEYS, COLUMNS)
+    for key in ("start", "goal"):
+        if key not in settings:
+            raise InputError(f"setting {key} is missing", line=1, expected=f"a line '# {key}: NAME' above the table")
+    line, undirected = settings.get("undirected", (0, "false"))
+    if undirected.lower() not in FLAGS:
+        raise InputError("undirected must be true or false", line=line, found=shown(undirected))
+    table = table_of(text, start, COLUMNS, "edges")
+    columns = {title: table.column(title) for title in COLUMNS}
+    for title in COLUMNS[:4]:
+        if columns[title] is None:
+            raise InputError(f"column {title} is missing", line=start + 1, expected=", ".join(COLUMNS[:4]), found=", ".join(table.titles))
+    tails, heads = (_names(table, title) for title in COLUMNS[:2])
+    _refuse_pairs(tails, heads, table.at, FLAGS[undirected.lower()])
+    costs = {}
+    for title in COLUMNS[2:]:
+        cells = columns[title]
+        if cells is not None:
+            values = np.array([number(cell, at, title) for cell, at in zip(cells, table.at, strict=True)])
+            if (values < 0).any():
+                k = int(np.argmax(values < 0))
+                raise InputError(f"{title} is negative", line=table.at[k], expected="0 or more", found=cells[k])
+            costs[title] = values
+    name = label(settings["name"][1] if "name" in settings else path.stem)
+    return graph_of_names(
+        tails, heads, costs, settings["start"][1], settings["goal"][1], undirected=FLAGS[undirected.lower()], name=name,
+        format="uncertain-edges",
+    )  # fmt: skip
+
+
+def _names(table: Table, title: str) -> list[str]:
+    cells = table.column(title) or []
+    for cell, line in zip(cells, table.at, strict=True):
+        if not cell or not cell.isprintable():
+            raise InputError(f"{title} must name a vertex", line=line, expected="a printable name", found=ascii(cell)[:40])
+    return cells
+
+
+def _refuse_pairs(tails: list[str], heads: list[str], lines: list[int], undirected: bool) -> None:
+    """Raise InputError for the first edge that leads nowhere or stands twice, with its line."""
+    seen: dict[tuple[str, str], int] = {}
+    for tail, head, line in zip(tails, heads, lines, strict=True):
+        if tail == head:
+            raise InputError("an edge leads from a vertex to itself", line=line, found=shown(tail))
+        pair = (min(tail, head), max(tail, head)) if undirected else (tail, head)
+        if pair in seen:
+            raise InputError(f"the edge stands twice, first in line {seen[pair]}", line=line, found=f"{shown(tail)} to {shown(head)}")
+        seen[pair] = line
+
+
+def write(instance: Any) -> str:
+    """The text; see ``Format.write``."""
+    if not isinstance(instance, UncertainGraph):
+        raise UsageError(f"{getattr(instance, 'name', 'this')} has no uncertain costs and cannot be written as uncertain-edges; use json")
+    both = is_undirected(instance)
+    if instance.positions is not None or (instance.variable is not None and not both):
+        what = "positions" if instance.positions is not None else "costs that edges share"
+        raise UsageError(f"{instance.name} cannot be written as uncertain-edges, which has no place for {what}; use json")
+    settings = [("name", instance.name), ("start", instance.vertex_name(instance.start)), ("goal", instance.vertex_name(instance.goal))]
+    kept = np.nonzero(instance.tails < instance.heads)[0] if both else np.arange(instance.num_edges)
+    settings += [("undirected", "true")] if both else []
+    columns = [[instance.vertex_name(v) for v in ends[kept].tolist()] for ends in (instance.tails, instance.heads)]
+    for title in COLUMNS[2:]:
+        values = getattr(instance, title)
+        if values is not None:
+            columns.append([plain(value) for value in values[kept].tolist()])
+    return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
+
+
+FORMATS.add(
+    "uncertain-edges",
+    Format(
+        "uncertain-edges", "edges with mean and variance of their costs from CSV, one row each", recognises, read, write, (".csv",),
+        PROBLEMS[0], PROBLEMS, "exact", sense="min", answer="path", solutions=(".json",), kinds=("uncertain-graph",),
+    ),
+)  # fmt: skip

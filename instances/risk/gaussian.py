@@ -1,0 +1,141 @@
+"""Gaussian quantities that depend linearly on decisions: given outright, or as the states of a linear system."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from ..errors import InputError
+
+Floats = NDArray[np.float64]
+
+SEMIDEFINITE = 1e-9
+"""Part of its largest eigenvalue by which the least one of a covariance may lie below 0: rounding of whoever made it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dynamics:
+    """A linear system with additive Gaussian noise: ``s_t = A s_(t-1) + B u_t + w_t``, ``w_t ~ N(0, W)``, ``s_0 ~ N(start, P)``.
+
+    The decisions are the inputs, step after step.
+
+    Parameters
+    ----------
+    state : array of shape (states, states)
+        A.
+    input : array of shape (states, inputs)
+        B.
+    noise, start_covariance : array of shape (states, states)
+        W and P.
+    start : array of shape (states,)
+    steps : int
+    state_names, input_names : tuple of str
+    """
+
+    state: Floats
+    input: Floats
+    noise: Floats
+    start: Floats
+    start_covariance: Floats
+    steps: int
+    state_names: tuple[str, ...]
+    input_names: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        n, m = len(self.state_names), len(self.input_names)
+        shapes = {"state": (n, n), "input": (n, m), "noise": (n, n), "start_covariance": (n, n), "start": (n,)}
+        for key, shape in shapes.items():
+            if getattr(self, key).shape != shape:
+                raise InputError(f"dynamics: {key} has the wrong shape", expected=str(shape), found=str(getattr(self, key).shape))
+        if self.steps < 1:
+            raise InputError("dynamics: there must be at least one step", found=str(self.steps))
+        check_covariance("dynamics: noise", self.noise)
+        check_covariance("dynamics: start_covariance", self.start_covariance)
+
+    def quantities(self) -> Quantities:
+        """The states of steps 1 to ``steps``, step after step."""
+        n, m, steps = len(self.state_names), len(self.input_names), self.steps
+        powers = [np.eye(n)]
+        for _ in range(steps):
+            powers.append(self.state @ powers[-1])
+        mean_map, offset = np.zeros((steps, n, steps, m)), np.zeros((steps, n))
+        covariance = np.zeros((steps, n, steps, n))
+        spread = self.start_covariance
+        for t in range(steps):
+            for k in range(t + 1):
+                mean_map[t, :, k] = powers[t - k] @ self.input
+            offset[t] = powers[t + 1] @ self.start
+            spread = self.state @ spread @ self.state.T + self.noise
+            for later in range(t, steps):
+                covariance[later, :, t] = powers[later - t] @ spread
+                covariance[t, :, later] = covariance[later, :, t].T
+        names = tuple(f"{name}@{t + 1}" for t in range(steps) for name in self.state_names)
+        size = steps * n
+        return Quantities(
+            mean_map.reshape(size, steps * m), offset.reshape(size), covariance.reshape(size, size), names, self, checked=True
+        )
+
+    def decision_names(self) -> tuple[str, ...]:
+        return tuple(f"{name}@{t + 1}" for t in range(self.steps) for name in self.input_names)
+
+
+@dataclass(frozen=True, eq=False)
+class Quantities:
+    """Jointly Gaussian quantities ``y ~ N(map x + offset, covariance)`` of decisions x.
+
+    Parameters
+    ----------
+    map : array of shape (quantities, decisions)
+    offset : array of shape (quantities,)
+    covariance : array of shape (quantities, quantities)
+        Positive semidefinite.
+    names : tuple of str
+    dynamics : Dynamics, optional
+        Where they come from.
+    checked : bool
+        Whether the covariance is known to be one.
+    """
+
+    map: Floats
+    offset: Floats
+    covariance: Floats
+    names: tuple[str, ...]
+    dynamics: Dynamics | None = None
+    checked: bool = False
+
+    def __post_init__(self) -> None:
+        q = len(self.names)
+        for key in ("map", "offset", "covariance"):
+            object.__setattr__(self, key, arrays.reals(f"quantities: {key}", getattr(self, key)))
+        if self.map.ndim != 2 or len(self.map) != q or self.offset.shape != (q,):
+            found = f"{self.map.shape} and {self.offset.shape}"
+            raise InputError("quantities: map and offset have one row each quantity", expected=str(q), found=found)
+        if not (np.isfinite(self.map).all() and np.isfinite(self.offset).all()):
+            raise InputError("quantities: map and offset must be finite")
+        if self.covariance.shape != (q, q):
+            raise InputError("quantities: covariance has the wrong shape", expected=str((q, q)), found=str(self.covariance.shape))
+        if not self.checked:
+            check_covariance("quantities: covariance", self.covariance)
+
+
+def check_covariance(what: str, matrix: ArrayLike) -> None:
+    """Raise InputError unless ``matrix`` is symmetric and positive semidefinite but for rounding; says by how much it is not."""
+    given = np.asarray(matrix, dtype=np.float64)
+    if not np.isfinite(given).all():
+        raise InputError(f"{what} must be finite")
+    variance = np.diag(given)
+    if (variance < 0).any():
+        k = int(np.argmin(variance))
+        raise InputError(f"{what} has a negative variance", expected="0 or more", found=f"{variance[k]:g} at {k}")
+    largest = float(np.abs(given).max(initial=0.0))
+    apart = float(np.abs(given - given.T).max(initial=0.0))
+    if apart > SEMIDEFINITE * largest:
+        raise InputError(f"{what} is not symmetric", found=f"entries that differ by {apart:g}")
+    if not (given - np.diag(variance)).any():
+        return
+    values = np.linalg.eigvalsh(given)
+    if values[0] < -SEMIDEFINITE * max(float(values[-1]), largest):
+        raise InputError(f"{what} is not positive semidefinite", found=f"the least eigenvalue {values[0]:.6g}")

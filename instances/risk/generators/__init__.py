@@ -1,0 +1,3 @@
+"""Seeded recipes for instances under risk."""
+
+from .... import _guard as _guard

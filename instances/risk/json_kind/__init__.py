@@ -1,0 +1,3 @@
+"""Instances under risk in waybound's JSON: one module a kind."""
+
+from .... import _guard as _guard

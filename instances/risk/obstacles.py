@@ -1,0 +1,130 @@
+"""Obstacles as boxes along the axes, and what of a map a straight line can reach."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arrays import reals
+from ..errors import InputError
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+def boxes_of(obstacles: ArrayLike) -> Floats:
+    """Boxes as an array of shape (boxes, 2, dimensions): least and largest corner; touching them is allowed, passing through is not.
+
+    Parameters
+    ----------
+    obstacles : array-like, shape (boxes, 4) or (boxes, 6)
+        Least coordinates, then largest: ``x, y, x, y`` in the plane.
+    """
+    flat = reals("obstacles", obstacles)
+    if flat.size == 0:
+        return np.zeros((0, 2, 2))
+    if flat.ndim != 2 or flat.shape[1] not in (4, 6):
+        raise InputError("obstacles must be boxes of 4 numbers in the plane or 6 in space", found=f"shape {flat.shape}")
+    boxes = flat.reshape(len(flat), 2, -1)
+    wrong = ~np.isfinite(flat).all(axis=1) | ~(boxes[:, 0] < boxes[:, 1]).all(axis=1)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise InputError(f"obstacle {k} must have finite corners, the least one first", found=str(flat[k].tolist()))
+    return boxes
+
+
+def blocked(start: ArrayLike, end: ArrayLike, boxes: Floats) -> Flags:
+    """Which straight segments pass through the inside of an obstacle, or between two that touch.
+
+    Parameters
+    ----------
+    start, end : array-like, shape (dimensions,) or (segments, dimensions)
+    boxes : array, shape (boxes, 2, dimensions)
+
+    Returns
+    -------
+    array of bool, shape (segments,)
+    """
+    a, b = np.broadcast_arrays(np.atleast_2d(np.asarray(start, dtype=np.float64)), np.atleast_2d(np.asarray(end, dtype=np.float64)))
+    if not len(boxes):
+        return np.zeros(len(a), dtype=bool)
+    along = (b - a)[:, None, :]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        low, high = ((boxes[None, :, side] - a[:, None]) / along for side in (0, 1))
+    flat = along == 0.0
+    inside = (boxes[None, :, 0] < a[:, None]) & (a[:, None] < boxes[None, :, 1])
+    enter = np.where(flat, np.where(inside, -np.inf, np.inf), np.minimum(low, high))
+    leave = np.where(flat, np.where(inside, np.inf, -np.inf), np.maximum(low, high))
+    first, last = np.maximum(enter.max(axis=2), 0.0), np.minimum(leave.min(axis=2), 1.0)
+    through: Flags = (last - first > _GRAZE).any(axis=1)
+    for k in np.nonzero(~through & flat[:, 0].any(axis=1) & ~(flat[:, 0].all(axis=1)))[0].tolist():
+        through[k] = _along_a_seam(a[k], b[k], boxes)
+    return through
+
+
+_GRAZE = 1e-12
+"""Part of a segment within an obstacle that counts as touching it: coordinates are known to about that."""
+
+
+def _along_a_seam(a: Floats, b: Floats, boxes: Floats) -> bool:
+    """Whether a segment along an axis runs where two boxes touch, one at each side of it."""
+    (axis,) = np.nonzero(a != b)[0].tolist()[:1]
+    low, high = sorted((float(a[axis]), float(b[axis])))
+    for side in np.nonzero(a == b)[0].tolist():
+        others = [d for d in range(len(a)) if d not in (axis, side)]
+        near = ((boxes[:, 0, others] < a[others]) & (a[others] < boxes[:, 1, others])).all(axis=1)
+        left, right = (boxes[near & (boxes[:, edge, side] == a[side])][:, :, axis] for edge in (1, 0))
+        if len(left) and len(right):
+            begin = np.maximum(np.maximum.outer(left[:, 0], right[:, 0]), low)
+            if (np.minimum(np.minimum.outer(left[:, 1], right[:, 1]), high) > begin).any():
+                return True
+    return False
+
+
+def visible(reel: ArrayLike, points: ArrayLike, obstacles: ArrayLike) -> Flags:
+    """Which points a straight tether from ``reel`` reaches: reachable space reduced by ray casting.
+
+    A point is kept if the open segment to it passes through no obstacle. A tether that moves from one kept point to another may still brush
+    an obstacle between them; ``Tether`` says whether it does.
+
+    Parameters
+    ----------
+    reel : array-like, shape (dimensions,)
+    points : array-like, shape (points, dimensions)
+    obstacles : array-like, shape (boxes, 2 * dimensions)
+
+    Returns
+    -------
+    array of bool, shape (points,)
+
+    Notes
+    -----
+    Source: Xiao (2019), section 5.3.1; docs/formulations/risky-path.md#tethers.
+    """
+    return ~blocked(np.asarray(reel, dtype=np.float64), points, boxes_of(obstacles))
+
+
+def merged_boxes(occupied: NDArray[Any], cell: float = 1.0) -> Floats:
+    """Occupied cells of a map in the plane as boxes, runs of a row and then equal runs of rows joined: shape (boxes, 4).
+
+    Parameters
+    ----------
+    occupied : array of bool, shape (rows, columns)
+        Cell (r, c) covers ``[c, c + 1] x [r, r + 1]`` times ``cell``.
+    cell : float
+        Side of a cell.
+    """
+    open_: dict[tuple[int, int], int] = {}
+    made: list[tuple[float, ...]] = []
+    for row in range(occupied.shape[0] + 1):
+        runs: set[tuple[int, int]] = set()
+        if row < occupied.shape[0]:
+            edges = np.diff(np.concatenate([[0], occupied[row].astype(np.int8), [0]]))
+            runs = set(zip(np.nonzero(edges == 1)[0].tolist(), np.nonzero(edges == -1)[0].tolist(), strict=True))
+        for run in sorted(open_.keys() - runs):
+            made.append((run[0] * cell, open_.pop(run) * cell, run[1] * cell, row * cell))
+        for run in runs - open_.keys():
+            open_[run] = row
+    return np.array(sorted(made), dtype=np.float64).reshape(-1, 4)

@@ -1,0 +1,236 @@
+"""Graphs whose states and moves carry risk, as a file gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from ..errors import InputError
+from ..instance import digest
+from ..text import label, shown
+from .elements import RiskElement, TraverseElement
+from .obstacles import boxes_of
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.integer[Any]]
+
+OBJECTIVES = ("risk", "hazard", "reward-per-risk")
+
+
+@dataclass(frozen=True, eq=False)
+class RiskyGraph:
+    """States, moves between them, and what puts a path at risk.
+
+    Parameters
+    ----------
+    num_states : int
+    tail, head : array-like of int, shape (arcs,)
+        Moves, in any order, none twice, none from a state to itself.
+    elements : sequence of RiskElement
+    start : int
+        The first state; its risk counts.
+    conditional : bool
+        Whether risks are given as probabilities under the condition that nothing failed before, whose product is exact; else the product
+        holds for independent failures only, and answers are told so.
+    goals : sequence of int
+        Where a path may end; none stands for anywhere, the start alone included.
+    rewards : array-like, shape (states,), optional
+        Not negative; 0 by default.
+    discount : float
+        In [0, 1]: what a reward keeps at each move that follows; 0 counts that of the last state alone.
+    objective : str
+        ``risk``, ``hazard`` or ``reward-per-risk``; by default the last where there are rewards and no goals, else the first.
+    positions : array-like, shape (states, 2) or (states, 3), optional
+    obstacles : array-like, shape (boxes, 4) or (boxes, 6)
+        For pictures.
+    state_names : sequence of str, optional
+        None stands for "1", "2", ...
+    """
+
+    kind: ClassVar[str] = "risky-graph"
+    num_states: int
+    tail: Indices
+    head: Indices
+    elements: tuple[RiskElement, ...]
+    start: int
+    conditional: bool
+    goals: tuple[int, ...] = ()
+    rewards: Floats | None = None
+    discount: float = 1.0
+    objective: str = ""
+    positions: Floats | None = None
+    obstacles: Floats | None = None
+    state_names: tuple[str, ...] | None = None
+    name: str = "risky-graph"
+    format: str = "arrays"
+    problem: str = "risky-path"
+    problems: tuple[str, ...] = ("risky-path",)
+    notes: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        def put(key: str, value: Any) -> None:
+            object.__setattr__(self, key, value)
+
+        n = arrays.size("states", self.num_states)
+        if n == 0:
+            raise InputError("there must be at least one state")
+        put("name", label(self.name))
+        put("state_names", arrays.names("state", self.state_names, n))
+        self._arcs(n)
+        arrays.refuse_unused("states", n, len(self.tail), "moves")
+        if not isinstance(self.conditional, bool):
+            raise InputError("it must be said whether risks are conditional, true or false", found=shown(str(self.conditional)))
+        put("goals", tuple(dict.fromkeys(arrays.whole_numbers("goals", self.goals).tolist())))
+        for what, states in (("start", (self.start,)), ("goal", self.goals)):
+            for state in states:
+                if isinstance(state, bool) or not isinstance(state, int | np.integer) or not 0 <= state < n:
+                    raise InputError(f"the {what} must be a state", expected=f"0 to {n - 1}", found=shown(str(state)))
+        put("start", int(self.start))
+        rewards = np.zeros(n) if self.rewards is None else arrays.reals("rewards", self.rewards)
+        if rewards.shape != (n,):
+            raise InputError("rewards must be one a state", expected=str(n), found=str(rewards.shape))
+        arrays.refuse_negative("reward {}", rewards)
+        arrays.refuse_overflow("rewards", rewards)
+        put("rewards", rewards)
+        if isinstance(self.discount, bool) or not isinstance(self.discount, int | float) or not 0.0 <= self.discount <= 1.0:
+            raise InputError("the discount must lie in [0, 1]", found=shown(str(self.discount)))
+        put("objective", self.objective or ("reward-per-risk" if rewards.any() and not self.goals else "risk"))
+        if self.objective not in OBJECTIVES:
+            raise InputError("the objective is unknown", expected=", ".join(OBJECTIVES), found=shown(self.objective))
+        if self.positions is not None:
+            at = arrays.reals("positions", self.positions)
+            if at.ndim != 2 or len(at) != n or at.shape[1] not in (2, 3) or not np.isfinite(at).all():
+                raise InputError("positions must be two or three finite numbers a state", expected=f"({n}, 2)", found=str(at.shape))
+            put("positions", at)
+        if self.obstacles is not None:
+            boxes = boxes_of(self.obstacles)
+            put("obstacles", boxes.reshape(len(boxes), -1) if len(boxes) else None)
+        put("elements", tuple(self.elements))
+        labels: set[str] = set()
+        for element in self.elements:
+            if not isinstance(element, RiskElement):
+                raise InputError("elements must be risk elements", found=type(element).__name__)
+            if element.label in labels or labels.add(element.label):  # type: ignore[func-returns-value]
+                raise InputError(f"two risk elements are labelled {shown(element.label)}", expected="different labels")
+            element.check(self)
+        if not self.conditional:
+            told = "risks are not conditional: their product is the risk of a path if failures are independent; their sum is safe anyway"
+            put("notes", tuple(dict.fromkeys((*self.notes, told))))
+
+    def _arcs(self, n: int) -> None:
+        tail, head = (arrays.whole_numbers(what, getattr(self, what)) for what in ("tail", "head"))
+        if len(tail) != len(head):
+            raise InputError("moves need a tail and a head each", expected=str(len(tail)), found=str(len(head)))
+        for what, ends in (("tail", tail), ("head", head)):
+            arrays.refuse_outside(f"{what} of move {{}}", ends, n, "state")
+        if (tail == head).any():
+            raise InputError(f"move {int(np.argmax(tail == head))} leads from a state to itself")
+        order = np.lexsort([head, tail])
+        tail, head = tail[order], head[order]
+        twice = np.nonzero((np.diff(tail) == 0) & (np.diff(head) == 0))[0]
+        if len(twice):
+            raise InputError(f"two moves lead from state {tail[twice[0]]} to state {head[twice[0]]}")
+        object.__setattr__(self, "tail", tail.astype(np.int32))
+        object.__setattr__(self, "head", head.astype(np.int32))
+
+    @classmethod
+    def from_networkx(
+        cls, graph: nx.DiGraph, elements: Iterable[RiskElement], start: Any, *, conditional: bool, goals: Iterable[Any] = (),
+        reward: str = "reward", position: str = "pos", **given: Any,
+    ) -> RiskyGraph:  # fmt: skip
+        """From a networkx graph, directed or not; states are its nodes in their order.
+
+        Parameters
+        ----------
+        graph : networkx.Graph or DiGraph
+        elements, start, conditional, goals
+            See the class; ``start`` and ``goals`` are nodes.
+        reward, position : str
+            Attributes of nodes, used where they are there.
+        **given
+            Of the class.
+        """
+        nodes = list(graph)
+        index = {node: k for k, node in enumerate(nodes)}
+        for node in (start, *goals):
+            if node not in index:
+                raise InputError("the graph has no such node", found=shown(str(node)))
+        ends = [(index[a], index[b]) for a, b in graph.edges]
+        if not graph.is_directed():
+            ends += [(b, a) for a, b in ends]
+        tail, head = np.array(ends, dtype=np.int64).reshape(-1, 2).T
+        points = [data.get(position) for _, data in graph.nodes(data=True)]
+        return cls(
+            len(nodes), tail, head, tuple(elements), index[start], conditional, tuple(index[g] for g in goals),
+            np.array([data.get(reward, 0.0) for _, data in graph.nodes(data=True)]),
+            positions=None if None in points else np.array(points, dtype=np.float64),
+            state_names=tuple(map(str, nodes)), **given,
+        )  # fmt: skip
+
+    @cached_property
+    def indptr(self) -> Indices:
+        """Where the moves out of each state begin: shape (states + 1,)."""
+        return np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=self.num_states))]).astype(np.int32)
+
+    def neighbours(self, state: int) -> list[int]:
+        """States that a move leads to."""
+        made: list[int] = self.head[self.indptr[state] : self.indptr[state + 1]].tolist()
+        return made
+
+    @property
+    def traverse(self) -> tuple[TraverseElement, ...]:
+        """Elements that depend on the whole path."""
+        return tuple(e for e in self.elements if isinstance(e, TraverseElement))
+
+    def state_name(self, state: int) -> str:
+        return str(state + 1) if self.state_names is None else self.state_names[state]
+
+    def least_risks(self, element: RiskElement, before: ArrayLike, state: ArrayLike, after: ArrayLike) -> Floats:
+        """``element.least``, refused where it is no probability.
+
+        Parameters
+        ----------
+        element : RiskElement
+        before, state, after : array-like of int, shape (moves,)
+            States; -1 stands for none.
+        """
+        b, s, a = (np.asarray(x, dtype=np.int64) for x in (before, state, after))
+        risk = np.asarray(element.least(self, b, s, a), dtype=np.float64)
+        wrong = ~((risk >= 0.0) & (risk <= 1.0))
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            where = " ".join(self.state_name(x) for x in (int(b[k]), int(s[k]), int(a[k])) if x >= 0)
+            raise InputError(f"the risk of {element.label} must lie in [0, 1]", found=f"{risk[k]:g} at {where}")
+        return risk
+
+    def digest(self) -> str:
+        """Hash of everything that values depend on."""
+        of_elements = [part for element in self.elements for part in ("element", *element.parts())]
+        return digest(
+            "risky-graph", self.num_states, self.tail, self.head, self.start, self.conditional, self.goals, self.rewards, self.discount,
+            self.objective, "" if self.positions is None else self.positions, *of_elements,
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        labels = ", ".join(element.label for element in self.elements) or "nothing"
+        return f"<RiskyGraph {self.name}: {self.num_states} states, {len(self.tail)} moves, risk of {labels}>"
+
+
+def named_states(names: Sequence[str], given: Iterable[str], what: str) -> tuple[int, ...]:
+    """Numbers of states by name; raises InputError for one that does not exist."""
+    index: Mapping[str, int] = {name: k for k, name in enumerate(names)}
+    made = []
+    for name in given:
+        if name not in index:
+            raise InputError(f"the {what} {shown(name)} is no state")
+        made.append(index[name])
+    return tuple(made)

@@ -1,0 +1,190 @@
+"""Risk elements of category traverse: what a path has collected, how far it went, and how its tether runs.
+
+Source: Xiao (2019), section 3.3.3; docs/formulations/risky-path.md#risk-elements.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .elements import Floats, Indices, Space, TraverseElement, placed, probabilities, rate_of
+from .tether import Contacts, Tether
+
+
+@dataclass(frozen=True, eq=False)
+class CollectedRisk(TraverseElement):
+    """Of what the path has collected: mud at the wheels, dust on a lens.
+
+    Parameters
+    ----------
+    collects : array-like of bool, shape (states,)
+        Where one more is collected, once the state is passed.
+    risk : array-like, shape (levels, states)
+        Row k: the risk of each state with k collected before it; the last row stands for all beyond.
+    label : str
+    """
+
+    kind: ClassVar[str] = "collected"
+    collects: NDArray[np.bool_]
+    risk: Floats
+    label: str = "collected"
+    category: ClassVar[str] = "traverse"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "risk", probabilities(f"risks of {self.label}", self.risk))
+        object.__setattr__(self, "collects", np.asarray(self.collects, dtype=bool))
+        if self.risk.ndim != 2 or not len(self.risk):
+            raise InputError(f"risks of {self.label} must be one row a level", found=f"shape {self.risk.shape}")
+        object.__setattr__(self, "_grows", bool((np.diff(self.risk, axis=0) >= 0).all()))
+
+    def check(self, space: Space) -> None:
+        for what, columns in (("places", self.collects.shape), ("risks", self.risk.shape[1:])):
+            if columns != (space.num_states,):
+                raise InputError(f"{what} of {self.label} must be one a state", expected=str(space.num_states), found=str(columns))
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.collects, self.risk)
+
+    def begin(self, space: Space, state: int) -> tuple[int, float]:
+        return self.step(space, 0, -1, state)
+
+    def step(self, space: Space, memory: int, state: int, after: int) -> tuple[int, float]:
+        return min(memory + bool(self.collects[after]), len(self.risk) - 1), float(self.risk[memory, after])
+
+    def no_worse(self, memory: int, other: int) -> bool:
+        return memory <= other if self._grows else memory == other  # type: ignore[attr-defined]
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        return np.asarray(self.risk.min(axis=0)[after])
+
+
+@dataclass(frozen=True, eq=False)
+class TravelledRisk(TraverseElement):
+    """Of the way travelled so far, as a battery has it: ``1 - exp(-rate * (way - free))`` at each state beyond the first ``free``.
+
+    Parameters
+    ----------
+    rate : float, per unit of length
+    free : float, in units of length
+    label : str
+    """
+
+    kind: ClassVar[str] = "travelled"
+    rate: float
+    free: float = 0.0
+    label: str = "travelled"
+    category: ClassVar[str] = "traverse"
+
+    def __post_init__(self) -> None:
+        for key in ("rate", "free"):
+            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
+
+    def check(self, space: Space) -> None:
+        placed(self, space)
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.rate, self.free)
+
+    def begin(self, space: Space, state: int) -> tuple[float, float]:
+        return 0.0, 0.0
+
+    def step(self, space: Space, memory: float, state: int, after: int) -> tuple[float, float]:
+        at = placed(self, space)
+        way = memory + math.dist(at[state], at[after])
+        return way, -math.expm1(-self.rate * max(0.0, way - self.free))
+
+    def no_worse(self, memory: float, other: float) -> bool:
+        return memory <= other
+
+
+@dataclass(frozen=True, eq=False)
+class TetherRisk(TraverseElement):
+    """Of a tether: ``length_rate`` times its length, and ``contact_rate`` times the contacts it makes, each 1 at most.
+
+    Parameters
+    ----------
+    tether : Tether
+    length_rate : float, per unit of length
+    contact_rate : float, per contact
+    label : str
+    """
+
+    kind: ClassVar[str] = "tether"
+    tether: Tether
+    length_rate: float = 0.0
+    contact_rate: float = 0.03
+    label: str = "tether"
+    category: ClassVar[str] = "traverse"
+
+    def __post_init__(self) -> None:
+        for key in ("length_rate", "contact_rate"):
+            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
+
+    def check(self, space: Space) -> None:
+        if placed(self, space).shape[1] != 2:
+            raise InputError(f"{self.label} bends in the plane: states need positions of two numbers")
+
+    def parts(self) -> tuple[Any, ...]:
+        t = self.tether
+        return (self.kind, t.reel, t.obstacles, t.spacing, self.length_rate, self.contact_rate)
+
+    def _risk(self, contacts: Contacts | None, at: Sequence[float]) -> float:
+        if contacts is None:
+            return 1.0
+        long = min(1.0, self.length_rate * self.tether.length(contacts, at))
+        return 1.0 - (1.0 - long) * (1.0 - min(1.0, self.contact_rate * (len(contacts) - 1)))
+
+    def begin(self, space: Space, state: int) -> tuple[Contacts | None, float]:
+        at = placed(self, space)[state].tolist()
+        contacts = self.tether.begun(at)
+        return contacts, self._risk(contacts, at)
+
+    def step(self, space: Space, memory: Contacts | None, state: int, after: int) -> tuple[Contacts | None, float]:
+        positions = placed(self, space)
+        at = positions[after].tolist()
+        contacts = None if memory is None else self.tether.moved(memory, positions[state].tolist(), at)
+        return contacts, self._risk(contacts, at)
+
+    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
+        straight = np.linalg.norm(placed(self, space)[after] - self.tether.reel, axis=-1)
+        return np.asarray(np.minimum(1.0, self.length_rate * straight * (1.0 - 1e-12)))
+
+
+class FunctionRisk(TraverseElement):
+    """A function of one's own, of the whole path so far: from a tuple of states, the last one new, to its risk.
+
+    Parameters
+    ----------
+    function : callable
+    label : str
+        Stands for the function in digests: another function needs another label.
+    """
+
+    kind: ClassVar[str] = "function"
+
+    def __init__(self, function: Callable[[tuple[int, ...]], float], label: str) -> None:
+        self.function, self.label = function, label
+
+    def check(self, space: Space) -> None:
+        if not callable(self.function):
+            raise InputError(f"risk element {self.label} must be a function of paths", found=str(type(self.function).__name__))
+
+    def parts(self) -> tuple[Any, ...]:
+        return (self.kind, self.label)
+
+    def begin(self, space: Space, state: int) -> tuple[tuple[int, ...], float]:
+        return self.step(space, (), -1, state)
+
+    def step(self, space: Space, memory: tuple[int, ...], state: int, after: int) -> tuple[tuple[int, ...], float]:
+        path = (*memory, after)
+        risk = float(self.function(path))
+        if not 0.0 <= risk <= 1.0:
+            raise InputError(f"the risk of {self.label} must lie in [0, 1]", found=f"{risk:g} at path {path}")
+        return path, risk

@@ -1,0 +1,264 @@
+"""Risk allocation side by side: equal risks, iterative, one convex program, and what is true of each; then how long they take.
+
+Run as ``python -m waybound.reports.benchmarks.risk_allocation [--random 500] [--repeat 7]``.
+
+Two problems of the literature's kind (a vehicle above a sea floor, one in a corridor), the two-variable problem on which the iterative
+method stalls, random ones, and a hundred steps of four constraints. Milliseconds are CPU time in one process, modules loaded before, the
+best of the repeats. Every answer is judged from the data, every bound is what its checker derives. The loop that `iterative` is compared
+with writes its CVXPY model anew in each round.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.risk.allocations import Allocation
+from waybound.formulations.risk.forms.uniform import uniform_risks
+from waybound.formulations.risk.risk_allocation import RiskAllocation
+from waybound.formulations.stop import Stop
+from waybound.heuristics.heuristic import HeuristicWork
+from waybound.heuristics.risk.iterative_risk_allocation import ACTIVE
+from waybound.instances.generating import generate
+from waybound.instances.risk.allocation import Affine, ChanceConstraints, Risk, RiskAllocationInstance
+from waybound.instances.risk.gaussian import Quantities
+from waybound.solvers.backend import Control, Options, RawResult
+from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.convex_allocation_steps.session import open_session
+from waybound.solvers.engines.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
+
+Floats = NDArray[np.float64]
+
+GAP = 1e-5
+"""To which the default closes its interval on the two problems."""
+
+LARGE_GAP, LARGE_SECONDS = 1e-4, 5.0
+"""Of the hundred steps."""
+
+FASTER = 10.0
+"""Than the loop that writes its model anew."""
+
+NO_WORSE = 1e-9
+
+
+def reference(family: str, **settings: Any) -> RiskAllocation:
+    """A generated problem, seed 1."""
+    made = generate("risk-allocation", 1, family=family, **settings)
+    assert isinstance(made, RiskAllocationInstance)
+    return RiskAllocation(made)
+
+
+def stalling(most: float = 7.0) -> RiskAllocation:
+    """max x1 + 3 x2, x1 + x2 <= most, x_i + z(r_i) <= 5, x >= 0, total 0.1: with 7, all constraints are active at equal risks."""
+    return linear(np.array([1.0, 3.0]), np.ones((1, 2)), np.array([most]), np.eye(2), np.array([5.0, 5.0]), np.eye(2), 0.1, name="stalling")
+
+
+def linear(
+    reward: Floats, rows: Floats, most: Floats, chance: Floats, limits: Floats, covariance: Floats, total: float, *, name: str = "random",
+    upper: float = math.inf,
+) -> RiskAllocation:  # fmt: skip
+    """max reward x over rows x <= most, 0 <= x <= upper, and chance x + noise <= limits but for the total risk."""
+    n, many = len(reward), len(limits)
+    none = np.zeros((len(most), many))
+    return RiskAllocation(
+        RiskAllocationInstance(
+            np.zeros(n), np.full(n, upper), tuple(f"x{k + 1}" for k in range(n)),
+            Quantities(chance, np.zeros(many), covariance, tuple(f"y{k + 1}" for k in range(many))),
+            Affine(reward[None], np.zeros((1, many)), np.zeros(1)),
+            ChanceConstraints(Affine(np.zeros((many, n)), np.eye(many), np.zeros(many)), limits, tuple(str(k + 1) for k in range(many)),
+                              np.arange(many)),
+            Risk("allocated", total, np.full(many, total)), Affine(rows, none, np.zeros(len(most))), np.full(len(most), -math.inf), most,
+            tuple(str(k + 1) for k in range(len(most))), sense="max", name=name,
+        )
+    )  # fmt: skip
+
+
+def random_problem(rng: np.random.Generator) -> RiskAllocation:
+    """2 to 6 decisions, 2 to 8 correlated constraints, a total between 0.001 and 0.3."""
+    n, many = int(rng.integers(2, 7)), int(rng.integers(2, 9))
+    chance = rng.uniform(0.1, 2.0, (many, n)) * (rng.random((many, n)) < 0.6)
+    chance[np.arange(many), rng.integers(0, n, many)] = 1.0
+    root = rng.normal(size=(many, many)) * rng.uniform(0.1, 1.5, many)[:, None]
+    total = float(10.0 ** rng.uniform(-3.0, -0.5))
+    covariance = root @ root.T
+    limits = -ndtri(total / many) * np.sqrt(np.diag(covariance)) + rng.uniform(0.5, 8.0, many)
+    return linear(
+        rng.uniform(0.2, 3.0, n), rng.uniform(0.2, 1.0, (1, n)), rng.uniform(2.0, 12.0, 1), chance, limits, covariance, total, upper=20.0
+    )
+
+
+# -- methods -----------------------------------------------------------------------------------------------------------
+
+
+def by_program(problem: RiskAllocation, form: str) -> Allocation | None:
+    """The answer of a form's program; None where it has none."""
+    if form not in problem.forms():
+        return None
+    made = problem.compile(form)
+    found = open_session(made.program).solve(Stop())
+    answer = made.decode(found.x) if found.status == "optimal" else None
+    assert answer is None or isinstance(answer, Allocation)
+    return answer
+
+
+def by_iterative(problem: RiskAllocation) -> tuple[Allocation | None, int]:
+    """The heuristic's answer, and its rounds."""
+    found = HeuristicWork("iterative", problem, Options())(Control())
+    return found.answer, found.statistics["rounds"]
+
+
+def convex(problem: RiskAllocation, gap: float) -> Interval:
+    """The default's interval."""
+    return SuccessiveTangents(problem).run(Stop(60.0), gap)
+
+
+def by_default(problem: RiskAllocation, gap: float) -> RawResult:
+    """What ``solve`` has the default do."""
+    return ConvexAllocation().run(problem, Options(gap=gap), Control())
+
+
+def rebuilt(problem: RiskAllocation) -> tuple[float, int]:
+    """The iterative method with a CVXPY model that is written anew in each round: its cost, and its rounds."""
+    import cvxpy as cp
+
+    p, risks, values, keep = problem, uniform_risks(problem), list[float](), 0.7
+    while len(values) < 200:
+        x = cp.Variable(p.size)
+        cost = p.linear @ x + p.offset + p.sign * sum(w * cp.norm1(f @ x + c) for kind, w, f, c in p.terms if kind == "absolute")
+        rows = [p.chance @ x <= p.limits + p.deviation * ndtri(risks)]
+        equal = p.row_lower == p.row_upper
+        if equal.any():
+            rows.append(p.rows[equal] @ x == p.row_lower[equal])
+        if (~equal).any():
+            rows.append(p.rows[~equal] @ x <= p.row_upper[~equal])
+        bounded = np.isfinite(p.upper)
+        rows += [x >= p.lower, x[bounded] <= p.upper[bounded]] if bounded.any() else [x >= p.lower]
+        cp.Problem(cp.Minimize(p.sign * cost), rows).solve(solver=cp.HIGHS)
+        values.append(float(p.sign * cost.value))
+        if len(values) > 1 and values[-2] - values[-1] < 2e-7 * abs(values[-1]):
+            break
+        z = (p.limits - p.chance @ x.value) / p.deviation
+        used, active = ndtr(-z), z + ndtri(risks) <= ACTIVE
+        if not active.any() or active.all():
+            break
+        risks = np.where(active, risks, keep * risks + (1.0 - keep) * used)
+        risks[active] += (p.budgets[0].risk - risks.sum()) / active.sum()
+    return p.sign * values[-1], len(values)
+
+
+def milliseconds(run: Callable[[], Any], repeat: int) -> float:
+    """CPU time of the fastest of so many runs."""
+    found = []
+    for _ in range(repeat):
+        began = time.process_time()
+        run()
+        found.append(time.process_time() - began)
+    return 1000.0 * min(found)
+
+
+# -- report --------------------------------------------------------------------------------------------------------------
+
+
+def side_by_side(problem: RiskAllocation, repeat: int) -> tuple[list[str], float, float]:
+    """A line a method, with the risks that are true; the milliseconds of ``iterative`` and of the default."""
+    lines = [f"{problem.name}: {problem.size} decisions, {len(problem.names)} chance constraints, total risk {problem.risk.total:g}"]
+
+    def told(name: str, answer: Allocation | None, took: float, note: str) -> None:
+        if answer is None:
+            lines.append(f"  {name:18} {'no plan':>12}")
+            return
+        judged = problem.evaluate(answer)
+        assert judged.feasible, judged.violations
+        risk = next(iter(problem.joint_risk(answer.decision).values()))
+        sums = f"{judged.quantities['sum_of_risks']:.3e}  {risk.value:.3e} [{risk.low:.2e}, {risk.high:.2e}]"
+        lines.append(f"  {name:18} {judged.values[0]:>12.6f} {took:>9.2f}  {sums}  {note}")
+
+    lines.append(f"  {'method':18} {'cost':>12} {'CPU ms':>9}  {'sum':9}  any fails (99.9 %)")
+    for form in ("uniform", "ellipsoid", "secants"):
+        told(form, by_program(problem, form), milliseconds(partial(by_program, problem, form), repeat), "")
+    answer, rounds = by_iterative(problem)
+    slow = milliseconds(partial(by_iterative, problem), repeat)
+    told("iterative", answer, slow, f"{rounds} rounds")
+    quick = math.inf
+    for gap in (GAP, 0.0):
+        found = convex(problem, gap)
+        took = milliseconds(partial(by_default, problem, gap), repeat)
+        bound = verified_bound(problem, found.evidence(problem.sign)[0])
+        apart = abs(bound - problem.sign * found.value) / abs(found.value)
+        told(f"convex, gap {gap:g}", found.answer, took, f"{found.rounds} rounds, verified bound {bound:.6f}, interval {apart:.1e}")
+        quick = min(quick, took) if gap else quick
+        assert gap == 0.0 or apart <= GAP
+    return lines, slow, quick
+
+
+def compared(count: int) -> list[str]:
+    """Random problems: the default is no worse than ``iterative``, that no worse than equal risks, and all keep the true risk."""
+    rng, better, worst, stalls = np.random.default_rng(1), 0, 0.0, 0
+    for _ in range(count):
+        problem = random_problem(rng)
+        found, (plan, _), even = convex(problem, 0.0), by_iterative(problem), by_program(problem, "uniform")
+        assert found.answer is not None and plan is not None and even is not None
+        judged = [problem.evaluate(answer) for answer in (found.answer, plan, even)]
+        assert all(e.feasible for e in judged), [e.violations for e in judged]
+        assert all(e.quantities["joint_risk_low"] <= problem.budgets[0].risk for e in judged)
+        best, middle, equal = (e.values[0] for e in judged)
+        size = NO_WORSE * abs(best)
+        assert best >= middle - size >= equal - 2.0 * size, (problem.name, best, middle, equal)
+        bound = verified_bound(problem, found.evidence(problem.sign)[0])
+        worst = max(worst, (bound - best) / abs(best))
+        assert bound >= best - size
+        better += best > middle + 1e-6 * abs(best)
+        stalls += middle <= equal + size
+    return [
+        f"random: {count} problems, the default never worse than iterative, iterative never worse than equal risks, all within their risk; "
+        f"the default better by more than 1e-6 on {better}, iterative no better than equal risks on {stalls}; widest interval {worst:.1e}"
+    ]
+
+
+def report(count: int, repeat: int, steps: int = 100) -> str:
+    """All of it, as text."""
+    lines, met = [], []
+    for problem in (stalling(), reference("auv"), reference("corridor")):
+        told, slow, quick = side_by_side(problem, repeat)
+        lines += told
+        if problem.name == "stalling":
+            continue
+        value, rounds = rebuilt(problem)
+        loop = milliseconds(partial(rebuilt, problem), max(1, repeat // 3))
+        lines.append(f"  {'rebuilt loop':18} {value:>12.6f} {loop:>9.2f}  {rounds} rounds, each a new CVXPY model")
+        met.append((f"{problem.name}: default to {GAP:g} in less time than iterative", quick < slow, f"{quick:.2f} against {slow:.2f} ms"))
+        met.append(
+            (f"{problem.name}: iterative {FASTER:g} times as fast as the rebuilt loop", loop >= FASTER * slow, f"{loop / slow:.0f} times")
+        )
+    lines += compared(count)
+    large = reference("corridor", steps=steps, constraints=4)
+    began = time.process_time()
+    found = convex(large, LARGE_GAP)
+    seconds = time.process_time() - began
+    bound = verified_bound(large, found.evidence(large.sign)[0])
+    apart = abs(bound - found.value) / abs(found.value)
+    lines.append(f"{large.name}: {len(large.names)} chance constraints, {found.value:.6f}, verified bound {bound:.6f}, {seconds:.2f} s")
+    met.append((f"{steps} steps of 4 constraints to {LARGE_GAP:g} in {LARGE_SECONDS:g} s", apart <= LARGE_GAP and seconds < LARGE_SECONDS,
+                f"{apart:.1e} in {seconds:.2f} s"))  # fmt: skip
+    return "\n".join([*lines, *(f"target {what}: {'met' if good else 'MISSED'} ({figures})" for what, good, figures in met)])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--random", type=int, default=500)
+    parser.add_argument("--repeat", type=int, default=7)
+    given = parser.parse_args()
+    print(report(given.random, given.repeat))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,3 @@
+"""Evidence for bounds of problems under risk."""
+
+from .... import _guard as _guard

@@ -1,0 +1,52 @@
+"""Bound ``convex-allocation``: prices of the convex program of decisions and risks, or of each constraint with all of its budgets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....formulations.evidence import Evidence
+from ....formulations.risk.risk_allocation import Ints, RiskAllocation
+from ....formulations.stop import Stop
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod
+
+if TYPE_CHECKING:
+    from ...engines.convex_allocation_steps.successive_tangents import Interval
+
+
+def missing(problem: Any) -> frozenset[str]:
+    """For what it proves nothing; empty if it applies."""
+    return frozenset() if problem.family == "risk-allocation" else frozenset({f"{problem.family} problems"})
+
+
+def compute(problem: RiskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
+    """Prices by successive tangents, for what is left of the problem without alternatives, and without sums where risk is joint."""
+    from ...engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
+
+    part, rows = problem.convex_part()
+    return next(iter(part_evidence(problem, rows, SuccessiveTangents(part, linear.seed).run(stop))), None)
+
+
+def part_evidence(problem: RiskAllocation, rows: Ints, found: Interval) -> tuple[Evidence, ...]:
+    """What an interval of ``problem.convex_part()``, which holds ``rows``, proves of the problem."""
+    if found.prices is None:
+        return ()
+    chance, budgets = np.zeros(len(problem.limits)), np.zeros(len(problem.budgets))
+    chance[rows] = found.prices["chance"]
+    if problem.risk.kind == "allocated":
+        kept = np.unique(problem.constraint[rows])
+        there = [bool(np.isin(kept, b.constraints).any()) for b in problem.budgets]
+        budgets[there] = found.prices["budgets"]
+    return replace(found, prices={**found.prices, "chance": chance, "budgets": budgets}).evidence(problem.sign)
+
+
+BOUNDS.add(
+    "convex-allocation",
+    BoundMethod(
+        "convex-allocation", missing, compute, order=0,
+        replaces=lambda problem: frozenset({"linear-relaxation"}) if problem.family == "risk-allocation" else frozenset(),
+    ),
+)  # fmt: skip

@@ -1,0 +1,73 @@
+"""Convex allocation: decisions and risks in one convex program, closed by successive tangents to a certified interval."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, ClassVar
+
+from ...formulations.problem import Problem
+from ...formulations.programs.exactness import Exactness
+from ...formulations.risk.allocations import Allocation
+from ...formulations.risk.risk_allocation import RiskAllocation
+from ...formulations.stop import Stop
+from ...instances.errors import UnsupportedError
+from ..backend import BACKENDS, Control, Engine, Options, RawResult
+
+
+@BACKENDS.register("convex-allocation")
+class ConvexAllocation(Engine):
+    """Blackmore and Ono's (2009) joint program of decisions and risks: HiGHS for linear costs, Clarabel for cones and squares.
+
+    Where risk is joint it finds the best allocation, which is an answer (Boole), and bounds nothing.
+    """
+
+    name = "convex-allocation"
+    package = "highspy"
+    modules = ("highspy",)
+    summary = "risk allocation as one convex program, by successive tangents, with a proved bound"
+    interrupts = "keeps the best answer and the best bound"
+    one_thread = bounds_itself = True
+    honours = frozenset({"gap"})
+    family = "risk-allocation"
+    features = frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"})
+    order: ClassVar[int] = 2
+
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        """See ``Engine.run``."""
+        from .convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
+
+        lacking = self.missing(problem)
+        if lacking:
+            raise UnsupportedError(self.name, lacking)
+        assert isinstance(problem, RiskAllocation)
+        self.converted(options)
+        stop = Stop(options.time_limit)
+        control.on_stop(stop.ask)
+
+        def publish(found: Interval) -> None:
+            if found.answer is not None:
+                control.publish(found.answer, problem.sign * found.value)
+
+        joint = problem.risk.kind == "joint"
+        part = problem.by_allocation() if joint else problem
+        found = SuccessiveTangents(part, options.seed, publish).run(stop, options.gap)
+        result = _result(problem, found, stop, options)
+        if not joint:
+            return result
+        answer = None if result.answer is None else Allocation(result.answer.decision)
+        return replace(result, answer=answer, holds=Exactness.RESTRICTION, evidence=())
+
+
+def _result(problem: RiskAllocation, found: Any, stop: Stop, options: Options) -> RawResult:
+    statistics: dict[str, Any] = {"rounds": found.rounds, "interval": found.gap if math.isfinite(found.gap) else None}
+    limit = stop.reached() or ("gap" if found.status == "optimal" and options.gap > 0.0 else "none")
+    objective = problem.sign * found.value if found.answer is not None else None
+    bound = problem.sign * found.bound if math.isfinite(found.bound) else None
+    status = "feasible" if found.status == "optimal" and limit == "gap" else found.status
+    if options.start is not None:
+        statistics["start"] = "ignored"
+    evidence = found.evidence(problem.sign)
+    none = found.status == "infeasible" and evidence
+    message = problem.why_none(evidence[0].kind, evidence[0].data) if none else ""
+    return RawResult(status, limit, found.answer, objective, bound, statistics=statistics, message=message, evidence=evidence)

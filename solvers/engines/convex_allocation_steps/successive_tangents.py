@@ -1,0 +1,282 @@
+"""Successive tangents: a risk allocation between a relaxation and a restriction that close in on each other.
+
+The normal tail is replaced by its tangents at some points. The optimum of that program bounds the cost from below, and its duals do so more
+tightly than it says, since they price the tail itself and not its tangents. Its decision takes a little more risk than allowed; the same
+program with budgets smaller by a little more than that has a decision that keeps them. The last point between the two that keeps the
+budgets bounds the cost from above. Tangents at both decisions are added. Each round divides what is missing by four and more (Kelley 1960,
+on a separable convex function).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from ....formulations.evidence import Evidence
+from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.forms._blocks import evidence_of, prices
+from ....formulations.risk.forms._piecewise import density, mean_risk, piece_rows, piecewise_program, points, tangents
+from ....formulations.risk.risk_allocation import RiskAllocation
+from ....formulations.stop import Stop
+from .session import Solved, open_session
+from .units import Units
+
+Floats = NDArray[np.float64]
+
+FIRST_POINTS, FIRST_LEAST = 6, 0.05
+"""Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
+
+CLOSED = 1e-9
+"""Gap at which nothing more can be asked of double precision."""
+
+MOST_ROUNDS = 100
+
+MARGIN = 1.25
+"""Of the excess of risk, by how much the budgets are made smaller."""
+
+NEAR = 0.015
+"""Excess of risk from which on decisions that keep the budgets are looked for: before, they would not last."""
+
+LEAST = 1e-10
+"""By which part budgets are made smaller at least."""
+
+CHORDS = 3
+"""Laid to find the last allowed point between two decisions."""
+
+STALLED = 8
+"""Rounds without progress after which it ends."""
+
+
+@dataclass
+class Interval:
+    """What is known of the optimum.
+
+    Attributes
+    ----------
+    status : str
+        ``optimal`` (closed to what was asked), ``feasible``, ``infeasible``, ``unbounded`` or ``unknown``.
+    bound, value : float
+        In the sense of minimisation: at most and at least the optimum; infinite where nothing is known.
+    answer : Allocation or None
+    evidence : Evidence or None
+        Of the bound, or that there is no answer.
+    rounds : int
+    """
+
+    status: str = "unknown"
+    bound: float = -math.inf
+    value: float = math.inf
+    answer: Allocation | None = None
+    rounds: int = 0
+    prices: dict[str, Floats] | None = None
+
+    @property
+    def gap(self) -> float:
+        """Between bound and value, in parts of the value."""
+        if not (math.isfinite(self.bound) and math.isfinite(self.value)):
+            return math.inf
+        return max(0.0, self.value - self.bound) / max(abs(self.value), 1e-300)
+
+    def evidence(self, sign: float) -> tuple[Evidence, ...]:
+        """What its prices prove; ``sign`` is the problem's."""
+        if self.prices is None:
+            return ()
+        if self.status == "infeasible":
+            return (evidence_of(self.prices, sign * math.inf, "prices that no decision can pay", infeasible=True),)
+        return (evidence_of(self.prices, sign * self.bound, "duals of successive tangents"),)
+
+
+class SuccessiveTangents:
+    """The rounds.
+
+    Parameters
+    ----------
+    problem : RiskAllocation
+        With ``allocated`` risk and without alternatives.
+    seed : int
+    publish : callable, optional
+        Told of each better interval.
+    """
+
+    def __init__(self, problem: RiskAllocation, seed: int = 1, publish: Callable[[Interval], None] = lambda interval: None) -> None:
+        self.original, self.units, self.publish = problem, Units.of(problem), publish
+        self.problem = problem = self.units.problem
+        at = points(problem, mean_risk(problem), FIRST_POINTS, FIRST_LEAST)
+        self.pieces = piecewise_program(problem, "tangents", at, above=False)
+        self.session = open_session(self.pieces.program, seed)
+        self.budgets = np.array([b.risk for b in problem.budgets]) / self.pieces.unit
+        self.floor = self.pieces.program.lower[self.pieces.z : self.pieces.z + len(problem.names)]
+        order = np.argsort(problem.constraint)  # one row a constraint
+        noise = problem.deviation[order]
+        certain = noise == 0.0
+        scale = np.where(certain, 1.0, noise)
+        self.slopes = np.where(certain, 0.0, 1.0)[:, None] * problem.chance[order] / scale[:, None]
+        self.limits = np.where(certain, math.inf, problem.limits[order] / scale)
+        self.deviation, self.order = noise, order
+        self.members = np.zeros((len(self.budgets), len(problem.names)))
+        for k, budget in enumerate(problem.budgets):
+            self.members[k, budget.constraints] = 1.0
+        self.shares = self.members / np.array([b.risk for b in problem.budgets])[:, None]
+        self.inside: Floats | None = None
+        self.best: Solved | None = None
+        self.least = LEAST
+        self.found = Interval()
+
+    def run(self, stop: Stop, gap: float = 0.0) -> Interval:
+        """Rounds until the interval is as narrow as ``gap`` asks, nothing moves any more, or ``stop``."""
+        found, aim, still = self.found, max(gap, CLOSED), 0
+        while found.rounds < MOST_ROUNDS and not stop.reached():
+            before = found.gap
+            self._use(0.0)
+            below = self.session.solve(stop)
+            if below.status != "optimal":
+                self._ended(below)
+                break
+            found.rounds += 1
+            excess = self._lower(below)
+            added = self._touch(below)
+            if found.gap > aim and excess < NEAR:
+                self._use(MARGIN * max(excess, self.least))
+                above = self.session.solve(stop)
+                if above.status == "optimal":
+                    if not self._upper(above.x, below.x):
+                        self.least *= 10.0  # beyond what the solver rounds
+                    added += self._touch(above)
+            self.publish(found)
+            if found.gap <= aim:
+                found.status = "optimal"
+                break
+            still = still + 1 if math.isfinite(before) and not found.gap < 0.9 * before else 0
+            if (not added and found.answer is not None) or still > STALLED:
+                break
+        if self.best is not None and found.status != "infeasible":
+            found.prices = self._prices(self.best, self.best.duals)
+        if found.answer is not None:
+            found.answer = self.original.allocated(found.answer.decision)
+        if found.status == "unknown" and found.answer is not None:
+            found.status = "feasible"
+        return found
+
+    def _use(self, less: float) -> None:
+        """Budgets smaller by that part."""
+        self.session.change_upper(self.pieces.budget, self.budgets * (1.0 - less))
+
+    def _parts(self, x: Floats) -> tuple[Floats, Floats]:
+        """Arguments of the tail, and the risks beside them in their unit."""
+        many = len(self.problem.names)
+        return x[self.pieces.z : self.pieces.z + many], x[self.pieces.risk : self.pieces.risk + many]
+
+    def _prices(self, made: Solved, duals: Floats) -> dict[str, Floats]:
+        p = self.problem
+        found = prices(p, self.pieces.program, made.x, duals, made.cone_duals)
+        return self.units.prices({**found, "budgets": self._spent(duals)})
+
+    def _spent(self, duals: Floats) -> Floats:
+        """Prices of the budgets."""
+        start = self.pieces.budget
+        return np.asarray(np.maximum(-self.problem.sign * duals[start : start + len(self.budgets)] / self.pieces.unit, 0.0))
+
+    def _lower(self, made: Solved) -> float:
+        """Take the bound of a relaxation and try its decision; by which part that exceeds a budget at most."""
+        p, found = self.problem, self.found
+        z, risk = self._parts(made.x)
+        chance = made.duals[self.pieces.chance : self.pieces.chance + len(z)][self.order]
+        slope = np.maximum(-p.sign * chance, 0.0) * self.deviation
+        spent = self._spent(made.duals) @ self.members
+        more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.pieces.unit).sum())
+        bound = (p.sign * made.value + more) / self.units.cost
+        if bound > found.bound:
+            found.bound, self.best = bound, made
+        own = self._risks(made.x[: p.size])
+        excess = self._excess(own)
+        if excess <= 0.0:
+            self._take(made.x[: p.size])
+        elif self.inside is not None:
+            self._between(self.inside, made.x[: p.size])
+        return max(excess, 0.0)
+
+    def _risks(self, x: Floats) -> Floats:
+        """Of each constraint; rows without noise have none."""
+        return np.asarray(ndtr(-(self.limits - self.slopes @ x)))
+
+    def _excess(self, own: Floats) -> float:
+        """By which part the risks exceed a budget at most."""
+        return float((self.shares @ own).max(initial=1.0 if len(self.shares) == 0 else 0.0)) - 1.0
+
+    def _upper(self, inside: Floats, outside: Floats) -> bool:
+        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether it does."""
+        inside = inside[: self.problem.size]
+        keeps = self._excess(self._risks(inside)) <= 0.0
+        if keeps:
+            self.inside = inside
+            self._between(inside, outside[: self.problem.size])
+            if self.found.answer is None:
+                self._take(inside)
+        return keeps
+
+    def _between(self, inside: Floats, outside: Floats) -> None:
+        """Take the last point that keeps the budgets on the way from a decision that does to one that does not: risks are convex."""
+        start, way = self.limits - self.slopes @ inside, self.slopes @ (outside - inside)
+        most, part, last = self._excess(ndtr(way - start)), 0.0, 0.0
+        for _ in range(CHORDS):  # a chord of a convex function crosses 0 before the function does
+            left = self._excess(ndtr(part * way - start))
+            if left >= 0.0 or most <= 0.0:
+                break
+            last, part = part, part + (1.0 - part) * left / (left - most)
+        if part > 0.0 and not self._take(inside + part * (outside - inside)):  # which rounding may have carried too far
+            self._take(inside + last * (outside - inside))
+
+    def _take(self, x: Floats) -> bool:
+        """A decision, where it is better than what is known and keeps its risks in the judge's arithmetic; whether it does."""
+        p = self.original
+        decision = np.clip(x * self.units.columns, p.lower, p.upper)
+        value = p.sign * p.value(decision)[0]
+        if value >= self.found.value:
+            return False
+        own = p.risks(decision)
+        kept = self._excess(own) <= 0.0 and bool((own <= p.risk.each * (1.0 + 1e-7)).all())
+        if kept:
+            self.found.value, self.found.answer = value, Allocation(decision)
+        return kept
+
+    def _touch(self, made: Solved) -> int:
+        """Add tangents where the tail lies above the program's risks; how many."""
+        z, risk = self._parts(made.x)
+        at = np.nonzero(ndtr(-z) / self.pieces.unit > risk + 1e-11)[0]
+        if len(at):
+            slope, constant = tangents(z[at], self.pieces.unit)
+            self.session.add(piece_rows(at, slope, constant, self.pieces.z, self.pieces.risk, self.problem.names))
+        return len(at)
+
+    def _ended(self, made: Solved) -> None:
+        """The status, and where there is no answer the evidence, when the relaxation has no optimum."""
+        from ....formulations.certificate import verified_bound
+
+        found, sign = self.found, self.problem.sign
+        found.status = made.status if found.answer is None or made.status != "unknown" else "feasible"
+        if made.status != "infeasible":
+            return
+        found.prices = None
+        if made.ray is None:
+            return
+        size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
+        nowhere = Solved("infeasible", x=np.zeros(self.pieces.program.num_variables), cone_duals=made.cone_duals / size)
+        for turn in (1.0, -1.0):
+            found.prices = self._prices(nowhere, turn * sign * made.ray / size)
+            if verified_bound(self.original, found.evidence(sign)[0]) == sign * math.inf:
+                return
+        found.prices = None
+
+
+def least_margin(slope: Floats, price: Floats, floor: Floats) -> Floats:
+    """The least of ``slope z + price tail(z)`` over z >= floor, entry by entry."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = slope / (price * density(np.zeros(1)))
+        z = np.sqrt(np.maximum(-2.0 * np.log(ratio), 0.0))
+    z = np.maximum(np.where(price > 0.0, np.where(slope > 0.0, z, 40.0), floor), floor)
+    return np.asarray(np.where(slope > 0.0, slope * z + price * ndtr(-z), 0.0))

@@ -1,0 +1,94 @@
+"""Units in which the numbers of a risk allocation are near 1, as solvers count: powers of two, so that nothing is rounded."""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.risk.risk_allocation import RiskAllocation
+
+Floats = NDArray[np.float64]
+
+ORDINARY = (1e-3, 1e5)
+"""Sizes between which numbers are left as they are."""
+
+
+@dataclass(frozen=True, eq=False)
+class Units:
+    """A problem in its units, and the way back.
+
+    Parameters
+    ----------
+    problem : RiskAllocation
+        In the units.
+    columns : array of shape (decisions,)
+        A decision is that times what the problem in its units calls it.
+    rows, chance : arrays of shape (rows,) and (chance rows,)
+        Rows in their units are those of the problem times these.
+    cost : float
+        A cost in its unit is the problem's times this.
+    cones : tuple of float
+    """
+
+    problem: RiskAllocation
+    columns: Floats
+    rows: Floats
+    chance: Floats
+    cost: float
+    cones: tuple[float, ...]
+
+    @classmethod
+    def of(cls, p: RiskAllocation) -> Units:
+        """The units of a problem; all 1 where its numbers are ordinary."""
+        rows, chance = p.rows, p.chance
+        sides = np.concatenate([np.where(np.isfinite(p.row_upper), p.row_upper, np.where(np.isfinite(p.row_lower), p.row_lower, 0.0)),
+                                np.maximum(np.abs(p.limits), p.deviation)])  # fmt: skip
+        columns = _near(_column_sizes(p, np.abs(np.concatenate([rows, chance])), np.abs(sides)))
+        per_row, per_chance = (1.0 / _near(np.abs(m * columns).max(axis=1, initial=0.0)) for m in (rows, chance))
+        per_cone = tuple(1.0 / float(_near(np.array([np.abs(f * columns).max(initial=0.0)]))[0]) for f, _, _, _ in p.cones)
+        terms = [w * float(np.abs(f * columns).max(initial=0.0)) ** (2 if kind == "square" else 1) for kind, w, f, _ in p.terms]
+        cost = 1.0 / float(_near(np.array([max([float(np.abs(p.linear * columns).max()), *terms])]))[0])
+        if cost == 1.0 and all((part == 1.0).all() for part in (columns, per_row, per_chance)) and all(k == 1.0 for k in per_cone):
+            return cls(p, columns, per_row, per_chance, cost, per_cone)
+        made = copy.copy(p)
+        made.lower, made.upper = p.lower / columns, p.upper / columns
+        made.linear, made.offset = p.linear * columns * cost, p.offset * cost
+        made.terms = tuple((kind, w * cost, f * columns, c) for kind, w, f, c in p.terms)
+        made.rows = rows * columns * per_row[:, None]
+        made.row_lower, made.row_upper = p.row_lower * per_row, p.row_upper * per_row
+        made.chance, made.limits = chance * columns * per_chance[:, None], p.limits * per_chance
+        made.deviation, made.covariance = p.deviation * per_chance, p.covariance * np.outer(per_chance, per_chance)
+        made.cones = tuple((f * columns * k, c * k, g * columns * k, h * k) for (f, c, g, h), k in zip(p.cones, per_cone, strict=True))
+        made._joint = (b"", {})
+        return cls(made, columns, per_row, per_chance, cost, per_cone)
+
+    def prices(self, given: dict[str, Floats]) -> dict[str, Floats]:
+        """Prices of the problem, from those in its units."""
+        widths = [1 + len(c) for _, c, _, _ in self.problem.cones]
+        return {
+            "rows": given["rows"] * self.rows / self.cost,
+            "chance": given["chance"] * self.chance / self.cost,
+            "budgets": given["budgets"] / self.cost,
+            "terms": given["terms"] / self.cost,
+            "cones": given["cones"] * np.repeat(self.cones, widths) / self.cost,
+        }
+
+
+def _column_sizes(p: RiskAllocation, entries: Floats, sides: Floats) -> Floats:
+    """Of each decision its larger bound, or else what the rows that hold it leave it, or 1."""
+    bounds = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.lower, p.upper)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)
+    rows = left.min(axis=0, initial=math.inf)
+    return np.asarray(np.where(bounds > 0.0, bounds, np.where(np.isfinite(rows), rows, 1.0)))
+
+
+def _near(sizes: Floats) -> Floats:
+    """The power of two below each size that is not ordinary; 1 for those that are, and for 0."""
+    low, high = ORDINARY
+    odd = (sizes > 0.0) & ((sizes < low) | (sizes > high))
+    return np.asarray(np.where(odd, np.exp2(np.floor(np.log2(np.where(odd, sizes, 1.0)))), 1.0))

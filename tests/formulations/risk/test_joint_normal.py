@@ -1,0 +1,62 @@
+"""Probabilities that any of many Gaussian constraints fails."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal, norm
+
+from waybound.formulations.risk.joint_normal import any_fails, gradient
+
+
+@pytest.mark.parametrize(
+    ("correlation", "union"), [(-0.99, 0.1), (-0.5, 0.09994), (0.0, 0.0975), (0.5, 0.08781), (0.9, 0.06813), (0.99, 0.05581)]
+)
+def test_two_events_of_one_twentieth(correlation: float, union: float) -> None:
+    covariance = np.array([[1.0, correlation], [correlation, 1.0]])
+    found = any_fails(np.full(2, norm.isf(0.05)), covariance)
+    assert found.value == pytest.approx(union, abs=6e-6)
+    assert found.low <= found.value <= found.high <= found.low + 1e-4
+
+
+@pytest.mark.parametrize("size", [3, 6])
+def test_it_agrees_with_scipy(size: int) -> None:
+    rng = np.random.default_rng(size)
+    root = rng.normal(size=(size, size))
+    covariance, slack = root @ root.T, rng.uniform(1.0, 4.0, size) * 2.0
+    known = 1.0 - multivariate_normal.cdf(slack, cov=covariance, abseps=1e-7, releps=1e-7, maxpts=2_000_000, rng=1)
+    found = any_fails(slack, covariance)
+    assert found.low - 2e-6 <= known <= found.high + 2e-6
+    assert found.high - found.low < 0.02 * known
+
+
+def test_small_risks_keep_their_digits() -> None:
+    found = any_fails(np.array([7.0, 7.0]), np.array([[1.0, 0.3], [0.3, 1.0]]))
+    assert found.value == pytest.approx(2.0 * norm.sf(7.0), rel=1e-4)
+
+
+def test_singular_covariances_are_integrated() -> None:
+    walls = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    assert any_fails(np.array([2.0, 2.0]), walls).value == pytest.approx(2.0 * norm.sf(2.0), rel=1e-6)
+    assert any_fails(np.array([2.0, 2.5]), np.ones((2, 2))).value == pytest.approx(norm.sf(2.0), rel=1e-6)
+    assert any_fails(np.array([2.0, 1.0]), np.diag([1.0, 0.0])).value == pytest.approx(norm.sf(2.0))
+    assert any_fails(np.array([2.0, -1.0]), np.diag([1.0, 0.0])).value == 1.0
+    assert any_fails(np.array([2.0]), np.eye(1)).exact
+
+
+def test_one_alternative_that_holds_is_enough() -> None:
+    slack, rho = np.array([1.0, 1.0]), 0.5
+    covariance = np.array([[1.0, rho], [rho, 1.0]])
+    both = 2.0 * norm.sf(1.0) - any_fails(slack, covariance).value
+    found = any_fails(slack, covariance, np.array([0, 0]))
+    assert found.low < both < found.high < found.low + 0.01
+
+
+def test_the_gradient_is_that_of_finite_differences() -> None:
+    rng = np.random.default_rng(4)
+    root = rng.normal(size=(4, 4))
+    covariance, slack, step = root @ root.T, np.full(4, 2.5), 1e-3
+    made = gradient(slack, covariance, points=2039)
+    for k in range(4):
+        up, down = (any_fails(slack + sign * step * np.eye(4)[k], covariance).value for sign in (1.0, -1.0))
+        assert made[k] == pytest.approx((up - down) / (2.0 * step), rel=0.01)

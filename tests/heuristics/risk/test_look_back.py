@@ -1,0 +1,50 @@
+"""Look-back as a heuristic: answers, guarantees, and what it says where it has none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import risky_cases as cases
+
+import waybound as wb
+from waybound.formulations.risk.risky_path import RiskyPath
+from waybound.formulations.stop import NEVER
+from waybound.heuristics.risk.look_back import exact_for, least_risky_paths
+from waybound.instances.errors import UsageError
+from waybound.instances.risk.elements import LocaleRisk
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_guaranteed_where_risks_look_back_no_farther_than_it_does(seed):
+    problem = cases.random_map(np.random.default_rng(seed))
+    solution = wb.solve(problem, heuristic="look-back")
+    assert solution.objective == pytest.approx(cases.best(problem))
+    assert solution.certificate.guarantee.ratio == 1.0 and solution.status == "optimal"
+    assert wb.solve(problem, heuristic="look-back", steps=1, bound_time=0).certificate.guarantee is None
+
+
+def test_one_step_is_exact_for_places():
+    problem = cases.lattice(3, 3)
+    assert wb.solve(problem, heuristic="look-back", steps=1).certificate.guarantee.ratio == 1.0
+
+
+def test_loops_are_repaired_by_the_better_of_two_ways():
+    for problem in (cases.loop(), cases.refusal()):
+        paths, looped = least_risky_paths(problem, 2, NEVER)
+        assert looped and all(len(set(path)) == len(path) for path in paths.values())
+
+
+def test_what_makes_it_exact():
+    assert (
+        exact_for(cases.ring(), 2)
+        and not exact_for(cases.ring(), 1)
+        and not exact_for(cases.mud(), 3)
+        and exact_for(cases.lattice(2, 2), 1)
+    )
+
+
+def test_no_goal_is_told_and_steps_are_checked():
+    apart = RiskyPath(cases.graph([(0, 1)], [LocaleRisk([0, 0, 0])], states=3, goals=(2,)))
+    assert wb.solve(apart, heuristic="look-back").status == "infeasible"
+    with pytest.raises(UsageError, match="steps must be a whole number from 1 to 8"):
+        wb.solve(cases.ring(), heuristic="look-back", steps=9)

@@ -1,0 +1,43 @@
+"""The scenario approach: enough samples, and what they promise."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from risk_problems import context, problem
+from scipy.stats import binom
+
+from waybound.heuristics.heuristic import HEURISTICS
+from waybound.heuristics.risk.scenario import enough_samples, scenario
+from waybound.instances.errors import UsageError
+
+
+@pytest.mark.parametrize(("risk", "confidence", "support"), [(0.05, 0.999, 20), (0.001, 0.99, 2), (0.3, 0.5, 1)])
+def test_no_fewer_samples_are_enough(risk: float, confidence: float, support: int) -> None:
+    many = enough_samples(risk, confidence, support)
+    assert binom.cdf(support - 1, many, risk) <= 1.0 - confidence < binom.cdf(support - 1, many - 1, risk)
+
+
+def test_plans_keep_the_joint_risk() -> None:
+    p = problem(risk__kind="joint")
+    for seed in range(5):
+        found = scenario(p, context(seed))
+        assert p.evaluate(found.answer).feasible
+        assert found.statistics == {"samples": enough_samples(0.1, 0.999, 2), "confidence": 0.999, "support": 2}
+
+
+def test_fewer_samples_promise_nothing() -> None:
+    p = problem(risk__kind="joint")
+    found = scenario(p, context(), samples=3)
+    assert math.isnan(found.statistics["confidence"])
+    assert not p.evaluate(found.answer).feasible
+
+
+def test_what_it_cannot_do_is_said() -> None:
+    with pytest.raises(UsageError, match="confidence must lie between 0 and 1"):
+        scenario(problem(risk__kind="joint"), context(), confidence=1.0)
+    with pytest.raises(UsageError, match="samples are needed"):
+        scenario(problem(risk={"kind": "joint", "total": 1e-6}), context())
+    assert HEURISTICS["scenario"].missing(problem()) == {"allocated-risk"}
+    assert HEURISTICS["cvar"].missing(problem(risk={"kind": "joint", "each": 0.1})) == {"budgets other than the total"}

@@ -1,0 +1,70 @@
+"""Convex allocation as ``solve`` uses it: the default, its bound verified, its answers judged."""
+
+from __future__ import annotations
+
+import pytest
+from risk_problems import margins, problem, run
+
+import waybound as wb
+from waybound.instances.errors import UnsupportedError
+from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solving.solve import solve
+
+
+def test_it_is_better_than_where_the_iterative_method_stalls() -> None:
+    found = solve(problem(), bound_time=0)
+    assert (found.solver, found.status, found.bound_kind) == ("convex-allocation", "optimal", "verified")
+    assert found.objective == pytest.approx(13.731143, abs=1e-6)
+    assert solve(problem(), heuristic="iterative", bound_time=0).objective == pytest.approx(13.420585, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("p", "value", "risks"),
+    [
+        (problem(constraints__upper=4), 11.436883, [1.19e-6, 0.0999988]),
+        (margins([1.0, 3.0], 0.1), 6.268857, [0.020452, 0.079548]),
+        (margins([1.0, 2.0, 5.0], 0.1), 13.808752, [0.009845, 0.022049, 0.068106]),
+        (margins([2.0, 2.0, 2.0], 0.06), 3 * 2 * 2.053749, [0.02, 0.02, 0.02]),
+        (margins([1.0], 0.1), 1.281552, [0.1]),
+    ],
+)
+def test_known_allocations(p, value: float, risks: list[float]) -> None:
+    found = run(ConvexAllocation, p)
+    assert found.objective == pytest.approx(value, abs=1e-5)
+    assert found.answer.risks == pytest.approx(risks, abs=1e-5)
+
+
+def test_the_gap_asked_for_ends_it() -> None:
+    found = solve(wb.generate("risk-allocation"), gap=1e-3, bound_time=0)
+    assert (found.status, found.limit) == ("feasible", "gap")
+    assert found.gap is not None and 1e-9 < found.gap <= 1e-3
+
+
+def test_squares_cones_and_norms_by_clarabel() -> None:
+    square = {"kind": "square", "decisions": [[1, 0], [0, 1]], "constant": [-6, -6]}
+    p = problem(
+        sense="min", lower=-9, upper=9, constraints=None, cost={"decisions": [0, 0.5], "terms": [square]}, chance__limits=[5, 50],
+        cones=[{"decisions": [[1, 0], [0, 1]], "limit": 5.0}],
+    )  # fmt: skip
+    found = solve(p, bound_time=0)
+    assert found.bound_kind == "verified" and found.gap is not None and found.gap < 1e-6
+    x = found.answer.decision
+    assert x @ x == pytest.approx(25.0, rel=1e-5)
+    assert solve(p, "cvxpy", form="secants", bound_time=0).objective == pytest.approx(found.objective, rel=1e-3)
+
+
+def test_where_there_is_no_answer_the_constraints_are_named() -> None:
+    found = solve(problem(constraints={"decisions": [[1, 1]], "lower": 9}), bound_time=0)
+    assert found.status == "infeasible" and found.answer is None
+    assert "no decision keeps the risk of 1, 2, however it is allocated" in found.message
+
+
+def test_joint_risk_gets_an_answer_and_no_bound() -> None:
+    found = run(ConvexAllocation, problem(risk__kind="joint"))
+    assert found.objective == pytest.approx(13.731143, abs=1e-6)
+    assert not found.evidence and found.answer.risks is None and found.holds.value == "restriction"
+
+
+def test_what_it_lacks_is_said() -> None:
+    with pytest.raises(UnsupportedError, match="alternatives"):
+        run(ConvexAllocation, wb.generate("risk-allocation", family="obstacles", steps=2))

@@ -1,0 +1,39 @@
+"""Joint risk by its true probability."""
+
+from __future__ import annotations
+
+import pytest
+from risk_problems import margins, problem, run
+
+import waybound as wb
+from waybound.instances.errors import UnsupportedError
+from waybound.solvers.engines.exact_joint import ExactJoint
+from waybound.solving.solve import solve
+
+
+@pytest.mark.parametrize(
+    ("p", "value"),
+    [
+        (problem(risk__kind="joint"), 13.765737),
+        (margins([1.0, 3.0], 0.1, kind="joint"), 6.234263),
+        (margins([1.0, 2.0, 5.0], 0.1, kind="joint"), 13.713541),
+    ],
+)
+def test_independent_noise_has_its_known_optimum(p, value: float) -> None:
+    found = run(ExactJoint, p)
+    assert found.objective == pytest.approx(value, rel=2e-5)
+    assert p.evaluate(found.answer).feasible
+    risk = p.joint_risk(found.answer.decision)["total"]
+    assert 0.0999 < risk.value <= risk.high <= 0.1
+
+
+def test_it_uses_what_an_allocation_leaves() -> None:
+    p = problem(risk__kind="joint")
+    best, allocated = solve(p, bound_time=2), solve(p, "convex-allocation", bound_time=0)
+    assert best.solver == "exact-joint" and best.objective > allocated.objective
+    assert best.certificate.bound == pytest.approx(7.0 + 2.0 * (5.0 - 1.281552), abs=1e-5)  # the second with all of the risk
+
+
+def test_many_constraints_are_refused() -> None:
+    with pytest.raises(UnsupportedError, match="more than 60 chance constraints"):
+        run(ExactJoint, wb.generate("risk-allocation", steps=61, risk="joint"))
