@@ -19,7 +19,7 @@ from ...instances.printable import printable
 from ...instances.routing.features import restrictions
 from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
-from ...instances.routing.travel import Travel, convention_named
+from ...instances.routing.travel import Travel
 from ..evaluation import Evaluation
 from ..evidence import Evidence, LeftOut, Reason
 from ..problem import Decision, Problem
@@ -175,52 +175,9 @@ class RoutingProblem(Problem):
         ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``)
         and ``convention``.
         """
-        name = problem or instance.problem
-        if name not in instance.problems:
-            allowed = ", ".join(instance.problems)
-            raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {name}; it allows {allowed}")
-        given = dict(settings or {})
-        convention = given.pop("convention", None)
-        customers = given.pop("customers", None)
-        if customers is not None:
-            instance = instance.with_customers(_whole("customers", customers))
-        travel = instance.travel
-        fleet, least, notes = instance.fleet, instance.min_vehicles, instance.notes
-        if convention is not None:
-            known = convention_named(convention)
-            travel = travel.with_convention(known)
-            fleet = tuple(v if v.travel is None else replace(v, travel=v.travel.with_convention(known)) for v in fleet)
-        if "capacity" in given:
-            fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
-            del given["capacity"]
-        risks = {key: _positive(key, given.pop(key)) for key in ("risk", "team-risk") if key in given}
-        if risks and not any(t.uncertain for t in (travel, *(v.travel for v in fleet if v.travel is not None))):
-            raise UsageError(f"durations of {instance.name} are certain, so that a risk limits nothing; its travel needs variances")
-        if "risk" in risks:
-            fleet = tuple(replace(v, risk=risks["risk"]) for v in fleet)
-        if {"vehicles", "vehicles-exactly"} <= given.keys():
-            raise UsageError("set either vehicles or vehicles-exactly, not both")
-        for key in ("vehicles", "vehicles-exactly"):
-            if key in given:
-                value = given.pop(key)
-                if len(fleet) > 1:
-                    raise UsageError(f"{key} can only be set for a fleet of one type; {instance.name} has {len(fleet)}")
-                count = None if key == "vehicles" and value in ("unlimited", None) else _whole(key, value)
-                fleet = (replace(fleet[0], count=count),)
-                least = 0 if key == "vehicles" or count is None else count
-                notes = ()
-        if given:
-            raise UsageError(
-                f"unknown setting {', '.join(sorted(given))}; routing problems take vehicles, vehicles-exactly, capacity, customers, risk, "
-                "team-risk"
-            )
-        from .members import DEFAULT_OBJECTIVE
+        from .settings import parts_of
 
-        objective = DEFAULT_OBJECTIVE.get(name, Objective())
-        if instance.objective and (name == instance.problem or objective == Objective()):
-            objective = Objective.named(instance.objective)
-        team_risk = risks.get("team-risk", instance.team_risk)
-        return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes, team_risk=team_risk)
+        return cls(**parts_of(instance, problem, settings or {}))
 
     # -- what it is --------------------------------------------------------------------------------------------------
 
@@ -451,23 +408,3 @@ class RoutingProblem(Problem):
             raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
         if any(v.reloads or v.stations for v in self.fleet):
             raise UsageError("such a file has no place for stops at depots on the way; use .json")
-
-
-def _whole(name: str, value: Any) -> int:
-    try:
-        number = int(str(value))
-    except ValueError:
-        raise UsageError(f"{name} must be a whole number, not {value!r}") from None
-    if number < 1:
-        raise UsageError(f"{name} must be at least 1, not {number}")
-    return number
-
-
-def _positive(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{name} must be a number, not {value!r}") from None
-    if not number > 0:
-        raise UsageError(f"{name} must be positive, not {value!r}")
-    return number

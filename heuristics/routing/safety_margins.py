@@ -6,37 +6,40 @@ A route of mean duration D and variance V keeps a limit B with probability 1 - r
 
 so that with c times its variance added to the duration of each move, and z^2 / (4 c) taken from B, whatever is feasible is so for the
 problem asked. Slopes follow the routes that come closest to their limits. Of a risk of the team every route is first given an equal share,
-then as large a one as all routes together bear.
+then as large a one as all routes together bear. Of all routes that were met those are chosen that go together best, which splits the
+team's risk anew; then each of them keeps its own part and slope, beside its own part of what is left of the risk, and the engine goes on
+from there, as iterative risk allocation does (Ono and Williams 2008): answers become no worse.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...formulations.routing.overrun import quantile, route_overrun
 from ...formulations.routing.schedule import schedule
-from ...instances.errors import UsageError
+from ...instances.errors import UnsupportedError, UsageError
 from ...instances.routing.features import RISKS
-from ...solvers.backend import Control, Options
+from ...solvers.backend import Control, Engine, Options, solver_named
 from ...solvers.engines.pyvrp import PyVRP
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ..selection.greedy_steps.ending import CUT_SHORT
+from .margin_steps.certain import allowed_risk, certain, split
+from .margin_steps.recombination import Pool
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
     from ...formulations.routing.routes import Routes
     from ...formulations.stop import Stop
-    from ...instances.routing.travel import Travel
-    from ...instances.routing.vehicle_type import VehicleType
 
 NEAR = 1.05
 """Ratio of two shares, or slopes, that are no longer told apart."""
 
 
-def safety_margins(problem: RoutingProblem, context: Context, *, rounds: int = 8, steps: int = 1000) -> Outcome:
-    """Give durations a margin for what is uncertain of them, have PyVRP find routes, and fit the margin to these.
+def safety_margins(
+    problem: RoutingProblem, context: Context, *, rounds: int = 8, splits: int = 4, steps: int = 1000, engine: str = "pyvrp"
+) -> Outcome:
+    """Give durations a margin for what is uncertain of them, have an engine find routes, and fit the margin to these.
 
     Parameters
     ----------
@@ -46,8 +49,12 @@ def safety_margins(problem: RoutingProblem, context: Context, *, rounds: int = 8
         Its ``start`` is the first answer where it keeps all limits.
     rounds : int, >= 1
         Searches at most; the first one leaves the risk out, and is the last where its answer keeps it.
+    splits : int, >= 0
+        Searches after these, each with a vehicle a route, and with the risk split anew; they end where one gains nothing.
     steps : int, >= 1
-        PyVRP's iterations in each.
+        The engine's iterations in each, where it counts any.
+    engine : str
+        A solver of routing problems that takes the data without their risks.
 
     Returns
     -------
@@ -63,21 +70,36 @@ def safety_margins(problem: RoutingProblem, context: Context, *, rounds: int = 8
     -----
     The mathematics: docs/formulations/routing.md#approximations.
     """
-    for name, value in (("rounds", rounds), ("steps", steps)):
-        if not (isinstance(value, int) and value >= 1):
-            raise UsageError(f"{name} must be a whole number of at least 1, not {value!r}")
+    for name, value, least in (("rounds", rounds, 1), ("splits", splits, 0), ("steps", steps, 1)):
+        if not (isinstance(value, int) and value >= least):
+            raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}")
+    made = _engine(engine, problem)
     stop, search = context.begin(), _Search(problem, context)
     if context.start is not None:
         search.judge(context.start)
-    seed, done = int(context.rng.integers(2**31)), 0
+    seed, done, resplit = int(context.rng.integers(2**31)), 0, 0
     while done < rounds:
         done += 1
-        answer = _found(certain(problem, search.slope, search.share), steps, seed, stop)
+        answer = _found(made, certain(problem, search.slope, search.share), steps, seed, stop)
         if search.settled(answer) or stop.reached():
             break
+    if search.slope:  # otherwise the answer for the means keeps all limits
+        search.recombine(stop, seed)
+        while resplit < splits and not stop.reached() and search.best is not None:
+            parts, before = split(problem, search.best), search.rank
+            if parts is None or made.missing(parts.problem):
+                break
+            resplit += 1
+            answer = _found(made, parts.problem, steps, seed + resplit, stop, parts.start)
+            if answer is not None:
+                search.judge(parts.back(answer))
+            search.recombine(stop, seed)
+            if search.rank == before:
+                break
     cut = stop.reached()
     message = CUT_SHORT if cut else "" if search.best is not None else "no routes were found that keep the limits"
-    return Outcome(search.best, statistics={"rounds": done, "slope": search.slope}, message=message, limit=cut or "none")
+    told = {"rounds": done, "splits": resplit, "slope": search.slope, "routes": len(search.pool.routes)}
+    return Outcome(search.best, statistics=told, message=message, limit=cut or "none")
 
 
 class _Search:
@@ -91,15 +113,23 @@ class _Search:
         self.slope, self.share = 0.0, problem.team_risk
         self._low = self._high = 0.0 if problem.team_risk is None else problem.team_risk
         self._vain = 0
+        self.pool = Pool(problem)
 
     def judge(self, answer: Routes) -> bool:
         """Whether it keeps all limits; it is kept if it is the best of these."""
+        self.pool.add(answer)
         judged = self.problem.evaluate(answer)
         rank = tuple(sign * value for sign, value in zip(self.signs, judged.values, strict=True))
         if judged.feasible and (self.best is None or rank < self.rank):
             self.best, self.rank = answer, rank
             self.publish(answer)
         return judged.feasible
+
+    def recombine(self, stop: Stop, seed: int) -> None:
+        """Choose among all routes so far."""
+        answer = self.pool.best(stop, seed, self.best)
+        if answer is not None:
+            self.judge(answer)
 
     def settled(self, answer: Routes | None) -> bool:
         """Whether another round would find nothing else; otherwise slope and share are those of the next one."""
@@ -154,43 +184,23 @@ def _near(a: float, b: float) -> bool:
     return max(a, b) < NEAR * min(a, b)
 
 
-def allowed_risk(vehicle: VehicleType, share: float | None) -> float | None:
-    """The risk of a route where each has a ``share`` in that of the team."""
-    risks = [risk for risk in (vehicle.risk, share) if risk is not None]
-    return min(risks, default=None)
+def _engine(name: str, problem: RoutingProblem) -> Engine:
+    """The engine of that name, if it takes what is left of the problem without risks."""
+    made = solver_named(name)
+    if not isinstance(made, Engine) or made.family != problem.family:
+        raise UsageError(f"{name} is no engine for routing problems; pyvrp is one")
+    lacking = made.missing(certain(problem, 1.0, problem.team_risk))
+    if lacking:
+        raise UnsupportedError(f"engine {name}", lacking)
+    return made
 
 
-def certain(problem: RoutingProblem, slope: float, share: float | None) -> RoutingProblem:
-    """A problem of certain durations: those of the means for a ``slope`` of 0, otherwise answers to it keep the risk of each route."""
-    fleet = []
-    for vehicle in problem.fleet:
-        own, uncertain = vehicle.travel, (vehicle.travel or problem.travel).uncertain
-        risk = allowed_risk(vehicle, share) if uncertain else None
-        margin = quantile(risk) ** 2 / (4.0 * slope * vehicle.speed) if risk is not None and slope else 0.0
-        if risk is not None:
-            own = None if own is None else _stretched(own, slope)
-        elif slope and uncertain:
-            own = _stretched(own or problem.travel, 0.0)
-        energy = vehicle.energy
-        if energy is not None:
-            left = [None if held is None else max(0.0, held - energy.rate * margin) for held in (energy.capacity, energy.initial)]
-            energy = replace(energy, capacity=left[0] or 0.0, initial=left[1])
-        fleet.append(replace(vehicle, risk=None, travel=own, energy=energy, max_duration=max(0.0, vehicle.max_duration - margin)))
-    return replace(problem, travel=_stretched(problem.travel, slope), fleet=tuple(fleet), team_risk=None)
-
-
-def _stretched(travel: Travel, slope: float) -> Travel:
-    if travel.variances is None:
-        return travel
-    longer = travel.durations + slope * travel.variances if slope else travel.duration_matrix
-    return replace(travel, duration_matrix=longer, variances=None)
-
-
-def _found(problem: RoutingProblem, steps: int, seed: int, stop: Stop) -> Routes | None:
+def _found(engine: Engine, problem: RoutingProblem, steps: int, seed: int, stop: Stop, start: Routes | None = None) -> Routes | None:
     control = Control()
-    options = Options(time_limit=min(stop.seconds_left, 1e9), iterations=steps, seed=seed)
+    counted = steps if "iterations" in engine.honours else None
+    options = Options(time_limit=min(stop.seconds_left, 1e9), iterations=counted, seed=seed, start=start)
     with stop.telling(control.stop):
-        answer: Routes | None = PyVRP().run(problem, options, control).answer
+        answer: Routes | None = engine.run(problem, options, control).answer
     return answer
 
 
@@ -207,7 +217,7 @@ HEURISTICS.add(
         families=("routing",),
         features=(PyVRP.features | RISKS) - {"time-windows", "several-windows", "energy:travel"},
         run=safety_margins,
-        summary="PyVRP with margins for uncertain durations, fitted to the risk of routes and team",
+        summary="PyVRP, or another engine, with margins for uncertain durations, fitted to the risk of routes and team",
         refuses=_refuses,
     ),
 )

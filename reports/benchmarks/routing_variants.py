@@ -23,7 +23,7 @@ from ...formulations.routing.objective import (
 )
 from ...formulations.routing.problem import RoutingProblem
 from ...instances.errors import InputError
-from ...instances.routing.features import features
+from ...instances.routing.features import RISKS, features
 from ...instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType, fleet_size
 from ...instances.routing.travel import EXPLICIT, Travel
 
@@ -281,6 +281,9 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
 }  # fmt: skip
 """By feature: what it changes. Those of objectives choose among ``GOALS``."""
 
+TURNS = tuple(name for name in CHANGES if name not in RISKS | {"uncertain-durations"})
+"""Features that ``drawn`` has in turn, and chooses more from. Risks are ``risky``'s, so that problems stay what they were without."""
+
 TWO_DEPOTS = {"multiple-depots", "open-routes", "reloads", "recharging"}
 
 EXCLUSIVE = {name for name in CHANGES if name.startswith("energy:")} | {"recharging", "initial-energy"}
@@ -310,7 +313,7 @@ def _goal(d: _Draft) -> Objective:
 
 
 def _chosen(rng: np.random.Generator, number: int) -> tuple[str, ...]:
-    names = list(CHANGES)
+    names = list(TURNS)
     wanted = [names[number % len(names)]]
     for name in rng.permutation(names)[: int(rng.integers(0, 3))].tolist():
         if name not in wanted and not (name in EXCLUSIVE and EXCLUSIVE & set(wanted)):
@@ -373,7 +376,7 @@ def with_features(wanted: Sequence[str], seed: int) -> RoutingProblem | None:
 def drawn(seed: int, number: int) -> RoutingProblem:
     """The problem of that number: the same whatever else is drawn. Each has the feature whose turn it is."""
     rng = np.random.default_rng([seed, number])
-    feature = list(CHANGES)[number % len(CHANGES)]
+    feature = TURNS[number % len(TURNS)]
     for _ in range(200):
         try:
             made = _made(rng, _chosen(rng, number), f"{feature}-{number}")
@@ -382,3 +385,28 @@ def drawn(seed: int, number: int) -> RoutingProblem:
         if feature in features_of(made):
             return made
     raise AssertionError(f"no problem has {feature}")
+
+
+def risky(seed: int, number: int) -> RoutingProblem:
+    """A problem that is drawn, with uncertain durations and a risk of each route, of the team, or both, from a generator of their own."""
+    rng = np.random.default_rng([seed, number, len(TURNS)])
+    for further in range(200):
+        base = drawn(seed, number + further * 100_003)
+        n, unit = len(base.sites), float(rng.choice([1.0, 0.1]))
+        variances = rng.integers(0, round(60 / unit), (n, n)) * unit
+        most = float(base.travel.durations.max()) * float(rng.uniform(2.0, 3.5)) + 5.0
+        asked = number % 3
+        risk, team = (float(rng.choice([0.02, 0.1, 0.3])) for _ in range(2))
+        limited = [v if v.energy or math.isfinite(v.max_duration) else replace(v, max_duration=round(most, 1)) for v in base.fleet]
+        fleet = [v if asked == 1 else replace(v, risk=risk) for v in limited]
+        fleet = [v if v.travel is None else replace(v, travel=replace(v.travel, variances=variances)) for v in fleet]
+        try:
+            made = replace(
+                base, travel=replace(base.travel, variances=variances), fleet=tuple(fleet), team_risk=None if asked == 0 else team,
+                name=f"{base.name}-at-risk",
+            )  # fmt: skip
+        except InputError:  # somebody may have to wait
+            continue
+        if made.features() & RISKS:
+            return made
+    raise AssertionError("no problem has a risk")

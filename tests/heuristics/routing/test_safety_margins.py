@@ -15,7 +15,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.heuristics.routing.safety_margins import certain
+from waybound.heuristics.routing.margin_steps.certain import certain
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
