@@ -32,6 +32,9 @@ BROKEN = 1e-6
 FRACTIONAL_ROUNDS = 30
 """Continuous relaxations that are solved at most before the first program with integers."""
 
+GAINED = 1e-4
+"""Part of its value by which a relaxation has to gain for another one to follow."""
+
 TOGETHER = 100
 """Cones of a block up to which a row is written for all of them."""
 
@@ -98,10 +101,15 @@ class _Search:
         self.nodes = self.rounds = self.cuts = 0
 
     def run(self) -> RawResult:
+        before = -math.inf
         for _ in range(FRACTIONAL_ROUNDS):
             said = self._solve(whole=False)
             if said.answer is None or not self._cut([said.answer]):
                 break
+            value = self.sign * self.program.value(said.answer)
+            if value - before <= GAINED * max(abs(value), abs(before)):
+                break
+            before = value
         while True:
             heard = _Heard(self.control)
             said = self._solve(whole=True, heard=heard)

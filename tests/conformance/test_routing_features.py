@@ -15,7 +15,7 @@ from waybound.formulations.routing.checking.known_features import KNOWN
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UnsupportedError
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
-from waybound.reports.benchmarks.routing_variants import drawn, with_features
+from waybound.reports.benchmarks.routing_variants import drawn, risky, with_features
 from waybound.reports.tables.routing_features import ROWS, declared_by_engines, declared_by_forms, declared_by_heuristics, solvers_of_forms
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 from waybound.solvers.bounds import BOUNDS
@@ -117,8 +117,9 @@ def test_bounds_that_prove_nothing_say_why(feature):
 
 @cache
 def pool():
-    """Problems of two or three sites, by their names."""
-    return {p.name: p for p in (drawn(7, number) for number in range(432)) if len(p.customers) in (2, 3)}
+    """Problems of two or three sites, by their names; some with risks."""
+    every = [*(drawn(7, number) for number in range(432)), *(risky(7, number) for number in range(60))]
+    return {p.name: p for p in every if len(p.customers) in (2, 3)}
 
 
 @cache

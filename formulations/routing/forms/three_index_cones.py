@@ -10,11 +10,7 @@ To the rows of ``three_index``, for each vehicle k whose routes may overrun a li
 A binary is its own square, so that the norm is the root of the sum of the variances: exact. Relaxed, the norm is smaller than that root.
 No route waits where its duration is limited, so that it is the sum of its moves and services.
 
-A risk Delta of the team is no convex row: how it is split is what is asked. Two further forms bracket it, each with one risk for every
-route in place of the split:
-
-    ``whole-risk``     Delta for each: a relaxation, for no route of an answer overruns more often than any of them does
-    ``equal-shares``   1 - (1 - Delta)^(1/K) for each of K vehicles: a restriction, for together they keep Delta by independence
+A risk of the team is no convex row, for how it is split is what is asked: with r a variable, z sigma_k is a product of two convex terms.
 
 Source: Charnes and Cooper (1959); Stewart and Golden (1983); with cones van de Panne and Popp (1963) for their chance constraint;
 docs/formulations/routing.md#risk.
@@ -24,7 +20,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -33,7 +28,6 @@ import numpy as np
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.cones import Cones
-from ...programs.exactness import Exactness
 from ...programs.program import CONES, INTEGERS, Floats
 from ...programs.rows import Part, rows
 from ..overrun import quantile
@@ -46,6 +40,9 @@ if TYPE_CHECKING:
 
 SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
 
+KNOWN = (FEATURES | {"route-risk"}) - {"energy:windows", "recharging"}
+"""Data have no risk of a store that is filled or charged on the way."""
+
 
 def build(problem: RoutingProblem) -> Compiled:
     """The program; see the module's text for its mathematics.
@@ -53,33 +50,9 @@ def build(problem: RoutingProblem) -> Compiled:
     Parameters
     ----------
     problem : RoutingProblem
-        With a risk of each route; a risk of the team is left to the forms that bracket it.
+        With a risk of routes.
     """
-    return _built(problem, "three-index-cones")
-
-
-def build_whole_risk(problem: RoutingProblem) -> Compiled:
-    """The program in which each route has all of the team's risk; see the module's text."""
-    return replace(_built(_with_risk(problem, problem.team_risk), "whole-risk"), problem=problem)
-
-
-def build_equal_shares(problem: RoutingProblem) -> Compiled:
-    """The program in which each vehicle has the same part of the team's risk; see the module's text."""
-    routes = sum(v.count if v.committed and v.count else min(v.count or math.inf, len(problem.customers)) for v in problem.fleet)
-    assert problem.team_risk is not None
-    share = -math.expm1(math.log1p(-problem.team_risk) / routes)
-    return replace(_built(_with_risk(problem, share), "equal-shares"), problem=problem)
-
-
-def _with_risk(problem: RoutingProblem, risk: float | None) -> RoutingProblem:
-    """The same with one risk for each route in place of the team's."""
-    most = [min(r for r in (v.risk, risk) if r is not None) for v in problem.fleet]
-    fleet = tuple(replace(v, risk=r) for v, r in zip(problem.fleet, most, strict=True))
-    return replace(problem, fleet=fleet, team_risk=None)
-
-
-def _built(problem: RoutingProblem, form: str) -> Compiled:
-    return with_levels(problem, partial(written, form=form, further=(_add_risks,)))
+    return with_levels(problem, partial(written, form="three-index-cones", further=(_add_risks,)))
 
 
 def _add_risks(made: Written) -> None:
@@ -148,29 +121,11 @@ def _refuses(problem: RoutingProblem) -> frozenset[str]:
     return refuses(problem) | (frozenset() if "route-risk" in problem.features() else frozenset({"certain durations"}))
 
 
-def _refuses_team(problem: RoutingProblem) -> frozenset[str]:
-    return refuses(problem) | (frozenset() if problem.team_risk is not None else frozenset({"no risk of the team"}))
-
-
 def _makes(problem: RoutingProblem) -> frozenset[str]:
     return INTEGERS | SECOND_ORDER
 
 
 FORMS.add(
     "three-index-cones",
-    Form("three-index-cones", "routing", FEATURES | {"route-risk"}, build, refuses=_refuses, makes=_makes, order=7),
+    Form("three-index-cones", "routing", KNOWN, build, refuses=_refuses, makes=_makes, order=7),
 )
-FORMS.add(
-    "whole-risk",
-    Form(
-        "whole-risk", "routing", FEATURES | {"route-risk", "team-risk"}, build_whole_risk, Exactness.RELAXATION, refuses=_refuses_team,
-        makes=_makes, order=8,
-    ),
-)  # fmt: skip
-FORMS.add(
-    "equal-shares",
-    Form(
-        "equal-shares", "routing", FEATURES | {"route-risk", "team-risk"}, build_equal_shares, Exactness.RESTRICTION,
-        refuses=_refuses_team, makes=_makes, order=9,
-    ),
-)  # fmt: skip
