@@ -6,12 +6,16 @@ import math
 import time
 from dataclasses import replace
 
+import numpy as np
+
 from waybound import generate
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
+from waybound.instances.routing.instance import Energy
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.deviation_chord import deviation_chord_bound
+from waybound.solving.bounding import find_bounds
 
 METHOD = BOUNDS["deviation-chord"]
 
@@ -44,3 +48,14 @@ def test_it_ends_when_it_is_told_and_applies_where_there_are_risks() -> None:
     assert deviation_chord_bound(risky(240.0, 0.05), stop) is None and time.perf_counter() - began < 2.0
     assert METHOD.missing(risky(240.0, None)) == {"certain durations"}
     assert METHOD.missing(generate("sata")) == {"max-min problems"}
+
+
+def test_it_stands_for_slow_methods_where_it_leaves_nothing_out() -> None:
+    plain = risky(240.0, 0.05)
+    assert METHOD.replaces(plain) == {"state-space", "column-generation"} and not METHOD.replaces(risky(240.0, None))
+    both = replace(plain, fleet=(replace(plain.fleet[0], energy=Energy(500.0)),))
+    late = replace(plain, sites=replace(plain.sites, due=np.full(10, 900.0)))
+    for other in (both, late):
+        assert not METHOD.missing(other) and not METHOD.replaces(other)
+    found = find_bounds(plain, 2.0)
+    assert {e.kind for e in found} >= {"deviation-chord"} and not {e.kind for e in found} & {"state-space", "set-partitioning-duals"}
