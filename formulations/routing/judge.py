@@ -103,7 +103,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     if held & {"duration-cost", "overtime", "objective:total-duration"}:
         quantities |= {"duration": terms["total-duration"], "overtime": math.fsum(overtime)}
     if held & {"route-risk", "team-risk"}:
-        quantities |= {"largest-route-overrun": max(overruns, default=0.0), "team-overrun": joint}
+        quantities |= {"largest-route-overrun": max(overruns, default=0.0), "team-overrun": joint, "expected-overruns": math.fsum(overruns)}
     if sites.penalty.any():
         quantities["penalties"] = terms["penalties"]
     names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))

@@ -393,7 +393,7 @@ def risky(seed: int, number: int) -> RoutingProblem:
     for further in range(200):
         base = drawn(seed, number + further * 100_003)
         n, unit = len(base.sites), float(rng.choice([1.0, 0.1]))
-        variances = rng.integers(0, round(60 / unit), (n, n)) * unit
+        variances = np.asarray(rng.integers(0, round(60 / unit), (n, n)) * unit, dtype=np.float64)
         most = float(base.travel.durations.max()) * float(rng.uniform(2.0, 3.5)) + 5.0
         asked = number % 3
         risk, team = (float(rng.choice([0.02, 0.1, 0.3])) for _ in range(2))

@@ -55,6 +55,7 @@ def test_probabilities_are_those_of_drawn_durations(vehicle: VehicleType) -> Non
     for p, seen in zip([*exact, found["team-overrun"]], [*over.mean(axis=0), over.any(axis=1).mean()], strict=True):
         assert abs(p - seen) < 4.0 * math.sqrt(max(p, 1e-5) / count)
     assert found["largest-route-overrun"] == max(exact)
+    assert found["expected-overruns"] == pytest.approx(sum(exact)) and found["expected-overruns"] >= found["team-overrun"]
     assert found["team-overrun"] == pytest.approx(1.0 - (1.0 - exact[0]) * (1.0 - exact[1]))
 
 
