@@ -92,7 +92,7 @@ def default_form(problem: Asked) -> str:
     if usable:
         raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}")
     name, lacking = nearest_form(problem)
-    raise UnsupportedError("no form", lacking, nearest=name)
+    raise UnsupportedError("no form" if name else "a program", lacking, nearest=name)
 
 
 def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False) -> Compiled:

@@ -31,6 +31,9 @@ CONFIDENCE = 0.999
 _STUDENT = 4.4370
 """Of the t distribution with ``SHIFTS - 1`` degrees of freedom, the quantile that leaves (1 - CONFIDENCE) / 2 above it."""
 
+ROUNDED = 1e-15
+"""Part of a probability, for each constraint, that sums and tails round off."""
+
 SINGULAR = 1e-7
 """Part of a standard deviation left by those before, under which a constraint depends on them alone."""
 
@@ -130,7 +133,8 @@ def _integral(z: Floats, correlation: Floats, least: float, most: float, seed: i
         shifted = base + rng.random(size)
         shifted -= np.floor(shifted)
         found[k] = float(np.mean(_fail_first(z, factor, np.abs(2.0 * shifted - 1.0))))  # the tent makes it periodic
-    value, error = float(found.mean()), _STUDENT * float(found.std(ddof=1)) / math.sqrt(SHIFTS)
+    value = float(found.mean())
+    error = _STUDENT * float(found.std(ddof=1)) / math.sqrt(SHIFTS) + ROUNDED * size * value
     clipped = np.clip([value, value - error, value + error], least, min(1.0, most))
     return Probability(float(clipped[0]), float(clipped[1]), float(clipped[2]))
 

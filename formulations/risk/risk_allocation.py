@@ -19,6 +19,7 @@ from ..evaluation import Evaluation
 from ..evidence import Evidence
 from ..problem import PROBLEMS, Decision, Problem
 from .allocations import Allocation
+from .contradictions import contradiction
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
 from .judge import evaluate_allocation, safest_risks
 
@@ -32,9 +33,6 @@ SETTINGS = {
     "risk": Setting(None, "how risk is counted: allocated (Boole) or joint", type=str, choices=RISKS),
     "total": Setting(None, "risk of all constraints together", type=float),
 }
-
-SHOWN_NAMES = 6
-"""Constraints that are named where they cannot be kept."""
 
 
 class RiskAllocation(Problem):
@@ -308,14 +306,7 @@ class RiskAllocation(Problem):
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         if kind != "risk-allocation-duals":
             return super().why_none(kind, data)
-        given = data["chance"]
-        priced = dict(zip(given["at"], given["values"], strict=True)) if isinstance(given, Mapping) else dict(enumerate(given))
-        worst = sorted((row for row, price in priced.items() if price > 0.0), key=lambda row: -priced[row])
-        names = [self.names[self.constraint[row]] for row in worst]
-        shown = ", ".join(names[:SHOWN_NAMES]) + (f" and {len(names) - SHOWN_NAMES} more" if len(names) > SHOWN_NAMES else "")
-        if not names:
-            return "the deterministic constraints contradict each other"
-        return f"no decision keeps the risk of {shown}, however it is allocated"
+        return contradiction(self, data)
 
     # -- answers -----------------------------------------------------------------------------------------------------
 

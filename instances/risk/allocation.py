@@ -162,8 +162,8 @@ class Risk:
         if (most > MOST_RISK).any():
             k = int(np.argmax(most))
             raise InputError(
-                f"chance constraint {k} may have a risk above 1/2, where the quantile is not convex", expected="each: 0.5 or less",
-                found=f"{most[k]:g}",
+                f"chance constraint number {k + 1} may have a risk above 1/2, where the quantile is not convex",
+                expected="each: 0.5 or less", found=f"{most[k]:g}",
             )  # fmt: skip
 
     def caps(self) -> Floats:

@@ -184,6 +184,8 @@ class LengthRisk(MemorylessElement):
 
 
 MEASURES = ("norm", "angle", "change")
+ROUNDED = 1e-12
+"""Part of a direction, or of the places, below which a turn is rounding: going straight has no risk, not a tiny one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,9 +227,10 @@ class TurnRisk(MemorylessElement):
             with np.errstate(divide="ignore", invalid="ignore"):
                 a, b = first / sizes[0][:, None], second / sizes[1][:, None]
             chord, sum_ = np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)
-            value = np.nan_to_num(2.0 * np.arctan2(chord, sum_) / (math.pi / 4.0))
+            value = np.nan_to_num(2.0 * np.arctan2(np.where(chord > ROUNDED, chord, 0.0), sum_) / (math.pi / 4.0))
         else:
             value = np.linalg.norm(second - first, axis=-1)
+            value = np.where(value > ROUNDED * np.maximum(np.abs(at[after]), np.abs(at[before])).max(axis=-1), value, 0.0)
             if self.measure == "change":
                 value = (value > 1e-9 * np.maximum(*sizes)).astype(np.float64)
         return np.where((before >= 0) & (state >= 0), self.rate * value, 0.0)

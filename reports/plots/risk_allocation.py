@@ -22,6 +22,10 @@ Floats = NDArray[np.float64]
 
 VIEWS = ("trajectory", "risks", "violations")
 SAMPLES = 20_000
+LABELLED_COUNTS = 8
+NAMES_IN_LINE = 60
+"""Letters of all names of constraints that stand in a line below their bars."""
+
 ELLIPSE = math.sqrt(-2.0 * math.log(0.05))
 """Deviations of the ellipse that holds 95 % of a Gaussian point of the plane."""
 
@@ -99,6 +103,7 @@ def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     ax.fill_between(step, mean[:, 0] - band, mean[:, 0] + band, color=COLOURS[4], alpha=0.45, linewidth=0, zorder=2)
     ax.plot(step, mean[:, 0], color=COLOURS[0], linewidth=1.2, marker="o", markersize=3, zorder=3)
     _limits(ax, problem, {0: step.astype(float)}, 0, -1)
+    ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("step", fontsize=9, color="#555555")
     ax.set_ylabel(dynamics.state_names[0], fontsize=9, color="#555555")
     chart_axes(ax)
@@ -134,12 +139,13 @@ def _risks(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     allowed = own if answer.risks is None else answer.risks
     each = np.arange(len(own))
     ax.bar(each, allowed, width=0.8, color=QUIET, zorder=2, label="allowed")
-    ax.bar(each, own, width=0.5, color=COLOURS[0], zorder=3, label="there is")
+    ax.bar(each, own, width=0.5, color=COLOURS[0], zorder=3, label="at the decision")
     if problem.risk.total is not None:
         even = problem.risk.total / len(own)
         ax.axhline(even, color=ALARM, linewidth=1.0, linestyle="--", zorder=4, label="equal shares of the total")
     if len(own) <= LABELLED_BARS:
-        ax.set_xticks(each, problem.names, fontsize=7, rotation=90)
+        crowded = sum(map(len, problem.names)) > NAMES_IN_LINE
+        ax.set_xticks(each, problem.names, fontsize=7 if crowded else 8, rotation=90 if crowded else 0)
     else:
         ax.set_xticks([])
     ax.set_ylabel("risk", fontsize=9, color="#555555")
@@ -147,7 +153,7 @@ def _risks(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     ax.legend(fontsize=8, frameon=False)
     budget = "" if problem.risk.total is None else f" of {problem.risk.total:g}"
     joint = next(iter(problem.joint_risk(answer.decision).values()))
-    return f"risks, {own.sum():.4g} together{budget}; any of them fails with probability {joint.value:.4g}"
+    return f"risks of the constraints, {own.sum():.4g}{budget} together; any fails with probability {joint.value:.4g}"
 
 
 def _violations(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
@@ -160,13 +166,15 @@ def _violations(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     np.add.at(failed.T, problem.constraint, beyond.T)
     counts = np.bincount((failed == rows).sum(axis=1)) / SAMPLES
     ax.bar(np.arange(len(counts)), counts, width=0.8, color=[QUIET, *[COLOURS[0]] * (len(counts) - 1)], zorder=2)
-    for k, share in enumerate(counts.tolist()):
+    for k, share in enumerate(counts.tolist() if len(counts) <= LABELLED_COUNTS else ()):
         ax.annotate(f"{share:.3g}", (k, share), ha="center", va="bottom", fontsize=8, color=INK)
     ax.set_yscale("log")
+    ax.yaxis.set_major_formatter(lambda share, _: f"{share:g}")
+    ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("constraints that fail at once", fontsize=9, color="#555555")
-    ax.set_ylabel(f"share of {SAMPLES} samples", fontsize=9, color="#555555")
+    ax.set_ylabel(f"share of {SAMPLES:,} samples", fontsize=9, color="#555555")
     chart_axes(ax)
-    return f"constraints that fail, in {SAMPLES} samples"
+    return f"how many constraints fail at once: {counts[1:].sum():.4g} of {SAMPLES:,} samples with any"
 
 
 PLOTS.add("risk-allocation", plot_risk_allocation)

@@ -46,7 +46,12 @@ def plot_risky_path(
         _chart(ax, frame)
         return entitled(ax, problem, answer, solution, title, "risk until each state, and of each element there")
     _map(ax, problem, answer, frame["risk"].to_numpy())
-    return entitled(ax, problem, answer, solution, title, "path coloured by the risk run until then")
+    return entitled(ax, problem, answer, solution, title, _told(problem))
+
+
+def _told(problem: RiskyPath) -> str:
+    dots = "; dots: the risk of each place, the darker the more" if problem.graph.num_states <= FEW_STATES else ""
+    return f"path coloured by the risk run until then{dots}"
 
 
 def _map(ax: Any, problem: RiskyPath, path: Any, risk: Any) -> None:

@@ -38,7 +38,7 @@ def _together(problem: RiskAllocation, decision: Any) -> list[Row]:
     rows.append(("sum of the risks", _risk(problem.risks(decision).sum())))
     for name, found in problem.joint_risk(decision).items():
         span = "exact" if found.exact else f"{_risk(found.low)} to {_risk(found.high)} with confidence {CONFIDENCE:.1%}"
-        rows.append((f"any of {'all' if name == 'total' else name} fails", f"{_risk(found.value)} ({span})"))
+        rows.append(("any fails" if name == "total" else f"any of {name} fails", f"{_risk(found.value)} ({span})"))
     if problem.risk.total is not None:
         joint = next(iter(problem.joint_risk(decision).values()))
         rows.append(("conservatism", f"{1.0 - joint.value / problem.risk.total:.1%} of the total is not used"))

@@ -1,4 +1,5 @@
-"""Allocations with known optima whose cost is one of the risks themselves, not of decisions: programs over cones, and over choices."""
+"""Allocations with known optima: costs of the risks themselves as programs over cones, choices with risks, and what Boole's inequality
+leaves unused."""
 
 from __future__ import annotations
 
@@ -8,12 +9,20 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from programs import program
+from risk_problems import margins, problem, run
+from scipy.special import ndtr, ndtri
 
+import waybound as wb
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.program import Program
+from waybound.formulations.risk.forms.ellipsoid import radius
+from waybound.formulations.risk.forms.uniform import uniform_risks
+from waybound.formulations.risk.joint_normal import any_fails
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.backends.cvxpy import CVXPY, solvers_found
 from waybound.solvers.backends.highs import Highs
+from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.exact_joint import ExactJoint
 
 CONE_SOLVERS = [
     pytest.param(name, marks=pytest.mark.skipif(name not in solvers_found(), reason="it is not installed")) for name in ("CLARABEL", "ECOS")
@@ -55,12 +64,84 @@ def test_rewards_that_grow_with_the_logarithm_of_the_risk_share_it_as_their_weig
     assert found.objective == pytest.approx(math.log(1 / 6) + 2 * math.log(1 / 3) + 3 * math.log(1 / 2), abs=1e-6)
 
 
+def chosen(tasks: list[list[tuple[float, float]]], weight: list[float], limit: float) -> tuple[float, list[int]]:
+    """The largest reward of one option a task, (risk, reward), whose weights add up to the limit at most; which options."""
+    options = [option for task in tasks for option in task]
+    one = np.array([[float(task == k) for task, given in enumerate(tasks) for _ in given] for k in range(len(tasks))])
+    sides = [1.0] * len(tasks)
+    made = program(
+        [r for _, r in options], [*one, weight], [*sides, -math.inf], [*sides, limit], 0, 1, integer=range(len(options)), sense="max"
+    )
+    found = Highs().run(made, Options(), Control())
+    assert found.status == "optimal" and found.answer is not None and found.objective is not None
+    return found.objective, np.nonzero(found.answer > 0.5)[0].tolist()
+
+
 @pytest.mark.parametrize(("total", "boole", "independent"), [(0.15, 13, 13), (0.195, 13, 16), (0.2, 16, 16)])
 def test_choices_of_two_tasks_with_risks_added_up_or_multiplied_out(total: float, boole: int, independent: int) -> None:
-    risk, reward = np.array([0.0, 0.05, 0.1] * 2), [0.0, 5.0, 8.0] * 2
-    one = np.kron(np.eye(2), np.ones(3))
+    tasks = [[(0.0, 0.0), (0.05, 5.0), (0.1, 8.0)]] * 2
+    risk = np.array([0.0, 0.05, 0.1] * 2)
     for weight, limit, best in ((risk, total, boole), (-np.log1p(-risk), -math.log1p(-total), independent)):
-        made = program(reward, [*one, weight], [1, 1, -math.inf], [1, 1, limit], 0, 1, integer=range(6), sense="max")
-        found = Highs().run(made, Options(), Control())
-        assert (found.status, found.objective) == ("optimal", pytest.approx(best))
-        assert best < 16 or 1.0 - np.prod(1.0 - risk * found.answer) == pytest.approx(0.19)
+        reward, options = chosen(tasks, weight.tolist(), limit)
+        assert reward == pytest.approx(best)
+        assert best < 16 or 1.0 - np.prod(1.0 - risk[options]) == pytest.approx(0.19)
+
+
+def test_a_budget_takes_the_plan_that_no_price_of_risk_does() -> None:
+    plans = [(0.0, 0.0), (0.3, 4.0), (0.5, 10.0)]
+    risk = [r for r, _ in plans]
+    assert chosen([plans], risk, 0.3) == (pytest.approx(4.0), [1])
+    assert chosen([plans], risk, 0.5) == (pytest.approx(10.0), [2])
+    for price in np.linspace(0.0, 40.0, 81).tolist():
+        assert max(range(3), key=lambda k: plans[k][1] - price * plans[k][0]) != 1
+
+
+def test_limits_of_each_that_multiply_out_to_the_total_leave_none_of_it() -> None:
+    each = 1.0 - math.sqrt(0.9)
+    p = problem(
+        sense="min", decisions=2, lower=None, quantities={"map": [[1, 0], [0, 1]], "covariance": [1.0, 1.0]}, cost={"decisions": [1, 3]},
+        constraints=None, chance={"quantities": [[-1, 0], [0, -1]], "limits": [0.0, 0.0]}, risk={"each": each},
+    )  # fmt: skip
+    found = run(ConvexAllocation, p)
+    assert found.objective == pytest.approx(6.528875, abs=1e-6)
+    assert p.joint_risk(found.answer.decision)["total"].value == pytest.approx(0.1, abs=1e-8)
+
+
+def test_independent_noise_shares_the_risk_otherwise_than_boole() -> None:
+    p = margins([1.0, 3.0], 0.1, kind="joint")
+    own = p.risks(run(ExactJoint, p).answer.decision)
+    assert own == pytest.approx([0.022022, 0.079734], abs=1e-4)  # the cost is flat: 1e-8 of it is 1e-5 of a risk
+    assert 1.0 - np.prod(1.0 - own) == pytest.approx(0.1, abs=1e-6)
+
+
+def test_routes_of_which_one_needs_all_the_risk() -> None:
+    """Loads of customers N(10, 2^2), two on one route of capacity 25, one on the other, and a total of 0.05."""
+    p = problem(
+        sense="min", decisions=1, lower=0, upper=1, constraints=None, cost={"decisions": [0]},
+        quantities={"map": [[0], [0]], "offset": [20, 10], "covariance": [8, 4]}, chance__limits=[25, 25], risk={"total": 0.05},
+    )  # fmt: skip
+    assert p.risks(np.zeros(1)) == pytest.approx([0.0385499, 3.2e-14], rel=5e-3)
+    assert wb.solve(p, "highs", form="uniform", bound_time=0).answer is None
+    assert run(ConvexAllocation, p).status == "optimal"
+    assert "no plan with equal risks" in wb.solve(p, heuristic="iterative", bound_time=0).message
+
+
+@pytest.mark.parametrize("total", [0.01, 0.05, 0.1, 0.5, 0.9])
+def test_what_boole_leaves_unused_of_equal_independent_risks(total: float) -> None:
+    many = 24
+    found = any_fails(np.full(many, -ndtri(total / many)), np.eye(many))
+    assert found.low <= 1.0 - (1.0 - total / many) ** many <= found.high
+    assert 1.0 - (1.0 - total / 1e6) ** 1e6 == pytest.approx(-math.expm1(-total), rel=1e-5)
+    assert found.value < total
+
+
+@pytest.mark.parametrize(("many", "quantile"), [(1, 1.6449), (4, 2.2414), (10, 2.5758), (100, 3.2905)])
+def test_the_quantile_of_equal_risks(many: int, quantile: float) -> None:
+    assert -ndtri(uniform_risks(margins([1.0] * many, 0.05))) == pytest.approx(quantile, abs=5e-5)
+
+
+@pytest.mark.parametrize(("dimensions", "rho", "worth"), [(1, 1.9600, 2.0), (2, 2.4477, 6.96), (3, 2.7955, 19.3), (10, 4.2787, 5319)])
+def test_an_ellipsoid_is_worth_its_radius_from_so_many_constraints_on(dimensions: int, rho: float, worth: float) -> None:
+    found = radius(margins([1.0] * dimensions, 0.05))
+    assert found == pytest.approx(rho, abs=5e-5)
+    assert 0.05 / ndtr(-found) == pytest.approx(worth, rel=1e-3)

@@ -5,14 +5,19 @@ from __future__ import annotations
 import _thread
 import json
 import math
+import re
 import time
 
 import numpy as np
 import pytest
+import risk_problems
+import risky_cases
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.forms import FORMS
+from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.solving import explaining
 from waybound.solving.explaining import deletion_filter, explain, in_words
@@ -134,11 +139,67 @@ def test_a_contradiction_that_no_argument_finds_is_told_by_rows_of_a_form_and_by
     assert {r.evidence for r in made.reasons} == {None}
 
 
-def test_without_a_form_that_can_write_the_problem_down_nothing_is_claimed(monkeypatch, three_at_once):
+def test_without_a_form_evidence_tells_all_the_same(monkeypatch, three_at_once):
     monkeypatch.setattr(wb.RoutingProblem, "forms", lambda self: [])
+    made = explain(three_at_once, time_limit=4)
+    assert (made.verdict, made.according_to, made.reasons, made.form) == ("infeasible", "the data", (), None)
+    assert verified_bound(three_at_once, made.evidence) == math.inf and made.proof
+
+
+def test_without_a_form_and_without_evidence_nothing_is_claimed(monkeypatch, three_at_once):
+    monkeypatch.setattr(wb.RoutingProblem, "forms", lambda self: [])
+    monkeypatch.setattr(explaining, "_decided", lambda problem, methods, seconds, notes: None)
+    monkeypatch.setattr(explaining, "_proof", lambda problem, seconds, control: None)
     made = explain(three_at_once)
-    assert made.verdict == "undecided"
+    assert (made.verdict, made.evidence) == ("undecided", None)
     assert "form" in made.message
+
+
+ABOVE = "a risk above 0.1, the most that it may have"
+CONTRADICTED = "constraints 1, 2 contradict each other, whatever the risk"
+IN_BUDGETS = "no decision keeps the risks of chance constraints 1, 2 within their budgets, however they are shared out"
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"chance__limits": [5, 1]}, f"every decision gives chance constraint 2 {ABOVE}"),
+        ({"chance__limits": [5, 1], "risk__kind": "joint"}, f"every decision gives chance constraint 2 {ABOVE}"),
+        ({"constraints__lower": 8.5, "constraints__upper": 9}, f"{IN_BUDGETS}, where constraint 1 holds"),
+        ({"chance__limits": [1.5, 1.5]}, IN_BUDGETS),
+        ({"constraints": {"decisions": [[1, 1]] * 2, "lower": [4, 1], "upper": [5, 3]}}, CONTRADICTED),
+    ],
+)  # fmt: skip
+def test_risks_that_no_allocation_keeps_are_named(changes, told):
+    problem = risk_problems.problem(**changes)
+    made = explain(problem)
+    assert (made.verdict, made.according_to, made.proof) == ("infeasible", "the data", (told,))
+    assert verified_bound(problem, made.evidence) == -math.inf
+
+
+def test_risks_around_an_obstacle_are_told_side_by_side():
+    problem = risk_problems.around_a_box(lower=-0.5, upper=0.5)
+    made = explain(problem)
+    assert (made.verdict, made.evidence.kind) == ("infeasible", "branching-tree")
+    assert re.fullmatch(
+        r"if alternative \d of box is the safest: every decision gives chance constraint box a risk above 0.05, .*", made.proof[0]
+    )
+    assert len(made.proof) == 6
+
+
+def test_problems_with_inexact_forms_alone_are_told_to_have_an_answer():
+    for problem in (risk_problems.problem(), risk_problems.problem(risk__kind="joint"), risk_problems.around_a_box(), risky_cases.mud()):
+        assert not any(FORMS[name].exactness is Exactness.EXACT for name in problem.forms())
+        made = explain(problem)
+        assert (made.verdict, made.according_to) == ("feasible", "the data")
+
+
+def test_a_risk_that_only_a_search_of_the_true_probability_could_decide_is_left_undecided():
+    # Boole's inequality asks for more than there is, and no constraint by itself does.
+    problem = risk_problems.problem(risk__kind="joint", constraints={"decisions": [[1, 1]], "lower": 7.2, "upper": 9})
+    made = explain(problem, time_limit=20)
+    assert (made.verdict, made.evidence) == ("undecided", None)
+    assert "no method found an answer or a proof" in made.message
 
 
 def test_each_reason_from_the_data_carries_evidence_that_its_checker_confirms():

@@ -1,7 +1,8 @@
 """Why a problem has no answer: sites out of reach, a fleet too small, or else a smallest set of rows that contradict each other.
 
 Each reason from the data is evidence that a checker of ``formulations.checking`` confirms by itself; rows are a solver's word, said so.
-That there is no answer is then proved by other evidence where it can be, case by case.
+That there is no answer is then proved by other evidence where it can be, case by case. Problems that no form writes down exactly are told
+by that evidence alone.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from ..formulations.evidence import Evidence, Reason
 from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
+from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program, Rows
+from ..formulations.solution import Solution
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from ..solvers.backend import BACKENDS, Control, Options, RawResult
@@ -88,7 +91,7 @@ def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, 
     """Why ``problem`` has no answer, in its own words.
 
     First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion
-    filter over the row blocks and the rows of a form, through HiGHS.
+    filter over the row blocks and the rows of a form, through HiGHS. Where no form is exact: an answer by any method, or evidence.
 
     Parameters
     ----------
@@ -152,13 +155,45 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
             return _FEASIBLE
     if control.stopped:
         return Explanation("undecided")
-    made = _explain_rows(problem, form, end, control, notes)
-    if made.verdict == "infeasible" and not control.stopped:
+    if isinstance(problem, Problem) and form is None and not _exact_form(problem):
+        made = _explain_by_methods(problem, end, control, notes)
+    else:
+        made = _explain_rows(problem, form, end, control, notes)
+    if made.verdict == "infeasible" and made.evidence is None and not control.stopped:
         asked = problem if isinstance(problem, Problem) else problem.problem if isinstance(problem, Compiled) else ArrayProblem(problem)
         evidence = _proof(asked, end - time.perf_counter(), control)
         if evidence is not None:
             made = replace(made, according_to="the data", evidence=evidence, proof=tuple(in_words(asked, evidence)))
     return replace(made, message="; ".join(m for m in (made.message, *notes) if m))
+
+
+def _exact_form(problem: Problem) -> bool:
+    return any(FORMS[name].exactness is Exactness.EXACT for name in problem.forms())
+
+
+def _relaxation(problem: Problem) -> str | None:
+    """The first form whose rows prove that there is no answer where they contradict each other."""
+    bounding = (name for name in problem.forms() if FORMS[name].exactness.infeasibility_is_valid)
+    return next((name for name in bounding if problem.compile(name).exactness.infeasibility_is_valid), None)
+
+
+def _explain_by_methods(problem: Problem, end: float, control: Control, notes: list[str]) -> Explanation:
+    """An answer by any method, or evidence that there is none, or else rows of a relaxation."""
+    others = [name for name in HEURISTICS if name not in _QUICK and not HEURISTICS[name].missing(problem)]
+    decided = _decided(problem, [None, *others], (end - time.perf_counter()) / 2.0, notes)
+    if decided is not None and decided.answer is not None:
+        return _FEASIBLE
+    evidence = None if decided is None else next(_proofs(problem, decided.certificate.evidence), None)
+    if evidence is None and not control.stopped:
+        evidence = _proof(problem, end - time.perf_counter(), control)
+    if evidence is not None:
+        return Explanation("infeasible", "the data", evidence=evidence, proof=tuple(in_words(problem, evidence)))
+    form = None if control.stopped else _relaxation(problem)
+    if form is None:
+        return Explanation(
+            "undecided", message="no method found an answer or a proof that there is none, and no form names rows that prove it"
+        )
+    return _explain_rows(problem, form, end, control, notes)
 
 
 PROOF_SECONDS = 10.0
@@ -169,9 +204,13 @@ MOST_NODES = 15
 
 def _proof(problem: Problem, seconds: float, control: Control) -> Evidence | None:
     """Evidence that there is no answer, if it is found in time."""
+    return next(_proofs(problem, find_bounds(problem, max(0.0, min(seconds, PROOF_SECONDS)), control=_under(control))), None)
+
+
+def _proofs(problem: Problem, found: Sequence[Evidence]) -> Iterator[Evidence]:
+    """What of ``found`` proves that there is no answer."""
     none = math.inf if problem.sense == "min" else -math.inf
-    found = find_bounds(problem, max(0.0, min(seconds, PROOF_SECONDS)), control=_under(control))
-    return next((evidence for evidence in found if proved(problem, evidence) == none), None)
+    return (evidence for evidence in found if proved(problem, evidence) == none)
 
 
 def _under(control: Control) -> Control:
@@ -265,7 +304,13 @@ _QUICK = ("savings", "random", "greedy")
 
 
 def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float, notes: list[str]) -> bool:
-    """Whether a heuristic or the default solver (None) finds a verified answer quickly; the MILP may take long to find one.
+    """Whether a heuristic or the default solver (None) finds a verified answer quickly; the MILP may take long to find one."""
+    found = _decided(problem, methods, seconds, notes)
+    return found is not None and found.answer is not None
+
+
+def _decided(problem: Problem, methods: Sequence[str | None], seconds: float, notes: list[str]) -> Solution | None:
+    """What the first heuristic or the default solver (None) says that quickly finds a verified answer, or a proof that there is none.
 
     What a method says where it fails is noted, unless it is that it does not take the problem.
     """
@@ -273,15 +318,16 @@ def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float,
     for heuristic in methods:
         left = end - time.perf_counter()
         if left <= 0:
-            return False
+            return None
         try:
-            if solve(problem, heuristic=heuristic, time_limit=left, bound_time=0.0).answer is not None:
-                return True
+            found = solve(problem, heuristic=heuristic, time_limit=left, bound_time=0.0)
+            if found.answer is not None or found.certificate.infeasible:
+                return found
         except (UsageError, UnsupportedError, MissingPackageError):
             continue
         except WayboundError as fault:
             notes.append(f"{heuristic or 'the default solver'} failed: {fault}")
-    return False
+    return None
 
 
 class _Tester:

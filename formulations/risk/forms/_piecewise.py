@@ -38,7 +38,7 @@ def density(z: Floats) -> Floats:
 
 def points(problem: RiskAllocation, unit: float, count: int, least: float = STEEPEST) -> Floats:
     """Ascending arguments of the tail, risks geometrically spaced from the largest of each constraint; shape (constraints, count)."""
-    shares = np.geomspace(1.0, 1.0, count) if count == 1 else np.linspace(0.0, 1.0, count)
+    shares = np.linspace(0.0, 1.0, count)
     low = np.minimum(least * unit, problem.caps * 0.5)
     risks = problem.caps[:, None] * (low / problem.caps)[:, None] ** shares
     return np.asarray(-ndtri(risks))

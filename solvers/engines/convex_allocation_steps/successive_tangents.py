@@ -2,9 +2,9 @@
 
 The normal tail is replaced by its tangents at some points. The optimum of that program bounds the cost from below, and its duals do so more
 tightly than it says, since they price the tail itself and not its tangents. Its decision takes a little more risk than allowed; the same
-program with budgets smaller by a little more than that has a decision that keeps them. The last point between the two that keeps the
-budgets bounds the cost from above. Tangents at both decisions are added. Each round divides what is missing by four and more (Kelley 1960,
-on a separable convex function).
+program with budgets smaller by about that has a decision that keeps them, and its duals bound the cost, too. The last point between the two
+decisions that keeps the budgets bounds the cost from above. Tangents at both are added. Each round divides what is missing by four and more
+(Kelley 1960, on a separable convex function).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .units import Units
 
 Floats = NDArray[np.float64]
 
-FIRST_POINTS, FIRST_LEAST = 6, 0.05
+FIRST_POINTS, FIRST_LEAST = 8, 0.2
 """Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
 
 CLOSED = 1e-9
@@ -36,20 +36,26 @@ CLOSED = 1e-9
 
 MOST_ROUNDS = 100
 
-MARGIN = 1.25
+MARGIN = 0.5
 """Of the excess of risk, by how much the budgets are made smaller."""
 
-NEAR = 0.015
+NEAR = 0.03
 """Excess of risk from which on decisions that keep the budgets are looked for: before, they would not last."""
 
 LEAST = 1e-10
 """By which part budgets are made smaller at least."""
+
+TOUCHED = 1e-4
+"""Part of the largest distance between tail and tangents from which on a constraint gets a further tangent."""
 
 CHORDS = 3
 """Laid to find the last allowed point between two decisions."""
 
 STALLED = 8
 """Rounds without progress after which it ends."""
+
+MOST_NAMED = 60
+"""Chance rows of a contradiction that are left out one by one, to see which of them it takes."""
 
 
 @dataclass
@@ -135,18 +141,20 @@ class SuccessiveTangents:
             self._use(0.0)
             below = self.session.solve(stop)
             if below.status != "optimal":
-                self._ended(below)
+                self._ended(below, stop)
                 break
             found.rounds += 1
             excess = self._lower(below)
             added = self._touch(below)
             if found.gap > aim and excess < NEAR:
-                self._use(MARGIN * max(excess, self.least))
+                less = MARGIN * max(excess, self.least)
+                self._use(less)
                 above = self.session.solve(stop)
                 if above.status == "optimal":
+                    self._bound(above, less)
                     if not self._upper(above.x, below.x):
-                        self.least *= 10.0  # beyond what the solver rounds
-                    added += self._touch(above)
+                        self.least *= 10.0  # beyond what the solver and the judge round
+                    added += self._touch(above) if found.gap > aim else 0
             self.publish(found)
             if found.gap <= aim:
                 found.status = "optimal"
@@ -181,23 +189,29 @@ class SuccessiveTangents:
         start = self.pieces.budget
         return np.asarray(np.maximum(-self.problem.sign * duals[start : start + len(self.budgets)] / self.pieces.unit, 0.0))
 
-    def _lower(self, made: Solved) -> float:
-        """Take the bound of a relaxation and try its decision; by which part that exceeds a budget at most."""
+    def _bound(self, made: Solved, less: float = 0.0) -> None:
+        """Take the bound that the duals prove, of budgets that were smaller by that part."""
         p, found = self.problem, self.found
         z, risk = self._parts(made.x)
         chance = made.duals[self.pieces.chance : self.pieces.chance + len(z)][self.order]
         slope = np.maximum(-p.sign * chance, 0.0) * self.deviation
-        spent = self._spent(made.duals) @ self.members
+        prices = self._spent(made.duals)
+        spent = prices @ self.members
         more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.pieces.unit).sum())
+        more -= less * float(prices @ self.budgets) * self.pieces.unit
         bound = (p.sign * made.value + more) / self.units.cost
         if bound > found.bound:
             found.bound, self.best = bound, made
-        own = self._risks(made.x[: p.size])
-        excess = self._excess(own)
+
+    def _lower(self, made: Solved) -> float:
+        """Take the bound of a relaxation and try its decision; by which part that exceeds a budget at most."""
+        self._bound(made)
+        outside = made.x[: self.problem.size]
+        excess = self._excess(self._risks(outside))
         if excess <= 0.0:
-            self._take(made.x[: p.size])
+            self._take(outside)
         elif self.inside is not None:
-            self._between(self.inside, made.x[: p.size])
+            self._between(self.inside, outside)
         return max(excess, 0.0)
 
     def _risks(self, x: Floats) -> Floats:
@@ -209,15 +223,13 @@ class SuccessiveTangents:
         return float((self.shares @ own).max(initial=1.0 if len(self.shares) == 0 else 0.0)) - 1.0
 
     def _upper(self, inside: Floats, outside: Floats) -> bool:
-        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether it does."""
+        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether any is known."""
         inside = inside[: self.problem.size]
-        keeps = self._excess(self._risks(inside)) <= 0.0
-        if keeps:
-            self.inside = inside
-            self._between(inside, outside[: self.problem.size])
-            if self.found.answer is None:
-                self._take(inside)
-        return keeps
+        if self._excess(self._risks(inside)) > 0.0:
+            return False
+        self.inside = inside
+        self._between(inside, outside[: self.problem.size])
+        return self.found.answer is not None or self._take(inside)
 
     def _between(self, inside: Floats, outside: Floats) -> None:
         """Take the last point that keeps the budgets on the way from a decision that does to one that does not: risks are convex."""
@@ -245,32 +257,54 @@ class SuccessiveTangents:
         return kept
 
     def _touch(self, made: Solved) -> int:
-        """Add tangents where the tail lies above the program's risks; how many."""
-        z, risk = self._parts(made.x)
-        at = np.nonzero(ndtr(-z) / self.pieces.unit > risk + 1e-11)[0]
+        """Add tangents where constraints have more risk than the program says; how many."""
+        slack, risk = self.limits - self.slopes @ made.x[: self.problem.size], self._parts(made.x)[1]
+        short = ndtr(-slack) / self.pieces.unit - risk
+        at = np.nonzero(short > max(1e-11, TOUCHED * float(short.max(initial=0.0))))[0]
         if len(at):
-            slope, constant = tangents(z[at], self.pieces.unit)
+            slope, constant = tangents(slack[at], self.pieces.unit)
             self.session.add(piece_rows(at, slope, constant, self.pieces.z, self.pieces.risk, self.problem.names))
         return len(at)
 
-    def _ended(self, made: Solved) -> None:
+    def _ended(self, made: Solved, stop: Stop) -> None:
         """The status, and where there is no answer the evidence, when the relaxation has no optimum."""
+        found = self.found
+        found.status = made.status if found.answer is None or made.status != "unknown" else "feasible"
+        if made.status == "infeasible":
+            proofs = (self._proof(ray) for ray in (self._fewest(made, stop), made))
+            found.prices = next((prices for prices in proofs if prices is not None), None)
+
+    def _fewest(self, made: Solved, stop: Stop) -> Solved:
+        """A contradiction that needs few chance rows: each is left out where the others contradict each other without it."""
+        first = self.pieces.chance
+        priced = np.zeros(0) if made.ray is None else np.abs(made.ray[first : first + len(self.problem.limits)])
+        rows = np.nonzero(priced)[0]
+        if len(rows) > MOST_NAMED:
+            return made
+        for row in rows[np.argsort(priced[rows], kind="stable")].tolist():
+            self.session.change_upper(first + row, np.array([math.inf]))
+            trial = self.session.solve(stop)
+            if trial.status == "infeasible" and trial.ray is not None:
+                made = trial
+            else:
+                self.session.change_upper(first + row, self.problem.limits[[row]])
+        return made
+
+    def _proof(self, made: Solved) -> dict[str, Floats] | None:
+        """Prices that prove that there is no answer, from the ray of a program that has none."""
         from ....formulations.certificate import verified_bound
 
-        found, sign = self.found, self.problem.sign
-        found.status = made.status if found.answer is None or made.status != "unknown" else "feasible"
-        if made.status != "infeasible":
-            return
-        found.prices = None
+        sign = self.problem.sign
         if made.ray is None:
-            return
+            return None
         size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
         nowhere = Solved("infeasible", x=np.zeros(self.pieces.program.num_variables), cone_duals=made.cone_duals / size)
         for turn in (1.0, -1.0):
-            found.prices = self._prices(nowhere, turn * sign * made.ray / size)
-            if verified_bound(self.original, found.evidence(sign)[0]) == sign * math.inf:
-                return
-        found.prices = None
+            prices = self._prices(nowhere, turn * sign * made.ray[: self.pieces.program.num_rows] / size)
+            claimed = Interval("infeasible", prices=prices).evidence(sign)[0]
+            if verified_bound(self.original, claimed) == sign * math.inf:
+                return prices
+        return None
 
 
 def least_margin(slope: Floats, price: Floats, floor: Floats) -> Floats:

@@ -91,4 +91,6 @@ def _near(sizes: Floats) -> Floats:
     """The power of two below each size that is not ordinary; 1 for those that are, and for 0."""
     low, high = ORDINARY
     odd = (sizes > 0.0) & ((sizes < low) | (sizes > high))
+    if not odd.any():
+        return np.ones(len(sizes))
     return np.asarray(np.where(odd, np.exp2(np.floor(np.log2(np.where(odd, sizes, 1.0)))), 1.0))

@@ -18,7 +18,7 @@ from waybound.instances.risk.allocation import Risk
         ({"risk__total": 0}, "the total risk must lie between 0 and 1, both excluded; found 0"),
         ({"risk__total": 1}, "the total risk must lie between 0 and 1, both excluded; found 1"),
         ({"risk__total": -0.1}, "between 0 and 1"),
-        ({"risk__total": 0.7}, "chance constraint 0 may have a risk above 1/2, where the quantile is not convex"),
+        ({"risk__total": 0.7}, "chance constraint number 1 may have a risk above 1/2, where the quantile is not convex"),
         ({"risk__each": 0.6}, None),
         ({"risk__each": 1.5}, "the risk of a constraint must lie between 0 and 1"),
         ({"risk__kind": "shared"}, "the kind of risk is unknown; expected allocated or joint"),

@@ -93,3 +93,9 @@ def test_a_linear_risk_beyond_1_is_refused_where_it_arises():
     graph = cases.graph([(0, 1)], [LengthRisk(0.6, "linear")], goals=(1,), positions=[(0, 0), (2, 0)])
     with pytest.raises(InputError, match=r"the risk of length must lie in \[0, 1\]; found 1.2 at 1 2"):
         RiskyPath(graph).evaluate((0, 1))
+
+
+@pytest.mark.parametrize("measure", ["angle", "norm", "change"])
+def test_going_straight_has_no_risk_however_places_are_rounded(measure):
+    points = np.arange(6)[:, None] * np.array([0.4, 0.1]) + 0.2
+    assert risks(TurnRisk(0.5, measure), points) == [0.0] * 6

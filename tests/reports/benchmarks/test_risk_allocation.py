@@ -20,7 +20,7 @@ def test_methods_stand_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
         ),
     )
     told = benchmark.report(3, 1, steps=14)
-    assert told.count("target ") == 5 and "random: 3 problems" in told
+    assert told.count("target ") == 7 and "random: 3 problems" in told
 
 
 def test_a_worse_default_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -28,3 +28,10 @@ def test_a_worse_default_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(benchmark, "convex", lambda problem, gap: benchmark.Interval(answer=honest(problem, "uniform"), prices={}))
     with pytest.raises(AssertionError):
         benchmark.compared(5)
+
+
+def test_the_rebuilt_loop_ends_where_iterative_does_as_soon_as_plans_are_unique() -> None:
+    problem = benchmark.of_unique_plans(benchmark.reference("corridor"))
+    (answer, rounds), (value, others) = benchmark.by_iterative(problem), benchmark.rebuilt(problem)
+    assert answer is not None and rounds == others
+    assert problem.evaluate(answer).values[0] == pytest.approx(value, rel=1e-9)

@@ -40,7 +40,7 @@ def test_risks_are_bars_under_their_budget() -> None:
     ax = plot_risk_allocation(problem(), Allocation.of([1.0, 3.0], [0.02, 0.08]))
     assert [bar.get_height() for bar in ax.patches[:2]] == [0.02, 0.08]
     assert ax.lines[0].get_ydata()[0] == pytest.approx(0.05)
-    assert "any of them fails with probability" in ax.texts[0].get_text()
+    assert "any fails with probability" in ax.texts[0].get_text()
 
 
 def test_violations_are_counted() -> None:

@@ -13,7 +13,7 @@ def test_the_chain_from_the_budget_to_what_is_true() -> None:
     each, together = answer_tables(problem(), Allocation.of([1.0, 3.4], [0.02, 0.06]))
     assert each.rows == (("2", "0.06", "0.0548"), ("1", "0.02", "3.167e-05"))
     assert together.rows[0] == ("allowed", "0.1 in total, allocated")
-    assert together.rows[2] == ("any of all fails", "0.05483 (exact)")
+    assert together.rows[2] == ("any fails", "0.05483 (exact)")
     assert together.rows[3] == ("conservatism", "45.2% of the total is not used")
     assert answer_tables(problem(), None) == []
 

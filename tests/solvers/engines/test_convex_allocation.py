@@ -56,7 +56,7 @@ def test_squares_cones_and_norms_by_clarabel() -> None:
 def test_where_there_is_no_answer_the_constraints_are_named() -> None:
     found = solve(problem(constraints={"decisions": [[1, 1]], "lower": 9}), bound_time=0)
     assert found.status == "infeasible" and found.answer is None
-    assert "no decision keeps the risk of 1, 2, however it is allocated" in found.message
+    assert "no decision keeps the risks of chance constraints 1, 2 within" in found.message
 
 
 def test_joint_risk_gets_an_answer_and_no_bound() -> None:

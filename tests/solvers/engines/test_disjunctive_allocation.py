@@ -42,6 +42,13 @@ def test_limits_of_work_leave_what_is_proved() -> None:
     assert found.bound == pytest.approx(verified_bound(p, found.evidence[0]), rel=1e-6)
 
 
+def test_around_two_boxes_the_tree_closes() -> None:
+    p = wb.generate("risk-allocation", family="obstacles", seed=1)
+    found = run(DisjunctiveAllocation, p)
+    assert found.status == "optimal" and found.objective == pytest.approx(1.13328197, rel=2e-6)
+    assert found.bound == pytest.approx(found.objective, rel=2e-6)
+
+
 def test_no_side_that_can_be_kept_is_no_answer() -> None:
     p = around_a_box(lower=-1, upper=1)
     found = solve(p, bound_time=0)

@@ -46,6 +46,17 @@ def test_a_constraint_far_from_its_limit_costs_nothing() -> None:
     assert found.answer is not None and found.answer.risks is not None and found.answer.risks[0] == pytest.approx(0.1, rel=1e-6)
 
 
+def test_a_constraint_whose_budget_is_its_own_is_closed_whatever_is_rounded() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(40):  # its z cannot move, so that the last digits decide whether the budget is kept
+        row, total = rng.uniform(0.1, 3.0, 2).tolist(), float(10.0 ** rng.uniform(-4.0, -1.0))
+        quantities = {"map": [row], "covariance": [float(rng.uniform(0.01, 2.0))]}
+        p = problem(quantities=quantities, chance={"quantities": [[1.0]], "limits": [float(rng.uniform(2.0, 9.0))]}, risk={"total": total})
+        found = SuccessiveTangents(p).run(Stop())
+        assert found.answer is not None and found.gap < 1e-8, (row, total)
+        assert p.evaluate(found.answer).feasible
+
+
 def test_budgets_of_parts_are_kept() -> None:
     free, tight = margins([1.0, 3.0], 0.1), margins([1.0, 3.0], 0.1, budgets=[{"constraints": ["2"], "risk": 0.02}])
     loose, held = (SuccessiveTangents(p).run(Stop()) for p in (free, tight))
