@@ -273,8 +273,9 @@ class Roads:
         for mean, rate, limit in limits:
             if limit is None:
                 continue
-            deviation = math.sqrt(variance) * rate * u
-            overrun = max(overrun, 0.5 * math.erfc((limit * u - mean) / (math.sqrt(2.0) * deviation)))
+            slack = Fraction(limit * u - mean)
+            away = math.sqrt(min(slack**2 / (2 * variance * (rate * u) ** 2), Fraction(10**6)))  # far out the tail is 0 or 1
+            overrun = max(overrun, 0.5 * math.erfc(away if slack > 0 else -away))
             if vehicle.risk is not None:
                 share = Fraction(-NormalDist().inv_cdf(vehicle.risk)) * rate * u * fine
                 needed = Fraction(math.isqrt(math.ceil(variance * share**2)), fine)

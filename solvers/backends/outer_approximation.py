@@ -104,7 +104,7 @@ class _Search:
         before = -math.inf
         for _ in range(FRACTIONAL_ROUNDS):
             said = self._solve(whole=False)
-            if said.answer is None or not self._cut([said.answer]):
+            if said.answer is None or not self._cut([said.answer]) or self.control.stopped or self._left() <= 0:
                 break
             value = self.sign * self.program.value(said.answer)
             if value - before <= GAINED * max(abs(value), abs(before)):

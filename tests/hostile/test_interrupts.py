@@ -39,6 +39,7 @@ FILES = {
     "even.json": ("random", "customers=3000", "capacity=0", "vehicles=20"),
     "outing.json": ("random", "customers=3000", "capacity=0", "vehicles=20"),
     "risks.json": ("random", "customers=400", "capacity=0", "deviation=0.3", "max-duration=400"),
+    "careful.json": ("random", "customers=25", "capacity=0", "deviation=0.3", "max-duration=400", "vehicles=6"),
     "few.json": ("coverage", "elements=28", "items=1000", "constraint=cardinality", "k=9"),
     "cardinality.json": ("coverage", "elements=3000", "items=8000", "constraint=cardinality", "k=600"),
     "partition.json": ("coverage", "elements=3000", "items=8000", "constraint=partition"),
@@ -66,6 +67,7 @@ def outing(instance: Any) -> Any:
 CHANGED = {
     "even.json": lambda instance: replace(instance, objective=("longest-route",)), "outing.json": outing,
     "risks.json": lambda instance: replace(instance, team_risk=0.05),
+    "careful.json": lambda instance: replace(instance, fleet=(replace(instance.fleet[0], risk=0.05),)),
 }  # fmt: skip
 
 SOLVED = {
@@ -76,6 +78,7 @@ SOLVED = {
     "saddle": "sensing.json", "vroom": "large.vrp", "risk-labels": "rewards.json", "path-enumeration": "rewards.json",
     "convex-allocation": "plan.json", "disjunctive-allocation": "obstacles.json", "exact-joint": "joint-plan.json",
     "non-dominated-paths": "roadmap.json", "supported-paths": "roadmap.json",
+    "outer-approximation": "careful.json",
 }  # fmt: skip
 
 APPROXIMATED = {
