@@ -9,7 +9,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from waybound.formulations.routing.objective import Composable, LongestRoute, Ma
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.instances.errors import InputError
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
 from waybound.instances.risk.elements import LocaleRisk, MoveRisk
 from waybound.instances.risk.gaussian import Quantities
@@ -184,6 +186,25 @@ def routing(rng: Rng, units: Units, *, most: int = 4, plain: bool | None = None)
     travel = Travel("EXPLICIT", matrix=matrix * units.distance, duration_matrix=moves * units.time if own else None)
     kind = str(rng.choice(["vrptw", "cvrp", "tsp", "min-cost-vrp"]))
     return RoutingProblem(places, travel, fleet, Objective.of(objective), least, "drawn", kind)
+
+
+def routing_at_risk(rng: Rng, units: Units) -> RoutingProblem:
+    """Uncertain durations of any style, and a limit that some route meets exactly with its risk, misses by a hair, or is far from."""
+    while True:
+        base = routing(rng, units, most=3, plain=True)
+        size, vehicle = len(base.sites), base.fleet[0]
+        variances = numbers(rng, (size, size), style(rng)) * units.time**2
+        tour = [0, *(rng.permutation(size - 1) + 1)[: int(rng.integers(1, size))].tolist(), 0]
+        moves = list(itertools.pairwise(tour))
+        mean = math.fsum([*(base.travel.durations[i, j] for i, j in moves), *base.sites.service[tour[1:-1]]])
+        risk = float(rng.choice([1e-12, 1e-3, 0.05, 0.3, 0.5]))
+        limit = near(rng, mean + NormalDist().inv_cdf(1.0 - risk) * math.sqrt(math.fsum(variances[i, j] for i, j in moves)))
+        team = float(rng.choice([0.01, 0.3, 0.5])) if rng.random() < 0.5 else None
+        try:
+            fleet = (replace(vehicle, max_duration=limit, energy=None, risk=None if team and rng.random() < 0.5 else risk),)
+            return replace(base, travel=replace(base.travel, variances=variances), fleet=fleet, team_risk=team)
+        except InputError:  # somebody may have to wait, or a square is beyond all numbers
+            continue
 
 
 def _travel(rng: Rng, size: int) -> Floats:

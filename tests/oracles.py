@@ -18,6 +18,7 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.cpsat import CpSat
+from waybound.solvers.backends.outer_approximation import OuterApproximation
 
 
 def optimum(problem: RoutingProblem) -> float | None:
@@ -49,7 +50,8 @@ EVERY_FORM = (*ROUTING_FORMS, "circuit")
 
 
 def solved(program: Program) -> tuple[str, float, Any]:
-    """HiGHS' status (``optimal`` or ``infeasible``), optimum and point; of programs with circuits CP-SAT's, or that it refuses them."""
+    """HiGHS' status (``optimal`` or ``infeasible``), optimum and point; of programs with circuits CP-SAT's, or that it refuses them; of
+    those with cones that of outer approximation."""
     import highspy
 
     if program.circuits:
@@ -57,6 +59,10 @@ def solved(program: Program) -> tuple[str, float, Any]:
             result = CpSat().run(program, Options(gap=0.0), Control())
         except UnsupportedError:
             return "refused", math.nan, None
+        assert result.status in ("optimal", "infeasible"), result
+        return result.status, math.nan if result.objective is None else result.objective, result.answer
+    if program.cones:
+        result = OuterApproximation().run(program, Options(gap=0.0), Control())
         assert result.status in ("optimal", "infeasible"), result
         return result.status, math.nan if result.objective is None else result.objective, result.answer
     if program.num_variables == 0:  # HiGHS judges no rows without columns

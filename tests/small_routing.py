@@ -117,7 +117,8 @@ def varied(feature: str, seed: int, customers: int = 4) -> RoutingProblem:
     if rng.random() < 0.3:  # no metric
         matrix = matrix + rng.integers(0, 9, (n, n))
     around = float(matrix.max()) * 2.0
-    timed = feature in ("several-windows", "shifts", "closing-moves") or rng.random() < 0.3
+    risky = feature in ("route-risk", "team-risk")
+    timed = feature in ("several-windows", "shifts", "closing-moves") or (rng.random() < 0.3 and not risky)
     held: dict[str, object] = {
         "demand": np.where(depot, 0, rng.integers(0, 6, n)), "service": rng.integers(0, 4, n), "reward": rng.integers(0, 9, n),
         "ready": np.where(depot, 0, rng.integers(0, 25, n)) if timed else 0.0, "depot": depot, "coordinates": xy,
@@ -166,13 +167,21 @@ def varied(feature: str, seed: int, customers: int = 4) -> RoutingProblem:
         room = float(rng.integers(12, 40))
         limits["energy"] = Energy(room, 1.0, "travel", (0, 1), room // 2 if feature == "initial-energy" else None)
     elif rng.random() < 0.15:
-        charges = ENERGY_CHARGES if feature != "several-windows" else ENERGY_CHARGES[:3]
+        charges = ENERGY_CHARGES if feature != "several-windows" and not risky else ENERGY_CHARGES[:3]
         limits["energy"] = Energy(around * 1.5, 1.0, str(rng.choice(charges)))
     if feature == "reloads":
         limits |= {
             "reloads": (0, 1) if rng.random() < 0.5 else (1,),
             "max_reloads": int(rng.integers(1, 3)) if rng.random() < 0.5 else None,
         }
+    variances, team_risk = None, None
+    if risky:
+        variances = rng.integers(0, 40, (n, n)).astype(float)
+        limits["max_duration"] = around * float(rng.uniform(1.1, 1.7))
+    if feature == "route-risk":
+        limits["risk"] = float(rng.choice([0.02, 0.1, 0.3]))
+    if feature == "team-risk":
+        team_risk = float(rng.choice([0.02, 0.1, 0.3]))
     first = VehicleType(**limits, name="first")  # type: ignore[arg-type]
     fleet = [first]
     if feature in ("vehicle-speeds", "vehicle-travel", "skills", "committed-vehicles", "several-depots") or rng.random() < 0.3:
@@ -194,12 +203,14 @@ def varied(feature: str, seed: int, customers: int = 4) -> RoutingProblem:
     usual = {"penalties": 9, "duration-cost": 0, "overtime": 0}
     objective = goals[usual[feature]] if feature in usual else goals[int(rng.integers(len(goals)))]
     sites = Sites.of(range(n), required=required, **held)  # type: ignore[arg-type]
-    return RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix, closing=closing), fleet, objective, name=f"{feature}-{seed}")
+    travel = Travel(EXPLICIT, matrix=matrix, closing=closing, variances=variances)
+    return RoutingProblem(sites, travel, fleet, objective, name=f"{feature}-{seed}", team_risk=team_risk)
 
 
 WHOLE_FAMILY = (
     "several-depots", "duration-cost", "overtime", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments",
     "groups", "several-windows", "skills", "penalties", "reloads", "recharging", "initial-energy", "closing-moves", "committed-vehicles",
+    "route-risk", "team-risk",
 )  # fmt: skip
 """What ``varied`` knows."""
 

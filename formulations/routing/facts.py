@@ -47,6 +47,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
         "travel": _travel(problem.travel, s),
         "fleet": [_vehicle(v, s) for v in problem.fleet],
         "min_vehicles": problem.min_vehicles,
+        **({} if problem.team_risk is None else {"team_risk": problem.team_risk}),
         **_further(problem),
     }
 
@@ -82,6 +83,8 @@ def _travel(travel: Travel, sites: Sites) -> dict[str, Any]:
     }  # fmt: skip
     if travel.closing is not None:
         made["closing_moves"] = int(np.isfinite(travel.closing).sum())
+    if travel.uncertain:
+        made["largest_variance"] = float(np.max(travel.variances))  # type: ignore[arg-type]
     return made
 
 
@@ -117,8 +120,10 @@ def digested(problem: RoutingProblem) -> str:
         further += [name, getattr(s, name)] if getattr(s, name) else []
     further += ["skills", [sorted(needs) for needs in s.skills]] if any(s.skills) else []
     for travel in (v.travel for v in problem.fleet):
-        further += [] if travel is None else [*_moves(travel), travel.closing]
+        further += [] if travel is None else [*_moves(travel), travel.closing, *_variances(travel)]
     further += [part for part in (problem.travel.closing, problem.forbidden) if part is not None]
+    further += _variances(problem.travel)
+    further += [] if problem.team_risk is None else ["team-risk", problem.team_risk]
     return digest(
         "routing", s.ids, s.depot, s.demand, s.ready, s.due, s.service, s.reward, s.required, *_moves(problem.travel),
         tuple(v if v.travel is None else dataclasses.replace(v, travel=None) for v in problem.fleet), problem.min_vehicles,
@@ -129,6 +134,10 @@ def digested(problem: RoutingProblem) -> str:
 def _moves(travel: Travel) -> list[Any]:
     raw = travel.matrix if travel.metric == EXPLICIT else travel.coordinates
     return [travel.metric, raw, travel.duration_matrix, travel.convention]
+
+
+def _variances(travel: Travel) -> list[Any]:
+    return ["variances", travel.variances] if travel.uncertain else []
 
 
 def _spread(values: NDArray[np.float64]) -> dict[str, float]:

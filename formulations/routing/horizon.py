@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import Energy, VehicleType
     from .problem import RoutingProblem
 
-REFUSED = ("pickups", "shipments", "reloads", "several-loads")
+REFUSED = ("pickups", "shipments", "reloads", "several-loads", "team-risk")
 """Of a vehicle under way these ask for more than a place, a time and what is left."""
 
 

@@ -2,7 +2,7 @@
 
 Times at a place follow from what holds before and after it: the clock of the stops before, the latest arrival at those after it, and the
 shortest durations of both (segments of routes: Vidal, Crainic, Gendreau and Prins 2013, A hybrid genetic algorithm with adaptive diversity
-management, section 4). Where that does not hold, with several windows, closing moves and shipments, each place is judged by itself.
+management, section 4). Where that does not hold, with several windows, closing moves, risks and shipments, each place is judged by itself.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-LIMITS = ("skills", "moves", "load", "time-windows", "closing-moves", "distance", "duration", "energy")
+LIMITS = ("skills", "moves", "load", "time-windows", "closing-moves", "distance", "duration", "energy", "route-risk")
 """Checks of the judge that a further site may break."""
 
 
@@ -52,7 +52,7 @@ class Places:
 
 def is_plain(problem: RoutingProblem) -> bool:
     """Whether ``Insertions`` are right for the routes of a problem; else each place is judged."""
-    return not {"several-windows", "closing-moves"} & problem.features()
+    return not {"several-windows", "closing-moves", "route-risk"} & problem.features()
 
 
 class Insertions:

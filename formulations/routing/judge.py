@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import Checklist, Evaluation
-from ..tolerance import ROUNDING, allowance
+from ..tolerance import EQUAL, ROUNDING, allowance, widening
+from .overrun import joint_overrun, route_overrun, uncertain
 from .routes import Route, Routes
 from .schedule import Schedule as Schedule
 from .schedule import closing, opening
@@ -36,6 +37,8 @@ FURTHER_CHECKS = {
     "groups": "groups",
     "reloads": "reloads",
     "closing-moves": "closing-moves",
+    "route-risk": "route-risk",
+    "team-risk": "team-risk",
 }
 """By feature: what is checked besides where the data have it."""
 
@@ -45,7 +48,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     sites, fleet, judge = problem.sites, problem.fleet, Checklist()
     held = problem.features()
     count, used = np.zeros(len(sites), dtype=np.int64), np.zeros(len(fleet), dtype=np.int64)
-    cost, durations, distance, overtime, waiting = [], [], [], [], 0.0
+    cost, durations, distance, overtime, overruns, waiting = [], [], [], [], [], 0.0
     rewards = sites.reward[sites.depots].tolist()  # collected by staying at home
     returns = min(opening(problem, v) for v in fleet)
 
@@ -65,6 +68,8 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         distance.append(plan.total_distance)
         durations.append(plan.duration)
         overtime.append(beyond)
+        if vehicle.risk is not None or problem.team_risk is not None:
+            overruns.append(route_overrun(vehicle, plan))
         returns = max(returns, plan.finish)
         waiting += plan.waiting
         rewards.extend(sites.reward[[i for i in route.visits if not sites.depot[i]]].tolist())
@@ -80,6 +85,10 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
     _check_shipments(problem, answer, judge)
     left = _check_groups(problem, count, judge)
+    joint = joint_overrun(overruns)
+    if problem.team_risk is not None:
+        words = f"some route overruns a limit with probability {joint:.6g}, {problem.team_risk:g} at most"
+        judge.test("team-risk", joint - problem.team_risk, words, allowed=EQUAL * problem.team_risk)
 
     terms = {
         "total-cost": math.fsum(cost), "reward": math.fsum(rewards), "vehicles": float(total),
@@ -93,6 +102,8 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
     if held & {"duration-cost", "overtime", "objective:total-duration"}:
         quantities |= {"duration": terms["total-duration"], "overtime": math.fsum(overtime)}
+    if held & {"route-risk", "team-risk"}:
+        quantities |= {"largest-route-overrun": max(overruns, default=0.0), "team-overrun": joint, "expected-overruns": math.fsum(overruns)}
     if sites.penalty.any():
         quantities["penalties"] = terms["penalties"]
     names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))
@@ -199,6 +210,12 @@ def _check_limits(name: str, vehicle: VehicleType, plan: Schedule, judge: Checkl
         if slack > 0 and check in ("duration", "energy"):  # differences of times
             slack += rounding * (energy.rate if energy is not None and check == "energy" else 1.0)
         judge.test(check, value - limit, f"{name} {words.format(value, limit)}", allowed=slack, vehicle=name)
+    if vehicle.risk is not None:
+        for one in uncertain(vehicle, plan):
+            value, of = one.needed(vehicle.risk), 1.0 if one.name == "duration" or energy is None else energy.rate
+            slack = float(widening(one.limit, value)) + rounding * of
+            found = f"{name} exceeds its limit of {one.name} of {one.limit:.10g} with probability {one.overrun():.6g}"
+            judge.test("route-risk", value - one.limit, f"{found}, {vehicle.risk:g} at most", allowed=slack, vehicle=name)
 
 
 def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) -> None:

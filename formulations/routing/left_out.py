@@ -48,6 +48,7 @@ WORDS = {
     "distance": "exceeds the longest distance",
     "duration": "exceeds the longest duration",
     "energy": "exceeds the energy store",
+    "route-risk": "overruns a limit with too great a probability",
 }
 
 
@@ -75,7 +76,7 @@ def left_out(problem: RoutingProblem, answer: Routes) -> tuple[LeftOut, ...]:
     reasons |= beyond
     open_sites = [site for site in left if reasons[site] == UNEXPLAINED]
     wrong = {violation.check for violation in problem.evaluate(answer).violations}
-    if open_sites and wrong <= {"visits", "groups"}:
+    if open_sites and wrong <= {"visits", "groups"} and "team-risk" not in problem.features():  # which places alone do not tell
         reasons |= dict(_Answer(problem, answer).reasons(open_sites))
     required = problem.sites.required
     told = {site: why.replace("optional", "required", 1) if required[site] and why == UNEXPLAINED else why for site, why in reasons.items()}
@@ -217,7 +218,7 @@ class _Answer:
 
 
 def _by(name: str, amount: float) -> str:
-    return "" if name in ("skills", "moves") else f" by at least {amount:.6g}"
+    return "" if name in ("skills", "moves", "route-risk") else f" by at least {amount:.6g}"
 
 
 class _Tally:

@@ -19,7 +19,7 @@ from ...instances.printable import printable
 from ...instances.routing.features import restrictions
 from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
-from ...instances.routing.travel import Travel, convention_named
+from ...instances.routing.travel import Travel
 from ..evaluation import Evaluation
 from ..evidence import Evidence, LeftOut, Reason
 from ..problem import Decision, Problem
@@ -53,6 +53,8 @@ class RoutingProblem(Problem):
         Routes that must be used at least.
     forbidden : bool array of shape (sites, sites), optional
         Moves that no route makes. Checkers and the judge know them; what is for whole problems refuses them.
+    team_risk : float, optional
+        Largest probability that any route overruns a limit, where durations are uncertain.
     name : str
     problem : str
         Name of the member of the family ("vrptw", "cvrp", "tsp", ...).
@@ -74,6 +76,7 @@ class RoutingProblem(Problem):
     problem: str
     notes: tuple[str, ...]
     forbidden: NDArray[np.bool_] | None
+    team_risk: float | None
 
     def __init__(
         self,
@@ -86,17 +89,18 @@ class RoutingProblem(Problem):
         problem: str = "cvrp",
         notes: Sequence[str] = (),
         forbidden: NDArray[np.bool_] | None = None,
+        team_risk: float | None = None,
     ) -> None:
         aim = Objective() if objective is None else Objective.of(objective)
         self.__dict__.update(
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
-            notes=tuple(notes), forbidden=forbidden,
+            notes=tuple(notes), forbidden=forbidden, team_risk=team_risk,
         )  # fmt: skip
         if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
             raise InputError(
                 "forbidden moves must be truth values, one for each pair of sites", found=f"{forbidden.dtype} {forbidden.shape}"
             )
-        check_routing_data(sites, travel, self.fleet, min_vehicles)
+        check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk)
 
     # -- construction ------------------------------------------------------------------------------------------------
 
@@ -119,6 +123,8 @@ class RoutingProblem(Problem):
         windows: Mapping[Any, Sequence[tuple[float, float]]] | None = None,
         shipments: Iterable[Sequence[Any]] = (),
         groups: Iterable[Any] = (),
+        variances: Any = None,
+        team_risk: float | None = None,
         problem: str | None = None,
     ) -> RoutingProblem:
         """A problem from a pandas frame, one row a site.
@@ -143,6 +149,10 @@ class RoutingProblem(Problem):
         shipments : iterable of (pickup id, delivery id) or (pickup id, delivery id, load)
         groups : iterable of iterables of ids
             Alternatives, of which exactly one is visited; ``{"sites": [...], "required": False}`` for at most one.
+        variances : array or DataFrame of shape (sites, sites), optional
+            Variances of the durations of moves, independent and normal; ``risk`` in ``fleet`` limits what they do to one route.
+        team_risk : float, optional
+            Largest probability that any route overruns its longest duration or its store.
         problem : str, optional
             Name of the member of the family.
         """
@@ -151,7 +161,7 @@ class RoutingProblem(Problem):
         instance = instance_from_frame(
             sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity, max_duration=max_duration,
             convention=convention, name=name, closing=closing, fleet=fleet, min_vehicles=min_vehicles, windows=windows,
-            shipments=shipments, groups=groups,
+            shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
         )  # fmt: skip
         made = cls.from_instance(instance, problem)
         return made if objective is None else replace(made, objective=Objective.of(objective))
@@ -162,48 +172,12 @@ class RoutingProblem(Problem):
     ) -> RoutingProblem:
         """The problem that an instance stands for, or another that its data allow.
 
-        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``) and
-        ``convention``.
+        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``)
+        and ``convention``.
         """
-        name = problem or instance.problem
-        if name not in instance.problems:
-            allowed = ", ".join(instance.problems)
-            raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {name}; it allows {allowed}")
-        given = dict(settings or {})
-        convention = given.pop("convention", None)
-        customers = given.pop("customers", None)
-        if customers is not None:
-            instance = instance.with_customers(_whole("customers", customers))
-        travel = instance.travel
-        fleet, least, notes = instance.fleet, instance.min_vehicles, instance.notes
-        if convention is not None:
-            known = convention_named(convention)
-            travel = travel.with_convention(known)
-            fleet = tuple(v if v.travel is None else replace(v, travel=v.travel.with_convention(known)) for v in fleet)
-        if "capacity" in given:
-            fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
-            del given["capacity"]
-        if {"vehicles", "vehicles-exactly"} <= given.keys():
-            raise UsageError("set either vehicles or vehicles-exactly, not both")
-        for key in ("vehicles", "vehicles-exactly"):
-            if key in given:
-                value = given.pop(key)
-                if len(fleet) > 1:
-                    raise UsageError(f"{key} can only be set for a fleet of one type; {instance.name} has {len(fleet)}")
-                count = None if key == "vehicles" and value in ("unlimited", None) else _whole(key, value)
-                fleet = (replace(fleet[0], count=count),)
-                least = 0 if key == "vehicles" or count is None else count
-                notes = ()
-        if given:
-            raise UsageError(
-                f"unknown setting {', '.join(sorted(given))}; routing problems take vehicles, vehicles-exactly, capacity, customers"
-            )
-        from .members import DEFAULT_OBJECTIVE
+        from .settings import parts_of
 
-        objective = DEFAULT_OBJECTIVE.get(name, Objective())
-        if instance.objective and (name == instance.problem or objective == Objective()):
-            objective = Objective.named(instance.objective)
-        return cls(instance.sites, travel, fleet, objective, least, instance.name, name, notes)
+        return cls(**parts_of(instance, problem, settings or {}))
 
     # -- what it is --------------------------------------------------------------------------------------------------
 
@@ -434,23 +408,3 @@ class RoutingProblem(Problem):
             raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
         if any(v.reloads or v.stations for v in self.fleet):
             raise UsageError("such a file has no place for stops at depots on the way; use .json")
-
-
-def _whole(name: str, value: Any) -> int:
-    try:
-        number = int(str(value))
-    except ValueError:
-        raise UsageError(f"{name} must be a whole number, not {value!r}") from None
-    if number < 1:
-        raise UsageError(f"{name} must be at least 1, not {number}")
-    return number
-
-
-def _positive(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{name} must be a number, not {value!r}") from None
-    if not number > 0:
-        raise UsageError(f"{name} must be positive, not {value!r}")
-    return number

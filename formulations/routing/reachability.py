@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from ...instances.routing.reach import Use, least_use, shortest_ways, ways_alone
 from ..tolerance import LIMIT, widened
+from .overrun import quantile
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
 Flags = NDArray[np.bool_]
+Floats = NDArray[np.float64]
 
 MOST_DETOURS = 5_000
 """Customers up to which ways through others are looked at: each pass looks at all pairs."""
@@ -32,6 +34,7 @@ WORDS = {
     "skills": "the vehicle lacks {}",
     "store": "a way to it from one filling of the store to the next draws {:.6g} of energy at least, the store holds {:g}",
     "shipment": "the shipment from {} to {} weighs {:g}, the capacity is {:g}",
+    "risk": "to keep the risk of {:g} a route to it needs {:.6g} of {} at least, the limit is {:g}",
 }
 
 
@@ -118,7 +121,8 @@ def servable_alone(problem: RoutingProblem) -> Flags:
     good = np.zeros(len(problem.customers), dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"):
         for kind in range(len(problem.fleet)):
-            good |= np.all([use.least <= use.most for use in _uses(problem, kind, detours=False)], axis=0)
+            safe = [least <= most for *_, least, most in _needs(problem, kind, detours=False)]
+            good |= np.all([*(use.least <= use.most for use in _uses(problem, kind, detours=False)), *safe], axis=0)
     return good
 
 
@@ -156,6 +160,7 @@ def _unable(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
                 yield from ((place[end], why) for end in ends)
     yield from _unloaded(problem, vehicle) if vehicle.reloads else ()
     yield from _unlasting(problem, kind) if vehicle.stations else ()
+    yield from _unsafe(problem, kind)
 
 
 def _unloaded(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[int, str]]:
@@ -184,6 +189,40 @@ def _unlasting(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
             return
     for k in beyond if len(at) <= MOST_DETOURS else ():
         yield k, WORDS["store"].format(least[k], energy.capacity)
+
+
+def _unsafe(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
+    """What no route serves that keeps the risk."""
+    if len(problem.customers) > MOST_DETOURS:
+        return
+    for detours in (False, True):
+        needs = list(_needs(problem, kind, detours=detours))
+        beyond = [np.nonzero(least > widened(most) + LIMIT * least)[0].tolist() for *_, least, most in needs]
+        if not any(beyond):
+            return
+    for (risk, name, least, most), sites in zip(needs, beyond, strict=True):
+        yield from ((k, WORDS["risk"].format(risk, least[k], name, most)) for k in sites)
+
+
+def _needs(problem: RoutingProblem, kind: int, *, detours: bool) -> Iterator[tuple[float, str, Floats, float]]:
+    """Risk, name, what a route to each customer needs at least of a limit on uncertain durations, and that limit."""
+    vehicle, travel, at = problem.fleet[kind], problem.travel_of(kind), problem.customers
+    risks = [risk for risk in (vehicle.risk, problem.team_risk) if risk is not None]
+    if not risks or travel.variances is None or not travel.uncertain or vehicle.stations:
+        return
+
+    def there_and_back(moves: Floats) -> Floats:
+        ways = shortest_ways(moves, at) if detours else moves
+        return np.asarray(ways[vehicle.start, at] + ways[at, vehicle.end])
+
+    moving, risk = there_and_back(travel.durations), min(risks)
+    lasting, deviation = moving + problem.sites.service[at], quantile(risk) * np.sqrt(there_and_back(travel.variances))
+    if math.isfinite(vehicle.max_duration):
+        yield risk, "duration", lasting + deviation, vehicle.max_duration
+    energy = vehicle.energy
+    if energy is not None:
+        drawn = moving if energy.charge == "travel" else lasting
+        yield risk, "energy", energy.rate * (drawn + deviation), energy.at_departure
 
 
 def _broken(problem: RoutingProblem, kind: int, *, detours: bool) -> list[str | None]:

@@ -31,6 +31,7 @@ class Schedule:
     four ways, before it is multiplied by the rate of the store, ``stretches`` the time on the move between recharging stops.
     ``leaves`` and ``closing`` have one entry a move: when it begins, and when it must have begun. ``load`` adds up the demands, of the
     first load dimension; ``on_board`` of shape (load dimensions, stops + 1) is what the vehicle carries on leaving start and stops.
+    ``variance`` is that of the time on the move.
     """
 
     arrival: Floats
@@ -49,6 +50,7 @@ class Schedule:
     closing: Floats
     on_board: Floats
     peak: tuple[float, ...]
+    variance: float
 
 
 def opening(problem: RoutingProblem, vehicle: VehicleType) -> float:
@@ -121,6 +123,7 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
         closing=closes,
         on_board=on_board,
         peak=tuple(on_board.max(axis=1).tolist()),
+        variance=0.0 if travel.variances is None else math.fsum(travel.variances[stops[:-1], stops[1:]]),
     )
 
 

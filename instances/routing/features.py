@@ -29,6 +29,9 @@ class Data(Protocol):
     @property
     def min_vehicles(self) -> int: ...
 
+    @property
+    def team_risk(self) -> float | None: ...
+
 
 def _windows(sites: Sites, at: NDArray[np.int64]) -> bool:
     return bool(sites.ready[at].any() or np.isfinite(sites.due[at]).any())
@@ -45,6 +48,10 @@ def _any(data: Data, of: Callable[[VehicleType], Any]) -> bool:
 def _closing(data: Data) -> bool:
     ways = (data.travel, *(v.travel for v in data.fleet if v.travel is not None))
     return any(t.closing is not None and bool(np.isfinite(t.closing).any()) for t in ways)
+
+
+def _uncertain(data: Data) -> bool:
+    return any(t.uncertain for t in (data.travel, *(v.travel for v in data.fleet if v.travel is not None)))
 
 
 def _charged(data: Data, charge: str) -> bool:
@@ -90,14 +97,20 @@ FEATURES: dict[str, Callable[[Any], bool]] = {
     "initial-energy": partial(_any, of=lambda v: v.energy is not None and v.energy.at_departure < v.energy.capacity),
     "closing-moves": _closing,
     "committed-vehicles": partial(_any, of=lambda v: v.committed),
+    "uncertain-durations": _uncertain,
+    "route-risk": partial(_any, of=lambda v: v.risk is not None),
+    "team-risk": lambda d: d.team_risk is not None,
 }
 """By name: whether data hold it. What everything can express (asymmetric distances, any number of equal vehicles at one depot) has none."""
 
-UNASKED = frozenset({"demands", "demand-or-service-of-depots", "rewards", "unit-cost", "penalties"})
+UNASKED = frozenset({"demands", "demand-or-service-of-depots", "rewards", "unit-cost", "penalties", "uncertain-durations"})
 """What asks nothing of a solver by itself: rewards and penalties count where the objective has a term for them."""
 
 LOADS = frozenset({"demands", "pickups", "shipments"})
 """Without any of them a capacity limits nothing."""
+
+RISKS = frozenset({"route-risk", "team-risk"})
+"""They limit nothing where all durations are certain."""
 
 
 def features(data: Data) -> frozenset[str]:
@@ -106,6 +119,7 @@ def features(data: Data) -> frozenset[str]:
 
 
 def restrictions(data: Data) -> frozenset[str]:
-    """Those that a solver must be able to express: a capacity only where there are loads."""
+    """Those that a solver must be able to express: a capacity only where there are loads, a risk only where durations are uncertain."""
     held = features(data)
-    return held - UNASKED if held & LOADS else held - UNASKED - {"capacity"}
+    idle = (frozenset() if held & LOADS else {"capacity"}) | (frozenset() if "uncertain-durations" in held else RISKS)
+    return held - UNASKED - idle

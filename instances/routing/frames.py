@@ -44,6 +44,8 @@ def instance_from_frame(
     windows: Mapping[Any, Sequence[tuple[float, float]]] | None = None,
     shipments: Iterable[Sequence[Any]] = (),
     groups: Iterable[Any] = (),
+    variances: Any = None,
+    team_risk: float | None = None,
 ) -> RoutingInstance:
     """An instance from a pandas frame, one row a site.
 
@@ -76,6 +78,10 @@ def instance_from_frame(
         Pairs of sites that one vehicle visits in this order.
     groups : iterable of iterables of ids
         Alternatives, of which exactly one is visited; ``{"sites": [...], "required": False}`` for at most one.
+    variances : array or DataFrame of shape (sites, sites), optional
+        Variances of the durations of moves, independent and normal; ``risk`` in ``fleet`` limits what they do to one route.
+    team_risk : float, optional
+        Largest probability that any route overruns its longest duration or its store.
 
     Returns
     -------
@@ -110,13 +116,16 @@ def instance_from_frame(
     )  # fmt: skip
     times = None if durations is None else _matrix(durations, ids, "duration")
     closes = None if closing is None else _closing(closing, ids)
+    if hasattr(variances, "tocsr"):
+        raise InputError("variances belong to moves, not to roads", expected="a full matrix", found="a sparse one")
+    spread = None if variances is None else _matrix(variances, ids, "variance")
     if travel is not None:
         matrix = _matrix(travel, ids, "distance")
-        moves = Travel(EXPLICIT, matrix=matrix, duration_matrix=times, convention=convention, closing=closes)
+        moves = Travel(EXPLICIT, matrix=matrix, duration_matrix=times, convention=convention, closing=closes, variances=spread)
     elif xy is None:
         raise InputError("there are neither coordinates nor distances", expected="columns x and y, or travel=matrix")
     else:
-        moves = Travel("euclidean", coordinates=xy, duration_matrix=times, convention=convention, closing=closes)
+        moves = Travel("euclidean", coordinates=xy, duration_matrix=times, convention=convention, closing=closes, variances=spread)
     if vehicles is not None and (isinstance(vehicles, bool) or int(vehicles) != vehicles):
         raise InputError("the number of vehicles must be whole", found=str(vehicles))
     kinds: tuple[VehicleType, ...]
@@ -128,7 +137,7 @@ def instance_from_frame(
         raise InputError("fleet tells the vehicles already", expected="fleet, or vehicles, capacity and max_duration")
     else:
         kinds = _fleet(fleet, made)
-    problem = RoutingInstance(label(name), "frame", made, moves, kinds, min_vehicles=min_vehicles)
+    problem = RoutingInstance(label(name), "frame", made, moves, kinds, min_vehicles=min_vehicles, team_risk=team_risk)
     refuse_powerless(problem)
     return with_problems(problem)
 

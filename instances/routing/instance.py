@@ -19,6 +19,7 @@ from .vehicle_type import ENERGY_CHARGES as ENERGY_CHARGES
 from .vehicle_type import MOST_VEHICLES as MOST_VEHICLES
 from .vehicle_type import Energy as Energy
 from .vehicle_type import VehicleType as VehicleType
+from .vehicle_type import checked_risk
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +49,8 @@ class RoutingInstance:
         The objective's terms, or weighted sums of them, in order of priority, where the file says them; else the problem's own.
     notes : tuple of str
         What a user should be told, such as where the fleet limit comes from.
+    team_risk : float, optional
+        The largest probability with which any of all routes may overrun a limit, as of ``VehicleType.risk``.
     """
 
     kind: ClassVar[str] = "routing"
@@ -61,11 +64,12 @@ class RoutingInstance:
     min_vehicles: int = 0
     objective: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    team_risk: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "fleet", tuple(self.fleet))
         object.__setattr__(self, "problems", tuple(self.problems) or (self.problem,))
-        check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles)
+        check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles, self.team_risk)
 
     def with_customers(self, count: int) -> RoutingInstance:
         """The depots and the first ``count`` customers, as the short versions of Solomon's files are made."""
@@ -88,14 +92,20 @@ def placed(vehicle: VehicleType, keep: NDArray[np.int64]) -> VehicleType:
     )  # fmt: skip
 
 
-def check_routing_data(sites: Sites, travel: Travel, fleet: Sequence[VehicleType], min_vehicles: int) -> None:
+def check_routing_data(
+    sites: Sites, travel: Travel, fleet: Sequence[VehicleType], min_vehicles: int, team_risk: float | None = None
+) -> None:
     """Raise InputError unless the parts of a routing instance fit each other."""
     if len(travel) != len(sites):
         raise InputError("travel and sites have different sizes", expected=str(len(sites)), found=str(len(travel)))
     if not fleet:
         raise InputError("the fleet is empty")
+    if team_risk is not None:
+        checked_risk(team_risk, "the risk of the team")
     for vehicle in fleet:
         _check_vehicle(vehicle, sites, travel)
+        if (vehicle.risk is not None or team_risk is not None) and (vehicle.travel or travel).uncertain:
+            _check_normal(vehicle, sites)
     if min_vehicles < 0:
         raise InputError("the least number of vehicles must not be negative", found=str(min_vehicles))
     _refuse_overflow(sites, travel, fleet)
@@ -137,12 +147,32 @@ def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel) -> None:
             raise InputError(f"{name} travels under another convention than the others", expected=travel.convention, found=own.convention)
 
 
+def _check_normal(vehicle: VehicleType, sites: Sites) -> None:
+    """Raise InputError unless what is limited of a route is a sum of its moves, and so normal where they are."""
+    energy = vehicle.energy
+    if energy is not None and (energy.stations or energy.charge == "windows"):
+        why = "is filled up on the way" if energy.stations else "is charged by windows"
+        raise InputError(
+            f"the store of {vehicle.name} {why}, so that no risk of its running out is known", expected="one charge for a route"
+        )
+    if math.isinf(vehicle.max_duration) and (energy is None or energy.charge == "travel"):
+        return
+    opens = max(float(sites.ready[vehicle.start]), vehicle.shift[0])
+    stops = [*sites.customers.tolist(), *vehicle.reloads]
+    late = [k for k in stops if sites.ready[k] > opens or (sites.windows and sites.windows[k])]
+    if late:
+        raise InputError(
+            f"{vehicle.name} may have to wait at site {sites.ids[late[0]]}, so that no risk of its taking too long is known",
+            expected="windows that are open when it departs, or energy for travel as its only limit",
+        )
+
+
 def _refuse_overflow(sites: Sites, travel: Travel, fleet: Sequence[VehicleType]) -> None:
     """Raise InputError for finite numbers whose squares, products or sums would not be finite."""
     ways = [travel, *(v.travel for v in fleet if v.travel is not None)]
     for what, columns in (
         *((name, column) for t in ways for name, column in (
-            ("coordinate", t.coordinates), ("distance", t.matrix), ("duration", t.duration_matrix))),
+            ("coordinate", t.coordinates), ("distance", t.matrix), ("duration", t.duration_matrix), ("variance", t.variances))),
         ("coordinate", sites.coordinates), ("demand", sites.demand), ("ready time", sites.ready), ("service", sites.service),
         ("reward", sites.reward), ("penalty", sites.penalty), ("pickup", sites.pickup), ("demand", sites.further_demand),
         ("pickup", sites.further_pickup),

@@ -11,10 +11,10 @@ from ..document import array, fields, flags, integer, json_number, json_numbers,
 from ..errors import InputError
 from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
-from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle
+from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
 from .reach import refuse_powerless, refuse_unreachable
 
-KEYS = ("name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "objective", "notes")
+KEYS = ("name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "team_risk", "objective", "notes")
 SITE_KEYS = (
     "id", "depot", "x", "y", "demand", "pickup", "ready", "due", "windows", "service", "reward", "required", "penalty", "skills",
     "shipments", "groups",
@@ -32,6 +32,8 @@ def encode(instance: RoutingInstance) -> dict[str, Any]:
     data["fleet"] = [encode_vehicle(vehicle, instance.sites) for vehicle in instance.fleet]
     if instance.min_vehicles:
         data["min_vehicles"] = instance.min_vehicles
+    if instance.team_risk is not None:
+        data["team_risk"] = json_number(instance.team_risk)
     if instance.objective:
         data["objective"] = list(instance.objective)
     if instance.notes:
@@ -88,7 +90,7 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
     made = RoutingInstance(
         string(data["name"], "name"), "json", sites, travel, tuple(fleet), problem=problem, problems=problems,
         min_vehicles=integer(data.get("min_vehicles", 0), "min_vehicles", 0), objective=strings(data.get("objective", []), "objective"),
-        notes=strings(data.get("notes", []), "notes"),
+        notes=strings(data.get("notes", []), "notes"), team_risk=optional_real(data, "team_risk"),
     )  # fmt: skip
     refuse_unreachable(made)
     refuse_powerless(made)

@@ -16,11 +16,11 @@ from .vehicle_type import Energy, VehicleType
 
 Floats = NDArray[np.float64]
 
-TRAVEL_KEYS = ("metric", "x", "y", "matrix", "durations", "closing", "convention")
+TRAVEL_KEYS = ("metric", "x", "y", "matrix", "durations", "closing", "variances", "convention")
 VEHICLE_KEYS = (
     "name", "count", "capacity", "start", "end", "max_duration", "max_distance", "energy", "fixed_cost", "unit_cost",
     "unit_duration_cost", "regular_duration", "unit_overtime_cost", "shift", "skills", "speed", "travel", "reloads", "max_reloads",
-    "committed",
+    "committed", "risk",
 )  # fmt: skip
 ENERGY_KEYS = ("capacity", "rate", "charge", "stations", "initial")
 
@@ -37,6 +37,8 @@ def encode_travel(travel: Travel, sites: Sites) -> dict[str, Any]:
         data["durations"] = json_numbers(travel.duration_matrix)
     if travel.closing is not None and np.isfinite(travel.closing).any():
         data["closing"] = [json_numbers(row) for row in travel.closing]
+    if travel.variances is not None:
+        data["variances"] = json_numbers(travel.variances)
     return data
 
 
@@ -54,13 +56,15 @@ def decode_travel(data: Any, sites: Sites, convention: str, path: str = "travel"
     if own is None and metric != EXPLICIT:
         own = sites.coordinates
     matrix = square(data["matrix"], f"{path}.matrix", n) if "matrix" in data else None
-    durations = square(data["durations"], f"{path}.durations", n) if "durations" in data else None
+    durations, variances = (square(data[key], f"{path}.{key}", n) if key in data else None for key in ("durations", "variances"))
     closing = None
     if "closing" in data:
         rows = array(data["closing"], f"{path}.closing", n)
         closing = np.array([reals(row, f"{path}.closing[{k}]", n, null=math.inf) for k, row in enumerate(rows)])
     convention = string(data["convention"], f"{path}.convention") if "convention" in data else convention
-    return Travel(metric, coordinates=own, matrix=matrix, duration_matrix=durations, convention=convention, closing=closing)
+    return Travel(
+        metric, coordinates=own, matrix=matrix, duration_matrix=durations, convention=convention, closing=closing, variances=variances
+    )
 
 
 def decode_coordinates(data: Any, path: str, n: int) -> Floats | None:
@@ -98,6 +102,8 @@ def encode_vehicle(vehicle: VehicleType, sites: Sites) -> dict[str, Any]:
         data["max_reloads"] = vehicle.max_reloads
     if vehicle.committed:
         data["committed"] = True
+    if vehicle.risk is not None:
+        data["risk"] = json_number(vehicle.risk)
     return data
 
 
@@ -172,4 +178,10 @@ def decode_vehicle(data: Any, path: str, index: dict[str, int], sites: Sites) ->
         reloads=places(data.get("reloads", []), "reloads"),
         max_reloads=None if most is None else integer(most, f"{path}.max_reloads", 0),
         committed=committed,
+        risk=optional_real(data, "risk", f"{path}."),
     )
+
+
+def optional_real(data: dict[str, Any], key: str, path: str = "") -> float | None:
+    """A number that may be missing or null."""
+    return None if data.get(key) is None else real(data[key], f"{path}{key}")

@@ -138,6 +138,8 @@ class Travel:
         Durations, where they differ from the distances. Taken as they are: a convention rounds distances.
     closing : array of shape (sites, sites), optional
         Latest time at which a direct move may begin, infinite where it never closes: roads and cells that close with time.
+    variances : array of shape (sites, sites), optional
+        Variances of the durations, which are then means of independent normal times. Taken as they are.
     convention : str
         ``file, exact, trunc1, trunc2, round`` or ``ceil``; ``dimacs`` is ``trunc1``. The default is ``file`` where the
         metric prescribes a rounding and ``exact`` elsewhere.
@@ -161,6 +163,7 @@ class Travel:
     duration_matrix: Floats | None = None
     convention: str = ""
     closing: Floats | None = None
+    variances: Floats | None = None
     _rounding: Callable[[Floats], Floats] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -182,10 +185,12 @@ class Travel:
                 raise InputError(f"coordinate of site {int(np.nonzero(~np.isfinite(xy).all(axis=1))[0][0])} is not finite")
             xy.setflags(write=False)
             put("coordinates", xy)
-        if self.duration_matrix is not None:
-            put("duration_matrix", _square(self.duration_matrix, "duration"))
-            if len(self.duration_matrix) != len(self):
-                raise InputError("the duration matrix has another size than the sites", found=str(len(self.duration_matrix)))
+        for field_name, what in (("duration_matrix", "duration"), ("variances", "variance")):
+            given = getattr(self, field_name)
+            if given is not None:
+                put(field_name, _square(given, what))
+                if len(getattr(self, field_name)) != len(self):
+                    raise InputError(f"the {what} matrix has another size than the sites", found=str(len(given)))
         if self.closing is not None:
             put("closing", self._closing(self.closing))
         file_rounding = METRICS[self.metric].file_rounding if self.metric in METRICS else _ROUNDING["exact"]
@@ -213,11 +218,23 @@ class Travel:
         keep = np.asarray(sites, dtype=np.int64)
         cut: Callable[[Floats | None], Floats | None] = lambda m: None if m is None else m[np.ix_(keep, keep)]  # noqa: E731
         xy = None if self.coordinates is None else self.coordinates[keep]
-        return replace(self, coordinates=xy, matrix=cut(self.matrix), duration_matrix=cut(self.duration_matrix), closing=cut(self.closing))
+        return replace(
+            self, coordinates=xy, matrix=cut(self.matrix), duration_matrix=cut(self.duration_matrix), closing=cut(self.closing),
+            variances=cut(self.variances),
+        )  # fmt: skip
 
     def at_speed(self, speed: float) -> Travel:
         """The same distances, in durations divided by ``speed``."""
-        return self if speed == 1.0 else replace(self, duration_matrix=self.durations / speed)
+        if speed == 1.0:
+            return self
+        return replace(
+            self, duration_matrix=self.durations / speed, variances=None if self.variances is None else self.variances / speed / speed
+        )
+
+    @property
+    def uncertain(self) -> bool:
+        """Whether some duration is not certain."""
+        return self.variances is not None and bool(self.variances.any())
 
     def _closing(self, values: ArrayLike) -> Floats:
         times = np.array(values, dtype=np.float64)

@@ -112,6 +112,9 @@ class VehicleType:
         How often on a route.
     committed : bool
         Each vehicle drives: one that serves no site goes straight from start to end, at its cost. So are vehicles that are under way.
+    risk : float, optional
+        Where durations of moves are uncertain: the largest probability with which a route may take longer than ``max_duration``, or draw
+        more than its store holds. Above 0, and at most 1/2.
     """
 
     count: int | None = None
@@ -135,6 +138,7 @@ class VehicleType:
     reloads: tuple[int, ...] = ()
     max_reloads: int | None = None
     committed: bool = False
+    risk: float | None = None
 
     def __post_init__(self) -> None:
         if self.count is not None and not 1 <= self.count <= MOST_VEHICLES:
@@ -170,6 +174,8 @@ class VehicleType:
             raise InputError(f"max_reloads of {self.name} is given, but no depot where it may reload", expected="reloads")
         if self.committed and self.count is None:
             raise InputError(f"{self.name} is committed, but without number", expected="a number of vehicles")
+        if self.risk is not None:
+            object.__setattr__(self, "risk", checked_risk(self.risk, f"the risk of {self.name}"))
 
     @property
     def capacities(self) -> tuple[float, ...]:
@@ -183,6 +189,13 @@ class VehicleType:
 
     def __repr__(self) -> str:
         return _told(self, tuple(f.name for f in fields(self)[:10]))
+
+
+def checked_risk(value: float, what: str) -> float:
+    """``value``, if it is a probability up to which limits are stricter than those of the means."""
+    if not 0.0 < float(value) <= 0.5:
+        raise InputError(f"{what} must be a probability above 0, and 1/2 at most", found=str(value))
+    return float(value)
 
 
 def _told(value: Energy | VehicleType, always: tuple[str, ...]) -> str:

@@ -1,7 +1,8 @@
 """Every solver and form against enumeration on random problems of the whole routing family.
 
-Run as ``python -m waybound.reports.benchmarks.equal_answers [--instances 3000] [--first 0] [--seed 1] [--out FILE]``. With ``--out`` each
-problem is a line of JSON there as soon as it is done, those that are there already are not done again, and the tables are of all of them.
+Run as ``python -m waybound.reports.benchmarks.equal_answers [--instances 3000] [--first 0] [--seed 1] [--risky] [--out FILE]``. With
+``--out`` each problem is a line of JSON there as soon as it is done, those that are there already are not done again, and the tables are of
+all of them. With ``--risky`` durations are uncertain, with risks of overrunning limits.
 Exits with 1 where an exact solver disagrees beyond 1e-6 of the optimum, a certificate does not hold, or the judge refuses an answer.
 
 Problems of up to seven customers are drawn by ``routing_variants``; which solvers and forms take one, their declarations say. Engines and
@@ -15,7 +16,7 @@ import json
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,7 @@ from ...solving.bounding import find_bounds
 from ...solving.listing import missing_features
 from ...solving.solve import solve
 from .exact_routing import RoutingTruth
-from .routing_variants import drawn, features_of
+from .routing_variants import drawn, features_of, risky
 
 AGREE = 1e-6
 """Share of the optimum by which an exact solver's value may differ."""
@@ -251,7 +252,9 @@ def examined(number: int, problem: RoutingProblem, solvers: Sequence[str] = (), 
     return this.record
 
 
-def records(seed: int, numbers: Sequence[int], file: Path | None = None) -> Iterator[Record]:
+def records(
+    seed: int, numbers: Sequence[int], file: Path | None = None, draw: Callable[[int, int], RoutingProblem] = drawn
+) -> Iterator[Record]:
     """One a problem; those that ``file`` has are not made again, and new ones are written there at once."""
     known = {}
     if file is not None and file.exists():
@@ -260,7 +263,7 @@ def records(seed: int, numbers: Sequence[int], file: Path | None = None) -> Iter
     for number in numbers:
         made = known.get(number)
         if made is None:
-            made = examined(number, drawn(seed, number))
+            made = examined(number, draw(seed, number))
             if file is not None:
                 with file.open("a", encoding="utf-8") as out:
                     out.write(json.dumps(asdict(made)) + "\n")
@@ -304,10 +307,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--instances", type=int, default=3000)
     parser.add_argument("--first", type=int, default=0, help="number of the first problem")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--risky", action="store_true", help="with uncertain durations, and risks")
     parser.add_argument("--out", type=Path, help="a file of JSON lines, for runs in parts")
     chosen = parser.parse_args(arguments)
     found = []
-    for record in records(chosen.seed, range(chosen.first, chosen.first + chosen.instances), chosen.out):
+    numbers = range(chosen.first, chosen.first + chosen.instances)
+    for record in records(chosen.seed, numbers, chosen.out, risky if chosen.risky else drawn):
         found.append(record)
         for fault in record.faults:
             print(f"{record.number} {record.name}: {fault}", file=sys.stderr, flush=True)

@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,7 @@ class Driven:
     distance: int
     duration: int
     finish: int
+    overrun: float = 0.0
 
 
 class Roads:
@@ -89,6 +91,11 @@ class Roads:
         )  # fmt: skip
         u = self.unit
         self.d, self.t = [ints(w.distances, u) for w in ways], [ints(t, u) for t in speeds]
+        self.variances = [
+            None if w.variances is None else [[Fraction(x) for x in row] for row in (w.variances / v.speed / v.speed).tolist()]
+            for w, v in zip(ways, fleet, strict=True)
+        ]
+        self.team_risk = problem.team_risk
         self.closes: list[Any] = [None if w.closing is None else ints(w.closing, u) for w in ways]
         self.demand = [ints(a, u) for a in (s.demand, *s.further_demand.T)]
         self.pickup = [ints(a, u) for a in (s.pickup, *s.further_pickup.T)]
@@ -231,13 +238,49 @@ class Roads:
         tests.append((shortest, ints(vehicle.max_duration, u), largest))
         if vehicle.energy is not None:
             tests += self._energy(kind, visits, moving, busy, shortest, elapsed, largest)
-        if not all(nearly(test) for test in tests):
+        overrun = 0.0
+        if self.variances[kind] is not None:
+            risky, overrun = self._overrun(kind, legs, sum(moving), shortest, elapsed, largest)
+            tests += risky
+        if not all(nearly(test) for test in tests) or not self.within_risk([overrun]):
             return None
         strict = all(limit is None or value <= limit for value, limit, _ in tests)
         cost = ints(vehicle.fixed_cost, u) * u + ints(vehicle.unit_cost, u) * distance + ints(vehicle.unit_duration_cost, u) * shortest
         if not math.isinf(vehicle.regular_duration):
             cost += ints(vehicle.unit_overtime_cost, u) * max(0, shortest - ints(vehicle.regular_duration, u))
-        return Driven(strict, cost, sum(self.reward[i] for i in visits if not self.depot[i]), distance, shortest, finish)
+        return Driven(strict, cost, sum(self.reward[i] for i in visits if not self.depot[i]), distance, shortest, finish, overrun)
+
+    def within_risk(self, overruns: list[float]) -> bool:
+        """Whether routes together, each of which overruns a limit so likely, keep all with the probability that is asked for."""
+        return self.team_risk is None or 1.0 - math.prod(1.0 - p for p in overruns) <= self.team_risk * (1.0 + 1.0 / PARTS)
+
+    def _overrun(
+        self, kind: int, legs: list[tuple[int, int]], moving: int, shortest: int, elapsed: int, largest: int
+    ) -> tuple[list[Any], float]:
+        """What limits hold with the route's risk, and how likely it overruns one."""
+        vehicle, u = self.fleet[kind], self.unit
+        spread = self.variances[kind]
+        assert spread is not None
+        variance = sum((spread[i][j] for i, j in legs), Fraction(0))
+        if not variance or (vehicle.risk is None and self.team_risk is None):
+            return [], 0.0
+        limits = [(shortest * u, u, ints(vehicle.max_duration, u))]
+        if vehicle.energy is not None:
+            drawn = {"travel": moving, "elapsed": shortest, "elapsed-fixed-start": elapsed}[vehicle.energy.charge]
+            rate = ints(vehicle.energy.rate, u)
+            limits.append((drawn * rate, rate, ints(vehicle.energy.at_departure, u)))
+        tests, overrun, fine = [], 0.0, 1 << 40
+        for mean, rate, limit in limits:
+            if limit is None:
+                continue
+            slack = Fraction(limit * u - mean)
+            away = math.sqrt(min(slack**2 / (2 * variance * (rate * u) ** 2), Fraction(10**6)))  # far out the tail is 0 or 1
+            overrun = max(overrun, 0.5 * math.erfc(away if slack > 0 else -away))
+            if vehicle.risk is not None:
+                share = Fraction(-NormalDist().inv_cdf(vehicle.risk)) * rate * u * fine
+                needed = Fraction(math.isqrt(math.ceil(variance * share**2)), fine)
+                tests.append((mean + needed, limit * u, largest * rate))
+        return tests, overrun
 
     def _energy(
         self, kind: int, visits: tuple[int, ...], moving: list[int], busy: list[int], shortest: int, elapsed: int, largest: int
@@ -292,7 +335,8 @@ class RoutingTruth(Truth):
     def _extend(self, rest: frozenset[int], must: set[int], routes: list[tuple[int, tuple[int, ...]]], used: list[int]) -> None:
         if not rest:
             every = self._with_committed(routes)
-            if len(routes) >= self.problem.min_vehicles and every is not None and self._groups({k for _, v in routes for k in v}):
+            together = every is not None and self._groups({k for _, v in routes for k in v}) and self._safe(every)
+            if len(routes) >= self.problem.min_vehicles and every is not None and together:
                 parts = [self.driven[r] for r in every]
                 answer = Routes(tuple(Route(visits, kind) for kind, visits in routes))
                 self.meet(self.values(every), all(p.strict for p in parts), answer)
@@ -314,6 +358,9 @@ class RoutingTruth(Truth):
             if vehicle.committed:
                 more += [(kind, ())] * ((vehicle.count or 0) - sum(k == kind for k, _ in routes))
         return None if any(r not in self.driven for r in more) else [*routes, *more]
+
+    def _safe(self, routes: list[tuple[int, tuple[int, ...]]]) -> bool:
+        return self.roads.within_risk([self.driven[route].overrun for route in routes])
 
     def _groups(self, visited: set[int]) -> bool:
         counts = [(sum(k in visited for k in g.sites), g.required) for g in self.problem.sites.groups]
@@ -352,7 +399,8 @@ class RoutingTruth(Truth):
         if any(v.count is not None and c > v.count for v, c in zip(fleet, counts, strict=True)) or len(routes) < self.problem.min_vehicles:
             return None
         every = self._with_committed(routes)
-        return None if every is None or not self._groups(set(visited)) else self.values(every)
+        good = every is not None and self._groups(set(visited)) and self._safe(every)
+        return self.values(every) if every is not None and good else None
 
 
 def best_values(problem: RoutingProblem) -> tuple[float, ...] | None:

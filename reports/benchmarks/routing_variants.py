@@ -23,7 +23,7 @@ from ...formulations.routing.objective import (
 )
 from ...formulations.routing.problem import RoutingProblem
 from ...instances.errors import InputError
-from ...instances.routing.features import features
+from ...instances.routing.features import RISKS, features
 from ...instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType, fleet_size
 from ...instances.routing.travel import EXPLICIT, Travel
 
@@ -53,6 +53,8 @@ class _Draft:
     others: list[dict[str, Any]] = field(default_factory=list)
     closing: Any = None
     durations: Any = None
+    variances: Any = None
+    team_risk: float | None = None
     min_vehicles: int = 0
 
     def __post_init__(self) -> None:
@@ -214,6 +216,19 @@ def _closing(d: _Draft) -> None:
     d.closing = np.where(d.rng.random((d.size, d.size)) < 0.6, drawn, math.inf)
 
 
+def _uncertain(d: _Draft) -> None:
+    d.variances = d.numbers(0, 9, (d.size, d.size))
+
+
+def _risks(d: _Draft) -> float:
+    """Uncertain durations, with a limit that they may overrun; a risk of it."""
+    if d.variances is None:
+        _uncertain(d)
+    if "energy" not in d.vehicle:
+        d.vehicle.setdefault("max_duration", d.around_times(1.0, 2.2))
+    return float(d.rng.choice([0.02, 0.1, 0.3]))
+
+
 def _set(**changes: Callable[[_Draft], Any]) -> Callable[[_Draft], None]:
     """Of the first vehicle type."""
 
@@ -259,9 +274,15 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
     "initial-energy": _initial,
     "closing-moves": _closing,
     "committed-vehicles": lambda d: _second(d, committed=True),
+    "uncertain-durations": _uncertain,
+    "route-risk": _set(risk=_risks),
+    "team-risk": lambda d: setattr(d, "team_risk", _risks(d)),
     **dict.fromkeys(sorted({name for goal in GOALS for name in Objective.of(goal).features()}), lambda d: None),
 }  # fmt: skip
 """By feature: what it changes. Those of objectives choose among ``GOALS``."""
+
+TURNS = tuple(name for name in CHANGES if name not in RISKS | {"uncertain-durations"})
+"""Features that ``drawn`` has in turn, and chooses more from. Risks are ``risky``'s, so that problems stay what they were without."""
 
 TWO_DEPOTS = {"multiple-depots", "open-routes", "reloads", "recharging"}
 
@@ -292,7 +313,7 @@ def _goal(d: _Draft) -> Objective:
 
 
 def _chosen(rng: np.random.Generator, number: int) -> tuple[str, ...]:
-    names = list(CHANGES)
+    names = list(TURNS)
     wanted = [names[number % len(names)]]
     for name in rng.permutation(names)[: int(rng.integers(0, 3))].tolist():
         if name not in wanted and not (name in EXCLUSIVE and EXCLUSIVE & set(wanted)):
@@ -322,17 +343,19 @@ def _made(rng: np.random.Generator, wanted: tuple[str, ...], name: str) -> Routi
         d.sites["required"][shipment.pickup] = d.sites["required"][shipment.delivery]
     if "count" not in d.vehicle and d.chance(0.4):
         d.vehicle["count"] = int(rng.integers(1, 4))
-    travel = replace(d.travel, duration_matrix=d.durations, closing=d.closing)
+    travel = replace(d.travel, duration_matrix=d.durations, closing=d.closing, variances=d.variances)
     fleet: list[VehicleType] = []
     for k, changes in enumerate(({}, *d.others)):
         given = {"name": f"type-{k + 1}", **d.vehicle, **changes}
         if "travel" in given:
-            given["travel"] = Travel(EXPLICIT, matrix=given["travel"], closing=d.closing, convention=d.travel.convention)
+            given["travel"] = Travel(
+                EXPLICIT, matrix=given["travel"], closing=d.closing, convention=d.travel.convention, variances=d.variances
+            )
         fleet.append(VehicleType(**given))
     total = fleet_size(fleet)
     least = d.min_vehicles if total is None else min(d.min_vehicles, total)
     sites = Sites.of(range(d.size), depot=d.depot, coordinates=d.xy, **d.sites)
-    return RoutingProblem(sites, travel, fleet, goal, least, name)
+    return RoutingProblem(sites, travel, fleet, goal, least, name, team_risk=d.team_risk)
 
 
 def features_of(problem: RoutingProblem) -> frozenset[str]:
@@ -353,7 +376,7 @@ def with_features(wanted: Sequence[str], seed: int) -> RoutingProblem | None:
 def drawn(seed: int, number: int) -> RoutingProblem:
     """The problem of that number: the same whatever else is drawn. Each has the feature whose turn it is."""
     rng = np.random.default_rng([seed, number])
-    feature = list(CHANGES)[number % len(CHANGES)]
+    feature = TURNS[number % len(TURNS)]
     for _ in range(200):
         try:
             made = _made(rng, _chosen(rng, number), f"{feature}-{number}")
@@ -362,3 +385,28 @@ def drawn(seed: int, number: int) -> RoutingProblem:
         if feature in features_of(made):
             return made
     raise AssertionError(f"no problem has {feature}")
+
+
+def risky(seed: int, number: int) -> RoutingProblem:
+    """A problem that is drawn, with uncertain durations and a risk of each route, of the team, or both, from a generator of their own."""
+    rng = np.random.default_rng([seed, number, len(TURNS)])
+    for further in range(200):
+        base = drawn(seed, number + further * 100_003)
+        n, unit = len(base.sites), float(rng.choice([1.0, 0.1]))
+        variances = np.asarray(rng.integers(0, round(60 / unit), (n, n)) * unit, dtype=np.float64)
+        most = float(base.travel.durations.max()) * float(rng.uniform(2.0, 3.5)) + 5.0
+        asked = number % 3
+        risk, team = (float(rng.choice([0.02, 0.1, 0.3])) for _ in range(2))
+        limited = [v if v.energy or math.isfinite(v.max_duration) else replace(v, max_duration=round(most, 1)) for v in base.fleet]
+        fleet = [v if asked == 1 else replace(v, risk=risk) for v in limited]
+        fleet = [v if v.travel is None else replace(v, travel=replace(v.travel, variances=variances)) for v in fleet]
+        try:
+            made = replace(
+                base, travel=replace(base.travel, variances=variances), fleet=tuple(fleet), team_risk=None if asked == 0 else team,
+                name=f"{base.name}-at-risk",
+            )  # fmt: skip
+        except InputError:  # somebody may have to wait
+            continue
+        if made.features() & RISKS:
+            return made
+    raise AssertionError("no problem has a risk")

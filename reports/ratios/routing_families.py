@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...formulations.routing.objective import LongestRoute, Makespan, Objective, Reward
+from ...formulations.routing.overrun import quantile
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...instances.routing.instance import Sites, VehicleType
@@ -21,6 +22,9 @@ Rng = np.random.Generator
 
 MOST = 7
 """Customers of a random problem: all ways to route them are compared."""
+
+RISKY = 4
+"""Customers of one with risks, all of whose routings are judged."""
 
 NEARLY = 1e-9
 """By which moves differ that are meant to tie, for the one that leads astray to be the shorter."""
@@ -86,11 +90,38 @@ def rewarded(k: int, rng: Rng, kind: str) -> Case:
     return Case(RoutingProblem(sites, travel, (vehicle,), Objective.of(Reward()), name=f"{kind}-{k}"))
 
 
+def risky(k: int, rng: Rng, kind: str) -> Case:
+    """Vehicles whose uncertain durations are limited at a risk, of each route or of all; each customer may have a route of its own."""
+    n, travel = int(rng.integers(2, RISKY + 2)), travel_of(rng, kind, RISKY + 1)
+    matrix = travel.distances[:n, :n]
+    variances = (1.0 + matrix) * rng.uniform(0.0, 1.0, (n, n)) * max(1.0, 0.2 * float(matrix.mean()))
+    risk = float(rng.choice([0.01, 0.05, 0.2]))
+    far = matrix[0] + matrix[:, 0] + quantile(risk / RISKY) * np.sqrt(variances[0] + variances[:, 0])
+    vehicle = VehicleType(max_duration=float(far.max() * rng.uniform(1.3, 2.5) + 1.0), risk=None if k % 2 else risk)
+    travel = Travel(EXPLICIT, matrix=matrix, variances=variances)
+    problem = RoutingProblem(_sites(n), travel, (vehicle,), name=f"{kind}-{k}", team_risk=risk if k % 2 else None)
+    every = [Routes.of(routes) for routes in _routings(problem.customers.tolist())]
+    best = min((v.values[0], at) for at, v in enumerate(map(problem.evaluate, every)) if v.feasible)[1]
+    return Case(problem, attained(problem, every[best], "enumeration"))
+
+
+def _routings(customers: list[int]) -> Iterator[list[tuple[int, ...]]]:
+    """All ways to visit the customers by routes."""
+    if not customers:
+        yield []
+    for routes in _routings(customers[1:]) if customers else ():
+        yield [tuple(customers[:1]), *routes]
+        for k, route in enumerate(routes):
+            for at in range(len(route) + 1):
+                yield [*routes[:k], (*route[:at], customers[0], *route[at:]), *routes[k + 1 :]]
+
+
 def random_families(make: str) -> tuple[Family, ...]:
-    """The random families of ``salesman``, ``loads``, ``shared`` or ``rewarded`` problems."""
-    made = {"salesman": salesman, "loads": loads, "shared": shared, "rewarded": rewarded}[make]
+    """The random families of ``salesman``, ``loads``, ``shared``, ``rewarded`` or ``risky`` problems."""
+    made = {"salesman": salesman, "loads": loads, "shared": shared, "rewarded": rewarded, "risky": risky}[make]
+    most = RISKY if make == "risky" else MOST
     words = {"plane": "uniform", "clusters": "three clusters", "grid": "few places", "graph": "shortest paths", "rounded": "rounded"}
-    return tuple(Family(kind, f"{words[kind]}, up to {MOST} customers", partial(_of_kind, made, kind)) for kind in KINDS)
+    return tuple(Family(kind, f"{words[kind]}, up to {most} customers", partial(_of_kind, made, kind)) for kind in KINDS)
 
 
 def _of_kind(made: Callable[[int, Rng, str], Case], kind: str, k: int, rng: Rng) -> Case:

@@ -33,7 +33,7 @@ def instance_of(problem: Problem, note: str = "") -> Instance | None:
         names = tuple(term.name for level in problem.objective.levels() for _, term in level.terms)
         return RoutingInstance(
             problem.name, "generated", problem.sites, problem.travel, problem.fleet, problem.problem, (problem.problem,),
-            problem.min_vehicles, names, (*problem.notes, *notes),
+            problem.min_vehicles, names, (*problem.notes, *notes), problem.team_risk,
         )  # fmt: skip
     if isinstance(problem, SubmodularSelection) and writable(problem.function, problem.constraint):
         return SelectionInstance(

@@ -7,10 +7,12 @@ from functools import partial
 from typing import Any
 
 from ...formulations.routing.judge import schedule
+from ...formulations.routing.overrun import joint_overrun, route_overrun
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.reachability import unreachable
 from ...formulations.routing.routes import Routes
 from ...instances.printable import printable
+from ...instances.routing.features import RISKS
 from . import TABLES, Tables
 from .facts import plain_text
 from .table import Column, Row, Table, short
@@ -29,11 +31,16 @@ def answer_tables(problem: RoutingProblem, answer: Routes | None) -> list[Table]
 
 
 def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
-    """One row a route: vehicle, number of visits, load, distance, duration, and the sites in order."""
-    ids = problem.sites.ids
+    """One row a route: vehicle, number of visits, load, distance, duration, how likely it overruns where that is limited, and the sites in
+    order."""
+    ids, risky = problem.sites.ids, bool(problem.features() & RISKS)
+    overruns: list[float] = []
     rows, visits, load, distance, duration = [], 0, 0.0, 0.0, 0.0
     for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
         plan = schedule(problem, route)
+        vehicle = problem.fleet[route.vehicle]
+        limited = vehicle.risk is not None or problem.team_risk is not None
+        overruns.append(route_overrun(vehicle, plan) if risky and limited else 0.0)
         rows.append(
             (
                 name,
@@ -41,6 +48,7 @@ def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
                 short(plan.total_load),
                 short(plan.total_distance),
                 short(plan.duration),
+                *([f"{overruns[-1]:.3g}"] if risky else []),
                 " ".join(printable(ids[i], SHOWN_ID) for i in route.visits),
             )
         )
@@ -48,9 +56,10 @@ def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
         duration = max(duration, plan.duration)
     columns = (
         Column("vehicle"), Column("visits", right=True), Column("load", right=True), Column("distance", right=True),
-        Column("duration", right=True), Column("sites in order", wide=True),
+        Column("duration", right=True), *([Column("overrun", right=True)] if risky else []), Column("sites in order", wide=True),
     )  # fmt: skip
-    total = ("all", str(visits), short(load), short(distance), f"max {short(duration)}", "")
+    joint = [f"{joint_overrun(overruns):.3g}"] if risky else []
+    total = ("all", str(visits), short(load), short(distance), f"max {short(duration)}", *joint, "")
     return Table("Routes", columns, tuple(rows), total)
 
 
@@ -92,7 +101,8 @@ def _windows(windows: dict[str, Any]) -> list[Row]:
 def _travel(travel: dict[str, Any]) -> list[Row]:
     own = ", durations of their own" if travel["own_durations"] else ""
     closing = f", {travel['closing_moves']} moves close" if "closing_moves" in travel else ""
-    return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates") + closing)]
+    spread = f", uncertain durations of variance up to {travel['largest_variance']:g}" if "largest_variance" in travel else ""
+    return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates") + closing + spread)]
 
 
 def _fleet(fleet: list[dict[str, Any]]) -> list[Row]:

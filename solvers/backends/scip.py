@@ -1,4 +1,4 @@
-"""SCIP through PySCIPOpt: linear and quadratic programs, convex or not, with integers or without."""
+"""SCIP through PySCIPOpt: linear and quadratic programs, convex or not, and second-order cones, with integers or without."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
+from ...formulations.programs.cones import Cones
+from ...formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Floats, Program
 from ...formulations.programs.reductions.finite_numbers import FiniteNumbers
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
@@ -16,6 +17,8 @@ from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
 
 DUAL_TOLERANCE = 1e-7
+
+SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
 
 INFINITE = 1e20
 """What SCIP takes for infinite."""
@@ -45,10 +48,10 @@ class Scip(ProgramBackend):
     engine = "SCIP"
     package = "pyscipopt"
     modules = ("pyscipopt",)
-    summary = "SCIP through PySCIPOpt: MILP, and quadratic programs, convex or not"
+    summary = "SCIP through PySCIPOpt: MILP, second-order cones, and quadratic programs, convex or not"
     options = None
     order = 40
-    programs = (INTEGERS | QUADRATIC,)
+    programs = (INTEGERS | QUADRATIC | SECOND_ORDER,)
     reductions = (FiniteNumbers(INFINITE),)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
@@ -93,10 +96,11 @@ class _Search:
     def _give(self, start: Floats) -> bool:
         """Hand over a start, whose NaN are left for SCIP to complete; whether SCIP takes it."""
         model, known = self.model, np.isfinite(start)
-        solution = model.createSol() if known.all() else model.createPartialSol()
+        whole = bool(known.all()) and not self.program.cones  # whose tips are variables of the model alone
+        solution = model.createSol() if whole else model.createPartialSol()
         for k in np.nonzero(known)[0].tolist():
             model.setSolVal(solution, self.columns[k], float(start[k]))
-        if known.all() and len(self.columns) > self.program.num_variables:
+        if whole and self.program.quadratic is not None:
             model.setSolVal(solution, self.columns[-1], _product_part(self.program, start))
         return bool(model.addSol(solution))
 
@@ -128,7 +132,7 @@ class _Search:
                 else:
                     search.control.publish(bound=search.bound())
 
-        if self.program.is_integer or self.program.quadratic is not None:
+        if self.program.features() != LINEAR:
             self.model.includeEventhdlr(Listener(), "waybound", "publishes incumbents and bounds")
         self.model.setParam("limits/time", max(0.0, end - time.perf_counter()))
         self.solving = True
@@ -188,6 +192,8 @@ def _fill(model: Any, program: Program) -> tuple[list[Any], list[Any]]:
         row = Expr({terms[indices[k]]: data[k] for k in range(starts[i], starts[i + 1])})
         sides = {"lhs": None if low == -math.inf else low, "rhs": None if high == math.inf else high}
         constraints.append(model.addCons(ExprCons(row, **sides)))
+    for cones in program.cones:
+        _add_cones(model, cones, columns)
     if program.quadratic is not None:
         import scipy.sparse as sp
 
@@ -204,6 +210,21 @@ def _fill(model: Any, program: Program) -> tuple[list[Any], list[Any]]:
         model.setMaximize()
     model.addObjoffset(program.offset)
     return columns, constraints
+
+
+def _add_cones(model: Any, cones: Cones, columns: list[Any]) -> None:
+    """Rows ``norm of v <= t``; what is more than a multiple of one variable becomes a variable of its own, which SCIP takes out again."""
+    import pyscipopt
+
+    def image(row: int) -> Any:
+        at = range(cones.indptr[row], cones.indptr[row + 1])
+        return pyscipopt.quicksum(float(cones.data[k]) * columns[cones.indices[k]] for k in at) + float(cones.offset[row])
+
+    for first in range(0, len(cones.offset), cones.width):
+        tip = model.addVar(vtype="C", lb=0.0, ub=None)
+        model.addCons(tip == image(first))
+        squares = pyscipopt.quicksum(image(row) ** 2 for row in range(first + 1, first + cones.width))
+        model.addCons(pyscipopt.sqrt(squares) <= tip)
 
 
 def _product_part(program: Program, x: Floats) -> float:

@@ -30,12 +30,7 @@ def bad_study(registered):
 def test_without_a_study_all_are_listed(run, strict_json):
     told = run("ratio")
     assert told.exit_code == 0
-    names = {
-        "greedy-cardinality", "greedy-partition", "lazy-greedy", "sequential-greedy", "stochastic-greedy", "continuous-greedy",
-        "knapsack-greedy", "local", "brute-force", "winner-takes-all", "bottleneck", "layers", "table-3-1",
-        "christofides", "tour-partitioning", "split", "tour-splitting", "savings", "insertion", "greedy-assignment", "greedy-orienteering",
-        "look-back", "two-stage", "least-mean", "uncertain-paths",
-    }  # fmt: skip
+    names = set(STUDIES.names())
     assert all(name in told.stdout for name in names)
     assert {study["name"] for study in strict_json(run("ratio", "--json").stdout)["studies"]} == names
 

@@ -299,6 +299,14 @@ def test_a_quadratic_objective_over_an_exponential_cone(program, solve_with, che
     check_optimum(near, solve_with(near), 2.0)
 
 
+def test_whole_points_of_a_cone(program, solve_with):
+    """(t, x, y) with t >= |(x, y)|, x + y >= 7: (3, 4) or (4, 3), of norm 5."""
+    cone = _cones("second-order", [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0, 0, 0], 3)
+    result = solve_with(replace(program([1, 0, 0], [[0, 1, 1]], 7, INF, 0, [99, 9, 9], integer=[1, 2]), cones=(cone,)))
+    assert result.status == "optimal"
+    assert result.objective == pytest.approx(5.0, abs=1e-5) and sorted(result.answer[1:]) == pytest.approx([3.0, 4.0])
+
+
 def test_cones_that_do_not_meet_leave_no_answer(program, solve_with):
     discs = _cones("second-order", [[0, 0], [1, 0], [0, 1], [0, 0], [1, 0], [0, 1]], [1, 0, 0, 1, -3, 0], 3)
     result = solve_with(replace(program([0, 1], [[1, 0]], -9, 9, -INF, INF), cones=(discs,)))

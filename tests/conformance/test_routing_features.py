@@ -15,7 +15,7 @@ from waybound.formulations.routing.checking.known_features import KNOWN
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UnsupportedError
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
-from waybound.reports.benchmarks.routing_variants import drawn, with_features
+from waybound.reports.benchmarks.routing_variants import drawn, risky, with_features
 from waybound.reports.tables.routing_features import ROWS, declared_by_engines, declared_by_forms, declared_by_heuristics, solvers_of_forms
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 from waybound.solvers.bounds import BOUNDS
@@ -117,8 +117,9 @@ def test_bounds_that_prove_nothing_say_why(feature):
 
 @cache
 def pool():
-    """Problems of two or three sites, by their names."""
-    return {p.name: p for p in (drawn(7, number) for number in range(432)) if len(p.customers) in (2, 3)}
+    """Problems of two or three sites, by their names; some with risks."""
+    every = [*(drawn(7, number) for number in range(432)), *(risky(7, number) for number in range(60))]
+    return {p.name: p for p in every if len(p.customers) in (2, 3)}
 
 
 @cache
@@ -134,9 +135,11 @@ def is_optimal(problem, answer) -> bool:
 
 
 def narrow(feature: str, features):
-    """Problems with a feature and little else, for what takes few."""
+    """Problems with a feature and little else, for what takes few; with a risk too, for what may ask for one."""
     goals = sorted(name for name in features if name.startswith("objective:"))
-    drawn_for = (with_features(dict.fromkeys((feature, goal)), seed) for seed in range(40) for goal in goals)
+    risks = (("route-risk",), ()) if "route-risk" in features else ((),)
+    wanted = [dict.fromkeys((feature, goal, *more)) for goal in goals for more in risks]
+    drawn_for = (with_features(names, seed) for seed in range(40) for names in wanted)
     return (problem for problem in drawn_for if problem is not None and len(problem.customers) in (2, 3))
 
 

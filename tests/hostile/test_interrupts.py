@@ -38,6 +38,8 @@ FILES = {
     "tour.json": ("random", "customers=3000", "capacity=0", "vehicles=1"),
     "even.json": ("random", "customers=3000", "capacity=0", "vehicles=20"),
     "outing.json": ("random", "customers=3000", "capacity=0", "vehicles=20"),
+    "risks.json": ("random", "customers=400", "capacity=0", "deviation=0.3", "max-duration=400"),
+    "careful.json": ("random", "customers=25", "capacity=0", "deviation=0.3", "max-duration=400", "vehicles=6"),
     "few.json": ("coverage", "elements=28", "items=1000", "constraint=cardinality", "k=9"),
     "cardinality.json": ("coverage", "elements=3000", "items=8000", "constraint=cardinality", "k=600"),
     "partition.json": ("coverage", "elements=3000", "items=8000", "constraint=partition"),
@@ -62,7 +64,11 @@ def outing(instance: Any) -> Any:
     return replace(instance, objective=("reward",), sites=sites, fleet=(replace(instance.fleet[0], max_distance=300.0),))
 
 
-CHANGED = {"even.json": lambda instance: replace(instance, objective=("longest-route",)), "outing.json": outing}
+CHANGED = {
+    "even.json": lambda instance: replace(instance, objective=("longest-route",)), "outing.json": outing,
+    "risks.json": lambda instance: replace(instance, team_risk=0.05),
+    "careful.json": lambda instance: replace(instance, fleet=(replace(instance.fleet[0], risk=0.05),)),
+}  # fmt: skip
 
 SOLVED = {
     "cpsat": "routes.txt", "highs": "routes.txt", "scip": "routes.txt", "mathopt": "routes.txt", "mathopt:gscip": "knapsack.json",
@@ -72,6 +78,7 @@ SOLVED = {
     "saddle": "sensing.json", "vroom": "large.vrp", "risk-labels": "rewards.json", "path-enumeration": "rewards.json",
     "convex-allocation": "plan.json", "disjunctive-allocation": "obstacles.json", "exact-joint": "joint-plan.json",
     "non-dominated-paths": "roadmap.json", "supported-paths": "roadmap.json",
+    "outer-approximation": "careful.json",
 }  # fmt: skip
 
 APPROXIMATED = {
@@ -80,8 +87,9 @@ APPROXIMATED = {
     "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",
     "greedy-assignment": "tour.json", "greedy-orienteering": "outing.json", "insertion": "large.vrp",
     "knapsack-greedy": "knapsack.json", "lazy-greedy": "cardinality.json", "local": "sensing.json", "lp-rounding": "crowd.json",
-    "pure-greedy": "tour.json", "random": "crowd.json", "savings": "large.vrp", "sequential-greedy": "partition.json",
-    "split": "large.vrp", "stochastic-greedy": "cardinality.json", "tour-partitioning": "large.vrp", "tour-splitting": "even.json",
+    "pure-greedy": "tour.json", "random": "crowd.json", "safety-margins": "risks.json", "savings": "large.vrp",
+    "sequential-greedy": "partition.json", "split": "large.vrp", "stochastic-greedy": "cardinality.json",
+    "tour-partitioning": "large.vrp", "tour-splitting": "even.json",
 }  # fmt: skip
 
 WITH_CHILDREN = ("pulp", "pulp:HiGHS", "ortools", "cvxpy", "cvxpy:HIGHS", "mathopt:highs", "vroom")

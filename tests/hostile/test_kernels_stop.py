@@ -124,6 +124,9 @@ def large(kind: str, part: int = 1) -> Problem:
             return RiskAllocation(generate("risk-allocation", 1, family="corridor", steps=of(60), constraints=4, risk="joint"))
         case "routes":
             return routing(of(200), capacity=200)
+        case "risks":
+            made = routing(of(200), max_duration=6e4, risk=0.05)
+            return replace(made, travel=replace(made.travel, variances=np.full((of(200), of(200)), 1e6)))
         case "distances":
             return routing(of(6_000), max_distance=6e4)
         case "roadmap":
@@ -163,6 +166,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("pure-greedy", "outing", {}),
     ("rags", "roadmap", {}),
     ("random", "winner-takes-all", {}),
+    ("safety-margins", "risks", {}),
     ("savings", "tsp", {}),
     ("savings", "distances", {}),
     ("scenario", "joint-plan", {"confidence": 0.999999}),

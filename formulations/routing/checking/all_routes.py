@@ -1,7 +1,7 @@
 """Evidence ``all-routes``: every route of a few customers, by every type of vehicle, and every way to put them together.
 
-There is nothing to state: the checker walks all of it. It knows what other evidence merges or leaves out, such as several types of vehicle
-and customers that may be left out.
+There is nothing to state: the checker walks all of it. It knows what other evidence merges or leaves out, such as several types of vehicle,
+customers that may be left out, and the risk of each route.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tu
     far, busy = own_moves(problem, vehicle)[0][np.ix_(at, at)].tolist(), limits.busy.tolist()
     ready, demand, reward = limits.ready.tolist(), limits.demand.tolist(), sites.reward[at].tolist()
     penalty = sites.penalty[at].tolist()
-    due, budgets = [limits.latest(d) for d in limits.due.tolist()], [(way.tolist(), limit) for way, limit in limits.budgets]
+    due, budgets = [limits.latest(d) for d in limits.due.tolist()], [(way.tolist(), limit) for way, limit in limits.sums()]
     opening, capacity, end, least = ready[0], allowed(limits.capacity), len(at) - 1, problem.sense == "min"
     found: dict[int, float] = {}
     size = 0.0
@@ -125,6 +125,8 @@ def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tu
             if any(u > limit for u, (_, limit) in zip(used, budgets, strict=True)):
                 continue
             if any(rate * (begin - (opening if fixed else leave)) > limit for rate, limit, fixed in limits.spans):
+                continue
+            if limits.uncertain(used):
                 continue
             if node == end:
                 ended(mask, begin, total, leave, length + far[last][node], won)

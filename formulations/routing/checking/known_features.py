@@ -2,9 +2,10 @@
 
 Whatever is not named here proves nothing: a checker that ignores a feature may only ever be too modest. Of those named:
 
-``skills, several-windows, closing-moves, several-loads, pickups, shipments, initial-energy, forbidden-moves``
+``skills, several-windows, closing-moves, several-loads, pickups, shipments, initial-energy, forbidden-moves, route-risk, team-risk``
     Forbid routes that would be possible without them, and are left out. Several windows are one from the first opening to the last close;
-    a vehicle leaves with all that it delivers, whatever it picks up, so that the demands on a route are within the capacity.
+    a vehicle leaves with all that it delivers, whatever it picks up, so that the demands on a route are within the capacity. Risks are 1/2
+    at most, so that limits hold for the means of durations (``uncertain-durations``); ``route_limits`` takes them up.
 ``groups, penalties, rewards``
     Members of groups and sites with a penalty are optional: what is proved of required sites holds, sums over all sites prove nothing.
 ``duration-cost, overtime, committed-vehicles``
@@ -36,6 +37,7 @@ KNOWN = frozenset(
         "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "fixed-cost", "unit-cost", "separate-durations",
         "duration-cost", "overtime", "shifts", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
         "several-windows", "skills", "penalties", "initial-energy", "closing-moves", "committed-vehicles", "forbidden-moves",
+        "uncertain-durations", "route-risk", "team-risk",
     }
 )  # fmt: skip
 
@@ -49,6 +51,12 @@ def own_moves(problem: RoutingProblem, vehicle: VehicleType) -> tuple[NDArray[np
     """Distances and durations of all moves of a vehicle, shape (sites, sites)."""
     travel = problem.travel if vehicle.travel is None else vehicle.travel
     return travel.distances, travel.durations if vehicle.speed == 1.0 else travel.durations / vehicle.speed
+
+
+def own_variances(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.float64]:
+    """Variances of the durations of all moves of a vehicle, shape (sites, sites)."""
+    travel = problem.travel if vehicle.travel is None else vehicle.travel
+    return np.zeros((len(travel),) * 2) if travel.variances is None else travel.variances / vehicle.speed**2
 
 
 def least_moves(problem: RoutingProblem) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...tolerance import widening
-from .known_features import departure, last_return, own_moves, unknown_features
+from .known_features import departure, last_return, own_moves, own_variances, unknown_features
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -53,6 +54,8 @@ class Limits:
     spans : list of (rate, limit, fixed)
         ``rate`` times the time to the return is limited: from the opening of the depot (``fixed``), or from the latest departure.
         Widened too.
+    chances : list of (means, variances, deviations, limit)
+        Sums along a route of ``means``, and so many times the root of those of ``variances``, are limited together. Widened too.
     capacity, horizon, rounding : float
         ``horizon``: no earliest schedule runs longer; ``rounding``: what sums of times along any route may be wrong by.
     """
@@ -63,6 +66,7 @@ class Limits:
     busy: Floats
     budgets: list[tuple[Floats, float]]
     spans: list[tuple[float, float, bool]]
+    chances: list[tuple[Floats, Floats, float, float]]
     capacity: float
     horizon: float
     rounding: float
@@ -70,6 +74,17 @@ class Limits:
     def latest(self, due: float) -> float:
         """The latest arrival that may count as one by ``due``."""
         return allowed(due, float(self.ready[0]), self.rounding)
+
+    def sums(self) -> list[tuple[Floats, float]]:
+        """Weights of moves that are to be added up, each with the limit of its sum: ``budgets``, and what ``uncertain`` looks at."""
+        return [*self.budgets, *((weights, math.inf) for chance in self.chances for weights in chance[:2])]
+
+    def uncertain(self, sums: Sequence[float]) -> bool:
+        """Whether a route that adds up to this breaks one of ``chances``."""
+        return any(
+            sums[at] + deviations * math.sqrt(sums[at + 1]) > limit
+            for at, (_, _, deviations, limit) in zip(range(len(self.budgets), len(sums), 2), self.chances, strict=True)
+        )
 
 
 def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
@@ -110,8 +125,25 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
         busy, budgets = np.where(shut, math.inf, busy), [(np.where(shut, math.inf, w), x, wide) for w, x, wide in budgets]
     return Limits(
         ready, due, demand, busy, [(w, allowed(x, 0.0, wide)) for w, x, wide in budgets if math.isfinite(x)],
-        [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed, wide in spans if math.isfinite(x)], vehicle.capacity, horizon, rounding,
+        [(r, allowed(x, 0.0, wide), fixed) for r, x, fixed, wide in spans if math.isfinite(x)],
+        _chances(problem, vehicle, at, (move, service[:, None] + move), rounding), vehicle.capacity, horizon, rounding,
     )  # fmt: skip
+
+
+def _chances(
+    problem: RoutingProblem, vehicle: VehicleType, at: Nodes, moves: tuple[Floats, Floats], rounding: float
+) -> list[tuple[Floats, Floats, float, float]]:
+    """Limits on uncertain durations of ``moves``, without and with service. A risk of the team is one of each route, which forbids less."""
+    risks = [risk for risk in (vehicle.risk, problem.team_risk) if risk is not None]
+    if not risks or not (vehicle.travel or problem.travel).uncertain:
+        return []
+    deviations = -NormalDist().inv_cdf(min(0.5, min(risks) * (1.0 + 1e-8))) * (1.0 - 1e-9)  # the quantile may be off by less
+    spread, (move, busy), energy = own_variances(problem, vehicle)[np.ix_(at, at)], moves, vehicle.energy
+    found = [(busy, spread, deviations, allowed(vehicle.max_duration, 0.0, rounding))]
+    if energy is not None:
+        drawn = energy.rate * (move if energy.charge == "travel" else busy)
+        found.append((drawn, spread, energy.rate * deviations, allowed(energy.at_departure, 0.0, energy.rate * rounding)))
+    return [chance for chance in found if math.isfinite(chance[-1])]
 
 
 def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
@@ -151,6 +183,9 @@ def within_reach(limits: Limits) -> NDArray[np.bool_]:
         mid = weight[inner, inner]
         need = _shortest(weight[0, inner], mid) + _shortest(weight[inner, -1], mid.T)
         good &= need <= limit
+    for means, variances, deviations, limit in limits.chances:
+        least = [_shortest(w[0, inner], w[inner, inner]) + _shortest(w[inner, -1], w[inner, inner].T) for w in (means, variances)]
+        good &= least[0] + deviations * np.sqrt(least[1]) <= limit
     reached, home = clocks(limits)
     finish = reached + home
     good &= np.isfinite(reached) & (finish <= limits.latest(float(limits.due[-1])))
@@ -184,7 +219,7 @@ def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> se
     nodes = np.concatenate([[0], named, [len(limits.ready) - 1]]).astype(np.int64)
     end = len(nodes) - 1
     busy = _ways(limits.busy, nodes, through).tolist()
-    budgets = [(_ways(weight, nodes, through).tolist(), limit) for weight, limit in limits.budgets]
+    budgets = [(_ways(weight, nodes, through).tolist(), limit) for weight, limit in limits.sums()]
     ready, demand = limits.ready[nodes].tolist(), limits.demand[nodes].tolist()
     due = [limits.latest(d) for d in limits.due[nodes].tolist()]
     opening, capacity = float(limits.ready[0]), allowed(limits.capacity)
@@ -204,6 +239,8 @@ def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> se
             leave = min(latest, due[node] - total)
             used = [s + way[last][node] for s, (way, _) in zip(sums, budgets, strict=True)]
             if any(u > limit for u, (_, limit) in zip(used, budgets, strict=True)) or not spends(begin, leave):
+                continue
+            if limits.uncertain(used):
                 continue
             if node == end:
                 found.add(mask >> 1)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...tolerance import LIMIT
+from ...tolerance import EQUAL, LIMIT
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -34,6 +34,7 @@ class Priced:
     cost: float
     reward: float
     penalty: float
+    overrun: float
 
 
 def orders_of_stops(problem: RoutingProblem) -> int:
@@ -68,6 +69,8 @@ class Walk:
         ends = zip(sites.ready.tolist(), sites.due.tolist(), strict=True)
         self.windows = [w or (one,) for w, one in zip(several, ends, strict=True)]
         self.service = sites.service.tolist()
+        limited = vehicle.risk is not None or problem.team_risk is not None
+        self.spread = travel.variances.tolist() if limited and travel.variances is not None else None
         self.demand = np.column_stack([sites.demand, sites.further_demand]) * ~sites.depot[:, None]
         self.pickup = np.column_stack([sites.pickup, sites.further_pickup]) * ~sites.depot[:, None]
         able = [not sites.skills or sites.skills[k] <= vehicle.skills for k in range(every)]
@@ -132,12 +135,37 @@ class Walk:
         size = max(abs(self.opens), abs(finish))
         if not _within(duration, vehicle.max_duration) or not self._energy_lasts(stops, duration, finish - self.opens, size):
             return None
+        overrun = self._overrun(moves, duration)
+        if overrun is None:
+            return None
         served = [k for k in visits if not self.sites.depot[k]]
         cost = vehicle.fixed_cost + vehicle.unit_cost * distance + vehicle.unit_duration_cost * duration
         if vehicle.unit_overtime_cost:
             cost += vehicle.unit_overtime_cost * max(0.0, duration - vehicle.regular_duration)
-        gained = (math.fsum(column[served].tolist()) for column in (self.sites.reward, self.sites.penalty))
-        return Priced(self.kind, visits, distance, duration, finish, cost, *gained)
+        reward, penalty = (math.fsum(column[served].tolist()) for column in (self.sites.reward, self.sites.penalty))
+        return Priced(self.kind, visits, distance, duration, finish, cost, reward, penalty, overrun)
+
+    def _overrun(self, moves: list[tuple[int, int]], duration: float) -> float | None:
+        """How likely the route takes too long or draws too much, None where it is too likely. Nobody waits where durations are limited."""
+        vehicle, energy = self.vehicle, self.vehicle.energy
+        variance = 0.0 if self.spread is None else math.fsum(self.spread[i][j] for i, j in moves)
+        if variance == 0.0:
+            return 0.0
+        from scipy.special import ndtr, ndtri
+
+        limits = [(duration, 1.0, vehicle.max_duration)]
+        if energy is not None:
+            charged = math.fsum(self.time[i][j] for i, j in moves) if energy.charge == "travel" else duration
+            limits.append((energy.rate * charged, energy.rate, energy.at_departure))
+        deviation, overrun = math.sqrt(variance), 0.0
+        for mean, rate, limit in limits:
+            if not rate * deviation > 0.0:
+                continue
+            if vehicle.risk is not None and not _within(mean - float(ndtri(vehicle.risk)) * rate * deviation, limit):
+                return None
+            overrun = max(overrun, float(ndtr((mean - limit) / (rate * deviation))))
+        team = self.problem.team_risk
+        return None if team is not None and overrun > team * (1.0 + EQUAL) else overrun
 
     def _run(self, stops: tuple[int, ...], departure: float, home: bool = True) -> float | None:
         """When the last stop is reached, or begun where it is not the return; None where somebody is late."""

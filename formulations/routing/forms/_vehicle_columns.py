@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...programs.cones import Cones
 from ...programs.program import Floats, Rows, Variables
 from ...programs.rows import Ints, Part, rows
 from ...tolerance import widened
@@ -120,6 +121,7 @@ class Written:
         self.names = types[0].names
         self.variables: list[Variables] = []
         self.rows: list[Rows] = []
+        self.cones: list[Cones] = []
         self.columns = types[-1].end
         self.encoders: list[Callable[[Floats, list[Drive]], None]] = []
 

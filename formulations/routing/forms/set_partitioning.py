@@ -7,6 +7,7 @@ For the routes P_t of each vehicle type t, with c_p the route's share in the obj
     vehicles[t]   sum_{p in P_t} y_p <= K_t                   (+ z_t = K_t for committed types: z_t drive straight home, at C_t each)
     fleet         sum y_p >= K_min                            K_min from ``minimum_vehicles``
     group[g]      sum over the members i, and p, of a_ip y_p = 1   (<= 1 where the group is not required)
+    risk          sum_p log(1 - r_p) y_p >= log(1 - Delta)   where the team has a risk Delta; r_p the probability that p overruns a limit
     makespan[i]   makespan >= sum_p a_ip d_p y_p              each site i, for at most one route visits it; d_p the duration of p
     longest[i], latest[i]                                     the same with distances, and with times of return
     home[t]       z_t <= K_t b_t,  b binary;   makespan >= d b_t           where a maximum counts a way straight home
@@ -29,6 +30,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....instances.errors import InputError
+from ....instances.routing.features import RISKS
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
@@ -145,6 +147,8 @@ class _Writing:
         self._fleet()
         if sites.groups:
             self._groups(place)
+        if problem.team_risk is not None:
+            self._team_risk(problem.team_risk)
         for term, what in self.maxima.items():
             self._maximum(term, what)
         bare = Program(
@@ -187,6 +191,14 @@ class _Writing:
             parts.append((np.full(len(chosen), number), chosen, times.astype(np.float64)))
         least = np.array([float(g.required) for g in groups])
         self.rows.append(rows("group", len(groups), parts, least, 1.0, (np.arange(1, len(groups) + 1),), (None,)))
+
+    def _team_risk(self, risk: float) -> None:
+        """Routes overrun independently; in parts of what there may be."""
+        homes = [(column, home.overrun) for kind, column in self.idle.items() if (home := self.homes[kind]) is not None]
+        columns = np.array([*range(len(self.routes)), *(column for column, _ in homes)], dtype=np.int64)
+        overruns = np.array([*(r.overrun for r in self.routes), *(overrun for _, overrun in homes)])
+        share = np.log1p(-overruns) / math.log1p(-risk)
+        self.rows.append(rows("risk", 1, [(np.zeros(len(columns), dtype=np.int64), columns, share)], upper=1.0))
 
     def _maximum(self, term: str, what: str) -> None:
         """The greatest of what the routes have of something, a row a site."""
@@ -255,7 +267,8 @@ class _Writing:
         """All that counts, less being better."""
         signs = [1.0 if sense == "min" else -1.0 for sense in self.problem.senses]
         shares = [sign * _share(r, level) for sign, level in zip(signs, self.levels, strict=True)]
-        return (*shares, *(float(getattr(r, what)) for what in self.maxima.values()))
+        risk = () if self.problem.team_risk is None else (r.overrun,)
+        return (*shares, *(float(getattr(r, what)) for what in self.maxima.values()), *risk)
 
 
 def _share(r: Priced, weight: Weights) -> float:
@@ -263,4 +276,4 @@ def _share(r: Priced, weight: Weights) -> float:
     return math.fsum(each * amounts.get(name, 0.0) for name, each in weight.items())
 
 
-FORMS.add("set-partitioning", Form("set-partitioning", "routing", FEATURES, build, refuses=refuses, order=5))
+FORMS.add("set-partitioning", Form("set-partitioning", "routing", FEATURES | RISKS, build, refuses=refuses, order=5))

@@ -43,7 +43,7 @@ docs/formulations/routing.md#errata.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -108,8 +108,14 @@ def build(problem: RoutingProblem) -> Compiled:
     return with_levels(problem, partial(written, form="three-index"))
 
 
-def written(problem: RoutingProblem, form: str, connect: Callable[[Written], tuple[Circuit, ...]] | None = None) -> Compiled:
-    """The program for the first level of the objective; ``connect`` makes routes of arcs in place of rows of departure, flow and order."""
+def written(
+    problem: RoutingProblem,
+    form: str,
+    connect: Callable[[Written], tuple[Circuit, ...]] | None = None,
+    further: Sequence[Callable[[Written], None]] = (),
+) -> Compiled:
+    """The program for the first level of the objective; ``connect`` makes routes of arcs in place of rows of departure, flow and order,
+    ``further`` write what this form has not."""
     types: list[VehicleColumns] = []
     first = vehicle = 0
     for number in range(len(problem.fleet)):
@@ -129,11 +135,13 @@ def written(problem: RoutingProblem, form: str, connect: Callable[[Written], tup
         made.rows += [order_rows(kind, order, ordered) for kind in cyclic]
         made.encoders.append(partial(_number_visits, order, made.nodes))
         add_shipments(made, order)
-    for add in (add_groups, add_windows, add_copies, add_loads, add_residual_energy, add_objective):
+    for add in (add_groups, add_windows, add_copies, add_loads, add_residual_energy, *further, add_objective):
         add(made)
     circuits = () if connect is None else connect(made)
     rows = tuple(b for b in (*blocks, *made.rows) if b.size)
-    bare = Program(form, problem.sense, (*variables, *made.variables), rows, offset=offset(problem), circuits=circuits)
+    bare = Program(
+        form, problem.sense, (*variables, *made.variables), rows, offset=offset(problem), circuits=circuits, cones=tuple(made.cones)
+    )
     return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, made, bare))
 
 

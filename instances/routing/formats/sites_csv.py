@@ -19,7 +19,6 @@ from ...errors import InputError, UsageError
 from ...formats import FORMATS, Format
 from ...formats.table import Settings, delimiter_of, settings_of, table_of, titles_of, written
 from ...text import label, number, numbers, plain, read_text, refuse, shown, whole
-from ..features import ENERGY, FEATURES
 from ..fleet import equal_fleet, with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
@@ -32,6 +31,13 @@ LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance"
           "unit-cost": "unit_cost"}  # fmt: skip
 KEYS = ("name", "problem", "metric", "convention", "vehicles", "min-vehicles", *LIMITS, "matrix", "durations")
 FLAGS = {"1": True, "true": True, "yes": True, "0": False, "false": False, "no": False}
+EXPRESSIBLE = frozenset(
+    {
+        "capacity", "demands", "time-windows", "depot-windows", "service-times", "demand-or-service-of-depots", "rewards", "optional-sites",
+        "limited-fleet", "min-vehicles", "heterogeneous-fleet", "multiple-depots", "max-duration", "max-distance", "fixed-cost",
+        "unit-cost",
+    }
+)  # fmt: skip
 
 
 def recognises(text: str) -> bool:
@@ -171,7 +177,7 @@ def _instance(keys: Settings, sites: Sites, travel: Travel, path: Path, at: list
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``. Matrices would need a file of their own, and are refused."""
-    refuse_inexpressible(instance, "csv", FEATURES.keys() - {"open-routes", "separate-durations", *ENERGY})
+    refuse_inexpressible(instance, "csv", EXPRESSIBLE)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     limits = {attribute: getattr(vehicle, attribute) for attribute in LIMITS.values()}
     if vehicle.capacity == 0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,15 @@ SETTINGS = {
     "service": Setting(0, "largest service time", least=0, most=10**6),
     "metric": Setting("euclidean", "how distances come about", choices=("euclidean", "EUC_2D", "explicit")),
     "extent": Setting(100, "side of the square that the sites lie in", least=1, most=10**6),
+    "max-duration": Setting(None, "longest duration of a route; none by default", type=float, least=0, most=10**9),
+    "deviation": Setting(0.0, "largest standard deviation of the duration of a move, in parts of it", least=0, most=1),
     "name": Setting(None, "name of the instance", type=str),
 }
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
-    """One instance. Every customer can be served by a vehicle of its own; with a fleet limit all of them together need not be."""
+    """One instance. Every customer can be served by a vehicle of its own, unless durations are limited; with a fleet limit all of them
+    together need not be."""
     n, extent = settings["customers"] + 1, settings["extent"]
     xy = draw.integers(0, extent, (n, 2)).astype(np.float64)
     if settings["metric"] == "explicit":
@@ -50,7 +54,11 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
         ready = np.where(customer, np.maximum(0.0, np.floor(center - half)), 0.0)
         due = np.where(customer, np.minimum(latest, np.ceil(center + half)), horizon)
     sites = Sites.of(range(n), demand=demand, ready=ready, due=due, service=service, coordinates=xy)
-    fleet = (VehicleType(settings["vehicles"], settings["capacity"] if loads else math.inf),)
+    longest = math.inf if settings["max-duration"] is None else settings["max-duration"]
+    fleet = (VehicleType(settings["vehicles"], settings["capacity"] if loads else math.inf, max_duration=longest),)
+    if settings["deviation"] > 0:
+        times = travel.duration(np.arange(n)[:, None], np.arange(n))
+        travel = replace(travel, variances=np.square(draw.uniform(0.0, settings["deviation"], (n, n)) * times))
     name = settings["name"] or f"random-n{n - 1}-s{settings['seed']}"
     return with_problems(RoutingInstance(name, "generated", sites, travel, fleet))
 

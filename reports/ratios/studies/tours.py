@@ -105,3 +105,7 @@ guarantee_study(
     ],
     REWARDS,
 )  # fmt: skip
+guarantee_study(
+    "safety-margins", "uncertain durations with a margin, no ratio stated", 1000, [Configuration("PyVRP", "safety-margins", _none)],
+    families.random_families("risky"),
+)  # fmt: skip

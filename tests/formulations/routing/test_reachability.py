@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -238,3 +239,37 @@ def test_no_site_of_any_route_is_named_where_vehicles_stop_on_the_way(feature: s
         assert beyond >= unreachable(problem).keys()
         named += len(unreachable(problem))
     assert named >= 3
+
+
+def on_a_line(risk: float | None, team_risk: float | None, **limits: object) -> RoutingProblem:
+    """Customers at 4, -5, 6 and -7, each with a service of 1."""
+    line = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
+    vehicle = VehicleType(3, risk=risk, **limits)  # type: ignore[arg-type]
+    problem = routing(matrix=line, sites={"service": [0, 1, 1, 1, 1]}, fleet=[vehicle])
+    return replace(problem, travel=replace(problem.travel, variances=line / 4), team_risk=team_risk)
+
+
+@pytest.mark.parametrize(
+    ("limits", "why"),
+    [
+        ({"max_duration": 18.0}, "to keep the risk of 0.05 a route to it needs 18.0772 of duration at least, the limit is 18"),
+        ({"energy": Energy(34.0, 2.0)}, "to keep the risk of 0.05 a route to it needs 34.1545 of energy at least, the limit is 34"),
+    ],
+)
+def test_a_site_may_be_out_of_reach_for_its_risk_alone(limits: dict[str, object], why: str) -> None:
+    for problem in (on_a_line(0.05, None, **limits), on_a_line(None, 0.05, **limits)):
+        assert unreachable(problem) == {4: why}
+        assert unreachable(replace(problem, fleet=(replace(problem.fleet[0], risk=None),), team_risk=0.06)) == {}
+        evidence = infeasible_site_evidence(problem)
+        assert evidence is not None and verified_bound(problem, evidence) == math.inf
+
+
+def test_risks_are_never_said_to_be_beyond_a_route_that_keeps_them() -> None:
+    for feature in ("route-risk", "team-risk"):
+        for seed in range(10):
+            problem = varied(feature, seed, 3)
+            kept = [routes(problem, vehicle) for vehicle in problem.fleet]
+            assert not {site for visits in itertools.chain(*kept) for site in visits} & set(unreachable(problem))
+            if not problem.features() & {"pickups", "committed-vehicles"}:
+                alone = [any((site,) in visits for visits in kept) for site in problem.customers.tolist()]
+                assert servable_alone(problem).tolist() == alone

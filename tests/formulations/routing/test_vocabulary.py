@@ -63,6 +63,9 @@ CASES = {
     "initial-energy": ({}, {"fleet": [{"energy": {"capacity": 40, "initial": 30}}]}, "30 at departure"),
     "closing-moves": ({}, {"closing": np.full((4, 4), 90.0)}, "12 moves close"),
     "committed-vehicles": ({}, {"fleet": [{"count": 2, "committed": True}]}, "committed"),
+    "uncertain-durations": ({}, {"variances": MATRIX}, "uncertain durations of variance up to 3"),
+    "route-risk": ({}, {"variances": MATRIX, "fleet": [{"max_duration": 40, "risk": 0.05}]}, "risk 0.05"),
+    "team-risk": ({}, {"variances": MATRIX, "max_duration": 40, "team_risk": 0.1}, "team risk 0.1"),
 }  # fmt: skip
 """By feature: columns, what else ``from_frame`` takes, and words of the table that ``waybound info`` shows."""
 

@@ -15,11 +15,12 @@ from waybound.instances.routing.instance import Energy, Group, RoutingInstance, 
 from waybound.instances.routing.travel import Travel
 
 XY = np.array([[0.0, 0], [0, 3], [4, 0], [4, 3]])
+UNCERTAIN = Travel("euclidean", XY, variances=np.ones((4, 4)))
 
 
-def holding(sites: dict[str, Any] | None = None, fleet: Any = None, travel: Travel | None = None, min_vehicles: int = 0) -> RoutingInstance:
+def holding(sites: dict[str, Any] | None = None, fleet: Any = None, travel: Travel | None = None, **more: Any) -> RoutingInstance:
     made = Sites.of("dabc", coordinates=XY, **(sites or {}))
-    return RoutingInstance("i", "test", made, travel or Travel("euclidean", XY), fleet or (VehicleType(),), min_vehicles=min_vehicles)
+    return RoutingInstance("i", "test", made, travel or Travel("euclidean", XY), fleet or (VehicleType(),), **more)
 
 
 CASES: dict[str, tuple[dict[str, Any], set[str]]] = {
@@ -56,6 +57,9 @@ CASES: dict[str, tuple[dict[str, Any], set[str]]] = {
     "skills": ({"sites": {"skills": {1: ["cold"]}}, "fleet": [VehicleType(skills=frozenset(["cold"]))]}, {"skills"}),
     "closing-moves": ({"travel": Travel("euclidean", XY, closing=np.full((4, 4), 9.0))}, {"closing-moves"}),
     "reloads": ({"fleet": [VehicleType(reloads=(0,))]}, {"reloads"}),
+    "uncertain-durations": ({"travel": UNCERTAIN}, set()),
+    "route-risk": ({"fleet": [VehicleType(risk=0.1)]}, set()),
+    "team-risk": ({"team_risk": 0.1}, set()),
 }
 
 IN_COMPANY: dict[str, tuple[dict[str, Any], set[str]]] = {
@@ -131,6 +135,11 @@ def test_what_else_may_be_asked_follows_from_the_data() -> None:
     chosen = {"reward": [0, 1, 2, 3], "required": False}
     assert {"orienteering", "team-orienteering", "makespan-orienteering"} <= set(problems_of(holding(chosen, [VehicleType(1)])))
     assert "orienteering" not in problems_of(holding(chosen, [VehicleType(2)]))
+
+
+@pytest.mark.parametrize(("name", "parts"), [("route-risk", {"fleet": [VehicleType(risk=0.1)]}), ("team-risk", {"team_risk": 0.1})])
+def test_a_risk_restricts_where_durations_are_uncertain(name: str, parts: dict[str, Any]) -> None:
+    assert restrictions(holding(travel=UNCERTAIN, **parts)) == {name}
 
 
 @pytest.mark.parametrize("sites", [{"pickup": [0, 1, 0, 0]}, {"shipments": [Shipment(1, 2, (3.0,))]}])

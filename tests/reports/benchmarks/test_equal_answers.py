@@ -10,7 +10,7 @@ import pytest
 from draws import draws
 
 from waybound.reports.benchmarks import equal_answers as benchmark
-from waybound.reports.benchmarks.routing_variants import CHANGES, drawn, features_of
+from waybound.reports.benchmarks.routing_variants import TURNS, drawn, features_of, risky
 from waybound.solvers.backend import BACKENDS
 
 SOLVERS = [name for name in BACKENDS if BACKENDS[name].installed() and getattr(BACKENDS[name], "family", "routing") == "routing"]
@@ -38,8 +38,22 @@ def test_everything_agrees_with_enumeration(part: int) -> None:
 
 
 def test_every_feature_is_drawn_a_hundred_times_in_three_thousand() -> None:
-    counts = Counter(name for number in range(720) for name in features_of(drawn(1, number)))
-    assert min(counts[name] for name in CHANGES) >= 24
+    counts = Counter(name for number in range(3000) for name in features_of(drawn(1, number)))
+    assert min(counts[name] for name in TURNS) >= 100
+
+
+def test_risks_are_drawn_in_turn_beside_other_features() -> None:
+    counts = Counter(name for number in range(60) for name in features_of(risky(1, number)))
+    assert min(counts["route-risk"], counts["team-risk"]) >= 30 and counts["uncertain-durations"] == 60
+    assert sum(features_of(risky(1, number)) >= {"route-risk", "team-risk"} for number in range(60)) >= 15
+    assert risky(1, 7).digest() == risky(1, 7).digest() != risky(2, 7).digest()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("part", range(12))
+def test_everything_agrees_with_enumeration_where_durations_are_uncertain(part: int) -> None:
+    found = list(benchmark.records(1, range(25 * part, 25 * part + 25), draw=risky))
+    assert not [fault for record in found for fault in record.faults]
 
 
 def test_a_disagreement_is_told_with_exit_1_and_problems_of_the_file_are_not_done_again(

@@ -67,3 +67,14 @@ def test_a_routing_problem_is_told_by_sites_windows_and_fleet(problem):
     assert "customers, the last closes at" in rows["windows"]
     assert "capacity 200" in rows["fleet"]
     assert rows["problem"] == "vrptw, min total-cost"
+
+
+def test_how_likely_routes_overrun_is_told_where_it_is_limited():
+    line = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
+    sites, travel = wb.Sites.of(range(5), service=[0, 1, 1, 1, 1]), wb.Travel("EXPLICIT", matrix=line, variances=line / 4)
+    answer = wb.Routes.of([[1, 3], [2, 4]])
+    problem = wb.RoutingProblem(sites, travel, (wb.VehicleType(3, max_duration=18.0),))
+    assert "overrun" not in [column.name for column in routes_table(problem, answer).columns]
+    table = routes_table(dataclasses.replace(problem, team_risk=0.2), answer)
+    at = [column.name for column in table.columns].index("overrun")
+    assert [row[at] for row in table.rows] == ["0.0105", "0.143"] and table.total[at] == "0.151"

@@ -9,8 +9,11 @@ from programs import program
 
 from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.routing.objective import LongestRoute, Vehicles
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UsageError
-from waybound.reports.benchmarks.routing_variants import drawn
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends.highs import INTERIOR_POINT, SOUND, STATUS_MAP, Highs, named_options, sound
 
@@ -57,7 +60,12 @@ def test_small_integer_programs_are_searched_without_presolve_unless_the_user_ha
 
 
 def test_an_optimum_that_presolve_loses_is_found() -> None:
-    made = drawn(1, 721).compile("three-index").program
+    """Three sites with windows; routes are as long as the longest of them and a half a vehicle."""
+    xy = np.array([(1.0, 13.0), (9.0, 13.0), (18.0, 3.0), (9.0, 11.0)])
+    sites = Sites.of("oabc", coordinates=xy, ready=[0.0, 10.0, 16.0, 24.0], due=[np.inf, 41.0, 45.0, 50.0])
+    travel = Travel("euclidean", coordinates=xy, convention="trunc1")
+    problem = RoutingProblem(sites, travel, [VehicleType()], LongestRoute() + 0.5 * Vehicles())
+    made = problem.compile("three-index").program
     found = Highs().run(made, Options(time_limit=20.0), Control())
     assert (found.status, found.objective) == ("optimal", pytest.approx(40.4))
 

@@ -14,7 +14,7 @@ from waybound.formulations.routing.checking.all_routes import check_all_routes, 
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 
@@ -59,6 +59,37 @@ def test_vehicles_of_their_own_kind_are_never_bounded_beyond_the_optimum(feature
 
 def replace_objective(problem: RoutingProblem, objective) -> RoutingProblem:
     return RoutingProblem(problem.sites, problem.travel, problem.fleet, objective)
+
+
+LIMITED = (
+    {"max_duration": 18.0}, {"energy": Energy(36.0, 2.0, "elapsed")}, {"energy": Energy(17.0)}, {"max_duration": 9.0, "speed": 2.0},
+)  # fmt: skip
+
+
+def at_risk(risk: float | None, team_risk: float | None, **limits) -> RoutingProblem:
+    """Three vehicles and customers on a line, with a service of 1 at a speed of 1."""
+    line = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
+    sites = Sites.of(range(5), service=np.r_[0.0, np.full(4, 1.0 / limits.get("speed", 1.0))])
+    fleet = (VehicleType(3, risk=risk, **limits),)
+    return RoutingProblem(sites, Travel(EXPLICIT, matrix=line, variances=line / 4), fleet, team_risk=team_risk)
+
+
+@pytest.mark.parametrize("limits", LIMITED)
+def test_risks_of_routes_are_taken_up_and_that_of_the_team_as_one_of_each(limits) -> None:
+    for risk in (0.3, 0.15, 0.06, 0.05, 1e-3):
+        best = best_values(at_risk(risk, None, **limits))
+        for problem in (at_risk(risk, None, **limits), at_risk(None, risk, **limits)):
+            assert check_all_routes(problem, {}) == (math.inf if best is None else pytest.approx(float(best[0])))
+
+
+def test_risks_among_other_features_are_never_bounded_beyond_the_optimum() -> None:
+    for feature in ("route-risk", "team-risk"):
+        for seed in range(12):
+            problem = varied(feature, seed, few(feature))
+            best, bound = best_values(problem), check_all_routes(problem, {})
+            if best is not None:
+                slack = 1e-12 * abs(best[0])
+                assert bound <= best[0] + slack if problem.sense == "min" else bound >= best[0] - slack
 
 
 def test_routes_asked_for_and_moves_forbidden_count() -> None:

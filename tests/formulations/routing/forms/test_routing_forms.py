@@ -33,6 +33,7 @@ from waybound.formulations.routing.objective import LongestRoute, Makespan, Obje
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import InputError, UnsupportedError
+from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.instance import Energy
 
 DRAWN = settings(max_examples=draws(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -75,7 +76,9 @@ def test_forms_agree_with_enumeration_on_every_feature_of_the_family(feature: st
         for form in names:
             agrees(problem, form, expected)
         taken += "three-index" in names
-    assert taken >= 4  # where early returns and short durations both count, several windows are for set partitioning alone
+    assert (
+        taken >= 4 or feature in RISKS
+    )  # where early returns and short durations both count, several windows are for set partitioning alone
 
 
 @pytest.mark.parametrize("seed", [0, 1])

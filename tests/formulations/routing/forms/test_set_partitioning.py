@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ from waybound.formulations.routing.objective import LatestReturn, LongestRoute, 
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
 
 TWO_SITES = """
     # vehicles: 2
@@ -110,3 +113,31 @@ def test_it_refuses_what_has_many_routes_and_maxima_that_should_be_large() -> No
     assert form.missing(routing(xy=xy, count=2)) == {"more than 20000 orders of stops"}
     assert form.missing(routing(xy=xy[:8], count=2)) == set()
     assert form.missing(routing(xy=xy[:4], count=2, objective=Reward() + Makespan())) == {"objective:makespan"}
+
+
+LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
+
+
+@pytest.mark.parametrize(
+    ("risk", "team_risk", "cost"),
+    [(None, None, 26), (0.15, None, 26), (None, 0.15, 34), (0.06, None, 36), (None, 0.06, None), (0.05, None, None)],
+)
+def test_the_example_of_risks(risk: float | None, team_risk: float | None, cost: float | None) -> None:
+    """Probabilities to overrun: 0.0105 for a-c, 0.1425 for b-e, 0.0544 for e, and less for the others alone."""
+    travel = Travel(EXPLICIT, matrix=LINE, variances=LINE / 4)
+    problem = routing(matrix=LINE, sites={"service": [0, 1, 1, 1, 1]}, fleet=[VehicleType(3, max_duration=18.0, risk=risk)])
+    agrees(replace(problem, travel=travel, team_risk=team_risk), "set-partitioning", cost)
+
+
+def test_the_risk_of_the_team_is_a_row_in_parts_of_what_there_may_be() -> None:
+    """Going straight home counts too; a route that is beyond the team's risk by itself is no column."""
+    xy = np.array([(0, 0), (1, 0), (2, 0), (0, 0)], dtype=float)
+    fleet = (VehicleType(2, start=0, end=3, committed=True, max_duration=4.0, name="car"),)
+    problem = routing(xy=xy, sites={"depot": [True, False, False, True]}, fleet=fleet)
+    variances = np.ones((4, 4))
+    problem = replace(problem, travel=replace(problem.travel, variances=variances), team_risk=0.45)
+    program = problem.compile("set-partitioning").program
+    assert [program.variable_name(k) for k in range(program.num_variables)] == ["y[1]", "z[car]"]
+    row = next(k for k in range(program.num_rows) if program.row_name(k) == "risk")
+    share = [np.log1p(-0.5 * math.erfc(slack / math.sqrt(2 * variance))) / math.log1p(-0.45) for slack, variance in ((2, 2), (4, 1))]
+    assert program.matrix.toarray()[row] == pytest.approx(share) and program.row_upper[row] == 1.0

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from waybound.instances.errors import InputError, UsageError
@@ -203,6 +204,9 @@ def test_generated_instances_read_back_the_same(kind: str, settings: dict[str, A
         (lambda i: replace(i, fleet=(VehicleType(2, 10.0, name="van"),)), "vehicles that differ"),
         (lambda i: replace(i, travel=Travel("EXPLICIT", matrix=i.travel.distances)), "do not follow from its coordinates"),
         (lambda i: replace(i, objective=("vehicles",)), "no place for objective"),
+        (lambda i: replace(i, travel=replace(i.travel, variances=np.ones((3, 3)))), "no place for uncertain-durations"),
+        (lambda i: replace(i, team_risk=0.1), "no place for team-risk"),
+        (lambda i: replace(i, sites=replace(i.sites, pickup=np.array([0.0, 1.0, 0.0]))), "no place for pickups"),
     ],
 )
 def test_what_the_format_cannot_express_is_refused(change: Callable[[Any], Any], message: str, read_text_as: Callable[..., Any]) -> None:

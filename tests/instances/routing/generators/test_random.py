@@ -38,3 +38,11 @@ def test_windows_are_windows_and_service_is_bounded() -> None:
 def test_explicit_distances_differ_by_direction() -> None:
     d = made(metric="explicit").travel.distances
     assert not np.array_equal(d, d.T)
+
+
+def test_durations_may_be_uncertain_and_limited_and_all_else_stays_as_it_is() -> None:
+    plain, i = made(customers=20), made(customers=20, deviation=0.3, **{"max-duration": 250})
+    assert np.array_equal(plain.sites.coordinates, i.sites.coordinates) and np.array_equal(plain.sites.demand, i.sites.demand)
+    assert plain.travel.variances is None and plain.fleet[0].max_duration == np.inf and i.fleet[0].max_duration == 250
+    parts = np.sqrt(i.travel.variances)[i.travel.durations > 0] / i.travel.durations[i.travel.durations > 0]
+    assert 0.2 < parts.max() <= 0.3 + 1e-12 and parts.min() < 0.1

@@ -1,0 +1,98 @@
+"""The parts of a routing problem that an instance and ``--set`` values stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from ...instances.errors import UsageError
+from ...instances.routing.travel import convention_named
+from .members import DEFAULT_OBJECTIVE
+from .objective import Objective
+
+if TYPE_CHECKING:
+    from ...instances.routing.instance import RoutingInstance
+
+KNOWN = ("vehicles", "vehicles-exactly", "capacity", "customers", "risk", "team-risk")
+
+
+def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of ``RoutingProblem`` for the problem that an instance stands for, or another that its data allow.
+
+    Parameters
+    ----------
+    instance : RoutingInstance
+    problem : str, optional
+        Name of the member of the family; that of the instance by default.
+    settings : mapping
+        Of ``KNOWN``, and ``convention``.
+
+    Raises
+    ------
+    UsageError
+        For a problem that the data do not allow, and a setting that is unknown, out of range or means nothing here.
+    """
+    name = problem or instance.problem
+    if name not in instance.problems:
+        allowed = ", ".join(instance.problems)
+        raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {name}; it allows {allowed}")
+    given = dict(settings)
+    convention = given.pop("convention", None)
+    customers = given.pop("customers", None)
+    if customers is not None:
+        instance = instance.with_customers(_whole("customers", customers))
+    travel = instance.travel
+    fleet, least, notes = instance.fleet, instance.min_vehicles, instance.notes
+    if convention is not None:
+        known = convention_named(convention)
+        travel = travel.with_convention(known)
+        fleet = tuple(v if v.travel is None else replace(v, travel=v.travel.with_convention(known)) for v in fleet)
+    if "capacity" in given:
+        fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
+        del given["capacity"]
+    risks = {key: _positive(key, given.pop(key)) for key in ("risk", "team-risk") if key in given}
+    if risks and not any(t.uncertain for t in (travel, *(v.travel for v in fleet if v.travel is not None))):
+        raise UsageError(f"durations of {instance.name} are certain, so that a risk limits nothing; its travel needs variances")
+    if "risk" in risks:
+        fleet = tuple(replace(v, risk=risks["risk"]) for v in fleet)
+    if {"vehicles", "vehicles-exactly"} <= given.keys():
+        raise UsageError("set either vehicles or vehicles-exactly, not both")
+    for key in ("vehicles", "vehicles-exactly"):
+        if key in given:
+            value = given.pop(key)
+            if len(fleet) > 1:
+                raise UsageError(f"{key} can only be set for a fleet of one type; {instance.name} has {len(fleet)}")
+            count = None if key == "vehicles" and value in ("unlimited", None) else _whole(key, value)
+            fleet = (replace(fleet[0], count=count),)
+            least = 0 if key == "vehicles" or count is None else count
+            notes = ()
+    if given:
+        raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {', '.join(KNOWN)}")
+    objective = DEFAULT_OBJECTIVE.get(name, Objective())
+    if instance.objective and (name == instance.problem or objective == Objective()):
+        objective = Objective.named(instance.objective)
+    return {
+        "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": objective, "min_vehicles": least, "name": instance.name,
+        "problem": name, "notes": notes, "team_risk": risks.get("team-risk", instance.team_risk),
+    }  # fmt: skip
+
+
+def _whole(name: str, value: Any) -> int:
+    try:
+        number = int(str(value))
+    except ValueError:
+        raise UsageError(f"{name} must be a whole number, not {value!r}") from None
+    if number < 1:
+        raise UsageError(f"{name} must be at least 1, not {number}")
+    return number
+
+
+def _positive(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name} must be a number, not {value!r}") from None
+    if not number > 0:
+        raise UsageError(f"{name} must be positive, not {value!r}")
+    return number

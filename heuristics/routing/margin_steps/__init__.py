@@ -1,0 +1,3 @@
+"""What the heuristic of safety margins is made of."""
+
+from .... import _guard as _guard

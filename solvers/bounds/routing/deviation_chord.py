@@ -1,0 +1,89 @@
+"""Bound ``deviation-chord``: a problem with risks as one of certain durations, and the best evidence that others find for that."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ....formulations.certificate import better_bound, verified_bound
+from ....formulations.evidence import Evidence
+from ....formulations.routing.checking.deviation_chord import KIND, lacks_chord, without_risks
+from ....formulations.routing.checking.route_limits import limits_of
+from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod, replaced
+
+if TYPE_CHECKING:
+    from ....formulations.problem import Problem
+    from ....formulations.routing.problem import RoutingProblem
+
+PART = 0.2
+"""Of the time that is left for each method but the last ones, column generation where it applies."""
+
+LAST = 8
+"""Order of the last methods that are asked."""
+
+SLOW = frozenset({"state-space", "column-generation"})
+"""Methods that take all the time they get, and prove less of the means alone."""
+
+
+def deviation_chord_bound(
+    problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
+) -> Evidence | None:
+    """The best evidence that other methods find on the problem without risks.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    stop : Stop
+    linear : LinearPrograms, optional
+    target : float, optional
+        Value of a known answer.
+    """
+    made = without_risks(problem)
+    if made is None:
+        return None
+    others = replaced(made)
+    bound = nothing = -math.inf if problem.sense == "min" else math.inf
+    best: Evidence | None = None
+    methods = [m for m in BOUNDS.values() if m.order <= LAST and m.name not in others and not m.missing(made)]
+    for method in sorted(methods, key=lambda m: m.order):
+        if stop.reached():
+            break
+        within = stop if method.order == LAST else stop.within(PART * stop.seconds_left)
+        found = method.evidence(made, within, linear or LinearPrograms(), target)
+        proved = nothing if found is None else verified_bound(made, found)
+        if found is None or proved == nothing or math.isnan(proved) or not better_bound(problem.sense, proved, bound):
+            continue
+        bound = proved
+        best = Evidence(KIND, f"{found.source}, with the chord of the deviation", proved, {"kind": found.kind, "data": found.data})
+        if math.isinf(proved):  # there is no answer
+            break
+    return best
+
+
+def _prepare() -> None:
+    for method in BOUNDS.values():
+        if method.name in SLOW | {"spanning-tree"}:
+            method.prepare()
+
+
+def _missing(problem: Problem) -> frozenset[str]:
+    if problem.family != "routing":
+        return frozenset({f"{problem.family} problems"})
+    return lacks_chord(problem)  # type: ignore[arg-type]
+
+
+def _replaces(problem: Problem) -> frozenset[str]:
+    """Where the chord leaves nothing of the means out: one uncertain limit a vehicle, and no windows."""
+    if _missing(problem):
+        return frozenset()
+    asked: RoutingProblem = problem  # type: ignore[assignment]
+    timed = problem.features() & {"time-windows", "depot-windows", "several-windows", "shifts", "closing-moves"}
+    one = all(len(limits_of(asked, v).chances) == 1 or (v.energy is None and math.isinf(v.max_duration)) for v in asked.fleet)
+    return SLOW if one and not timed else frozenset()
+
+
+BOUNDS.add(
+    KIND, BoundMethod(KIND, _missing, deviation_chord_bound, order=LAST, aims=True, prepare=_prepare, replaces=_replaces)
+)  # fmt: skip

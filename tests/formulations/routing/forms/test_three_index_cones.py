@@ -1,0 +1,126 @@
+"""The three-index form with cones: its rows and cones on a tiny problem, and the optimum of enumeration on drawn ones."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from draws import draws
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from oracles import agrees, routing
+
+from waybound.formulations.routing.overrun import quantile
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
+from waybound.instances.errors import UnsupportedError
+from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
+from waybound.reports.benchmarks.routing_variants import risky
+from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
+
+FORM = "three-index-cones"
+SOLVERS = [name for name in ("scip", "outer-approximation") if BACKENDS[name].installed()]
+LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
+
+
+def line(risk: float | None, scale: float = 1.0, **limits: object) -> RoutingProblem:
+    """Customers on both sides of the depot, each with a service of 1; times, not distances, in other units."""
+    travel = Travel(EXPLICIT, matrix=LINE, duration_matrix=scale * LINE, variances=scale**2 * LINE / 4)
+    sites = Sites.of(range(5), service=scale * np.array([0.0, 1, 1, 1, 1]))
+    return RoutingProblem(sites, travel, (VehicleType(3, risk=risk, **{"max_duration": 18.0 * scale, **limits}),))  # type: ignore[arg-type]
+
+
+def answered(problem: RoutingProblem, solver: str) -> tuple[str, float | None, Routes | None]:
+    made = problem.compile(FORM)
+    found = solver_named(solver).run(made.program, Options(time_limit=30.0), Control())
+    return found.status, found.objective, None if found.answer is None else made.decode(found.answer)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(("risk", "cost"), [(0.15, 26.0), (0.06, 36.0), (0.05, None)])
+def test_the_example_of_risks(risk: float, cost: float | None, solver: str) -> None:
+    status, value, answer = answered(line(risk), solver)
+    assert (status, value) == (("infeasible", None) if cost is None else ("optimal", pytest.approx(cost)))
+    assert answer is None or line(risk).evaluate(answer).feasible
+
+
+def test_each_vehicle_has_a_cone_over_its_moves_and_a_row_for_each_limit() -> None:
+    problem = routing(xy=np.array([(0, 0), (3, 4), (0, 4.0)]), sites={"service": [0, 2, 1]}, fleet=[
+        VehicleType(2, max_duration=20.0, energy=Energy(30.0, 2.0), risk=0.1, name="at risk"), VehicleType(1, name="sure"),
+    ])  # fmt: skip
+    variances = np.array([[0, 1, 4], [9, 0, 0], [16, 25, 0.0]])
+    program = replace(problem, travel=replace(problem.travel, variances=variances)).compile(FORM).program
+    (cones,) = program.cones
+    names = [program.variable_name(k) for k in range(program.num_variables)]
+    rows = {program.row_name(k): program.matrix[k].toarray()[0] for k in range(program.num_rows)}
+    assert (cones.kind, cones.size) == ("second-order", 2)
+    for k in range(2):
+        entries = slice(cones.indptr[k * cones.width], cones.indptr[(k + 1) * cones.width])
+        held = {names[c]: d for c, d in zip(cones.indices[entries].tolist(), cones.data[entries].tolist(), strict=True)}
+        ends = {
+            f"x[{i},{j},{k + 1}]": math.sqrt(v) for i, j, v in (("0", "1", 1), ("0", "2", 4), ("1", "0", 9), ("2", "0", 16), ("2", "1", 25))
+        }
+        assert held == {f"deviation[{k + 1}]": 1.0, **ends}
+        z, place = quantile(0.1), names.index(f"deviation[{k + 1}]")
+        safe, lasting = rows[f"safe[{k + 1}]"], rows[f"lasting[{k + 1}]"]
+        assert (safe[place], lasting[place]) == (z, 2.0 * z)
+        for move, (mean, busy) in {"0,1": (5.0, 5.0), "1,0": (5.0, 7.0), "2,1": (3.0, 4.0), "2,0": (4.0, 5.0)}.items():
+            at = names.index(f"x[{move},{k + 1}]")
+            assert (safe[at], lasting[at]) == (busy, 2.0 * mean)
+    assert not any("safe[3]" in name for name in rows)
+
+
+@settings(max_examples=draws(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(data=st.data())
+def test_it_agrees_with_enumeration_on_drawn_durations(data: st.DataObject) -> None:
+    n = data.draw(st.integers(2, 4))
+    numbers = st.lists(st.integers(0, 9), min_size=n * n, max_size=n * n).map(lambda v: np.array(v, dtype=float).reshape(n, n))
+    means, variances = 1.0 + data.draw(numbers), data.draw(numbers)
+    limit, count = float(data.draw(st.integers(8, 40))), data.draw(st.integers(1, 2))
+    energy = Energy(2.0 * limit, 2.0, data.draw(st.sampled_from(("travel", "elapsed")))) if data.draw(st.booleans()) else None
+    vehicle = VehicleType(
+        count, max_duration=math.inf if energy else limit, energy=energy, risk=data.draw(st.sampled_from((0.02, 0.1, 0.3, 0.5)))
+    )
+    np.fill_diagonal(means, 0.0)
+    problem = RoutingProblem(Sites.of(range(n), service=1.0), Travel(EXPLICIT, matrix=means, variances=variances), (vehicle,))
+    if FORM in problem.forms():
+        best = RoutingTruth(problem).lenient
+        agrees(problem, FORM, None if best is None else float(best[0]))
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_it_agrees_with_enumeration_whatever_else_the_data_hold(solver: str) -> None:
+    few = (problem for problem in (risky(11, number) for number in range(0, 300, 3)) if len(problem.customers) <= 3)
+    taken = [problem for problem in itertools.islice(few, draws(20)) if FORM in problem.forms()]
+    assert len(taken) >= 0.7 * draws(20)
+    for problem in taken:
+        best = RoutingTruth(problem).lenient
+        status, _, answer = answered(problem, solver)
+        assert status == ("infeasible" if best is None else "optimal"), problem.name
+        if best is not None:
+            judged = problem.evaluate(answer)
+            assert judged.feasible and judged.values == pytest.approx([float(v) for v in best], rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [-20, 3, 30])
+def test_times_in_other_units_have_the_squares_for_variances_and_the_same_routes(exponent: int) -> None:
+    scaled = line(0.06, 2.0**exponent)
+    status, value, answer = answered(scaled, "outer-approximation")
+    assert (status, value) == ("optimal", pytest.approx(36.0)) and answer is not None
+    plain, other = line(0.06).evaluate(answer), scaled.evaluate(answer)
+    assert plain.feasible and other.feasible
+    assert plain.quantities["largest-route-overrun"] == other.quantities["largest-route-overrun"]
+
+
+def test_without_variances_nothing_is_written_and_the_form_refuses() -> None:
+    certain = replace(line(0.06), travel=Travel(EXPLICIT, matrix=LINE, variances=np.zeros((5, 5))))
+    assert "three-index" in certain.forms() and FORM not in certain.forms()
+    with pytest.raises(UnsupportedError, match="certain durations"):
+        certain.compile(FORM)
+    with pytest.raises(UnsupportedError, match="team-risk"):
+        replace(line(None), team_risk=0.1).compile(FORM)

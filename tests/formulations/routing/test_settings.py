@@ -1,0 +1,63 @@
+"""Settings of routing problems: each does what its name says, and what is wrong with one is said in a line."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from waybound import generate
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.settings import KNOWN, parts_of
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.routing.instance import RoutingInstance
+
+
+def instance(deviation: float = 0.3) -> RoutingInstance:
+    made = generate("random", customers=4, deviation=deviation, seed=2, **{"max-duration": 300.0})
+    return RoutingInstance(made.name, "generated", made.sites, made.travel, made.fleet, "cvrp", ("cvrp", "vrptw"), made.min_vehicles)
+
+
+def test_each_setting_changes_what_it_names() -> None:
+    plain = parts_of(instance(), None, {})
+    assert plain["problem"] == "cvrp" and plain["team_risk"] is None and parts_of(instance(), "vrptw", {})["problem"] == "vrptw"
+    assert len(parts_of(instance(), None, {"customers": "2"})["sites"]) == 3
+    assert parts_of(instance(), None, {"capacity": "7.5"})["fleet"][0].capacity == 7.5
+    assert parts_of(instance(), None, {"vehicles": 3})["fleet"][0].count == 3
+    assert parts_of(instance(), None, {"vehicles": "unlimited"})["fleet"][0].count is None
+    exactly = parts_of(instance(), None, {"vehicles-exactly": 2})
+    assert (exactly["fleet"][0].count, exactly["min_vehicles"]) == (2, 2)
+    risks = parts_of(instance(), None, {"risk": "0.1", "team-risk": 0.2})
+    assert (risks["fleet"][0].risk, risks["team_risk"]) == (0.1, 0.2)
+    assert parts_of(instance(), None, {"convention": "trunc1"})["travel"].convention == "trunc1"
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"vehicels": 2}, f"unknown setting vehicels; routing problems take {', '.join(KNOWN)}"),
+        ({"vehicles": 2, "vehicles-exactly": 2}, "not both"), ({"vehicles": 0}, "at least 1"), ({"customers": "few"}, "a whole number"),
+        ({"capacity": "much"}, "must be a number"), ({"capacity": -1}, "must be positive"), ({"risk": 0}, "must be positive"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_said(settings: dict[str, object], words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        parts_of(instance(), None, settings)
+
+
+def test_a_risk_needs_variances_and_is_a_half_at_most() -> None:
+    with pytest.raises(UsageError, match="certain, so that a risk limits nothing"):
+        parts_of(instance(0.0), None, {"risk": 0.1})
+    for name in ("risk", "team-risk"):
+        for value in (0.51, 1.0, math.inf, math.nan):
+            with pytest.raises((InputError, UsageError), match=r"1/2 at most|must be positive"):
+                RoutingProblem.from_instance(instance(), None, {name: value})
+
+
+def test_a_problem_that_the_data_do_not_allow_is_refused() -> None:
+    with pytest.raises(UsageError, match="cannot be read as tsp; it allows cvrp, vrptw"):
+        parts_of(instance(), "tsp", {})
+    several = replace(instance(), fleet=(*instance().fleet, replace(instance().fleet[0], name="other")))
+    with pytest.raises(UsageError, match="fleet of one type"):
+        parts_of(several, None, {"vehicles": 2})
