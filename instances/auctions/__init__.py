@@ -1,3 +1,3 @@
-"""Data of auctions and assignments of robots: costs, tasks, orchards."""
+"""Data of bin auctions and task allocation."""
 
 from ... import _guard as _guard

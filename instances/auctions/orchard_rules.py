@@ -87,12 +87,22 @@ class OrchardStart(NamedTuple):
     orders: Integers
 
 
-def draw_start(rules: OrchardRules, rng: np.random.Generator) -> OrchardStart:
+def draw_start(rules: OrchardRules, draw: Draw) -> OrchardStart:
     """Distinct harvest cells where groups begin, and orders where they go by chance; as much is drawn either way."""
-    draw, cells = Draw(rng), rules.grid.harvested
+    cells = rules.grid.harvested
     begin = cells[draw.permutation(len(cells))[: rules.groups]]
     orders = np.array([cells[draw.permutation(len(cells))] for _ in range(rules.groups)])
     return OrchardStart(begin, orders if rules.relocation == "random" else np.empty((rules.groups, 0), np.int64))
+
+
+def draw_routes(rules: OrchardRules, draw: Draw) -> OrchardStart:
+    """Routes that share no cell: the harvest cells along the lanes, one to and one fro, dealt out in equal runs; which way each is gone is drawn."""
+    rows = rules.grid.harvested.reshape(rules.grid.rows, -1)
+    along = np.concatenate([row if k % 2 == 0 else row[::-1] for k, row in enumerate(rows)])
+    routes = [run if turn < 0.5 else run[::-1] for run, turn in zip(np.array_split(along, rules.groups), draw.uniform(0, 1, rules.groups), strict=True)]
+    longest = max(len(route) for route in routes)
+    orders = np.array([np.pad(route, (0, longest - len(route)), constant_values=NONE) for route in routes])
+    return OrchardStart(orders[:, 0], orders)
 
 
 def checked_start(rules: OrchardRules, start: OrchardStart) -> OrchardStart:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..auctions.orchard_rules import NONE, ORCHARD, OrchardRules, OrchardStart, Trip, checked_start, draw_start, orchard_rules
 from ..errors import InputError
+from ..generators import Draw
 from . import WORLDS, World, WorldKind
 
 Flags = NDArray[np.bool_]
@@ -83,7 +84,7 @@ class OrchardWorld(World):
 
     def __init__(self, rules: OrchardRules, rng: np.random.Generator, *, start: OrchardStart | None = None) -> None:
         self.rules, self.time = rules, 0
-        grid, drawn = rules.grid, draw_start(rules, rng)
+        grid, drawn = rules.grid, draw_start(rules, Draw(rng))
         self.start = drawn if start is None else checked_start(rules, start)
         self.fruit = np.zeros(grid.size, np.int64)
         self.fruit[grid.harvested] = rules.bins_per_cell

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ....formulations.stop import NEVER, Stop, Stopped
 from ....instances.auctions.orchard_rules import OrchardRules, OrchardStart, draw_start
 from ....instances.errors import UsageError
+from ....instances.generators import Draw
 from .policies import CHOICES, COSTS, DELIVERIES
 
 Integers = NDArray[np.int64]
@@ -92,7 +93,7 @@ def play_day(
         if given not in known:
             raise UsageError(f"{what} must be one of {', '.join(known)}, not {given!r}")
     grid = rules.grid
-    begin = draw_start(rules, np.random.Generator(np.random.PCG64(seed))) if start is None else start
+    begin = draw_start(rules, Draw(np.random.Generator(np.random.PCG64(seed)))) if start is None else start
     fruit = np.zeros(grid.size, np.int64)
     fruit[grid.harvested] = rules.bins_per_cell
     times = (np.full(rules.bins, -1), np.full(rules.bins, -1), np.full(rules.bins, -1))
