@@ -1,0 +1,3 @@
+"""Auctions, and what else assigns robots to bins and tasks."""
+
+from ... import _guard as _guard

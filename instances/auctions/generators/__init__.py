@@ -1,0 +1,3 @@
+"""Seeded recipes for instances of auctions."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Evidence for bounds of problems of auctions."""
+
+from .... import _guard as _guard
