@@ -1,0 +1,3 @@
+"""Forms of problems of auctions."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Text formats of instances of auctions."""
+
+from .... import _guard as _guard
