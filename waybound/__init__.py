@@ -15,6 +15,7 @@ from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
+    from .formulations.auctions.orchard_day import OrchardDay
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
     from .formulations.evidence import Evidence, Guarantee
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
     from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
+    from .instances.auctions.orchard_jobs import OrchardJobs
     from .instances.errors import (
         CheckFailedError,
         InputError,
@@ -84,6 +86,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "api": ("bound", "check", "explain", "generate", "read"),
+    "formulations.auctions.orchard_day": ("OrchardDay",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
@@ -137,6 +140,7 @@ _MODULES = {
         "UsageError",
         "WayboundError",
     ),
+    "instances.auctions.orchard_jobs": ("OrchardJobs",),
     "instances.risk.uncertain_graph": ("UncertainGraph",),
     "instances.risk.risky_graph": ("RiskyGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
@@ -181,6 +185,8 @@ __all__ = [
     "MissingPackageError",
     "NoAnswerError",
     "Objective",
+    "OrchardDay",
+    "OrchardJobs",
     "PartitionMatroid",
     "Penalties",
     "Problem",
