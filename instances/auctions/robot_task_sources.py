@@ -31,13 +31,15 @@ def of_frames(robots: pd.DataFrame, tasks: pd.DataFrame, metric: str, name: str)
     InputError
         For an unknown or missing column, and whatever ``RobotTasks`` refuses.
     """
-    read = [_columns(what, frame, COLUMNS[: 3 + (what == "tasks")]) for what, frame in (("robots", robots), ("tasks", tasks))]
-    given: dict[str, Any] = {f"{what}_names": tuple(map(str, part["name"])) for what, part in zip(("robot", "task"), read, strict=True) if "name" in part}
-    weights = read[1].get("weight")
-    places = [np.column_stack([_numbers(what, part, axis) for axis in ("x", "y")]) for what, part in zip(("robots", "tasks"), read, strict=True)]
-    return RobotTasks.of_positions(
-        *places, metric, weights=None if weights is None else _numbers("tasks", read[1], "weight"), name=name, format="frame", **given
-    )
+    teams, places = _columns("robots", robots, COLUMNS[:3]), _columns("tasks", tasks, COLUMNS)
+    given: dict[str, Any] = {}
+    for key, part in (("robot_names", teams), ("task_names", places)):
+        if "name" in part:
+            given[key] = tuple(map(str, part["name"]))
+    if "weight" in places:
+        given["weights"] = _numbers("tasks", places, "weight")
+    points = [np.column_stack([_numbers(what, part, axis) for axis in "xy"]) for what, part in (("robots", teams), ("tasks", places))]
+    return RobotTasks.of_positions(points[0], points[1], metric, name=name, format="frame", **given)
 
 
 def _columns(what: str, frame: Any, known: tuple[str, ...]) -> dict[str, list[Any]]:

@@ -156,7 +156,9 @@ class RobotTasks:
             raise InputError("the metric 'matrix' needs a matrix of distances")
         given, shape = _table("distances", self.matrix).copy(), (self.num_robots + self.num_tasks, self.num_tasks)
         if given.shape != shape:
-            raise InputError("distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(given.shape))
+            raise InputError(
+                "distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(given.shape)
+            )
         given[np.arange(self.num_robots, shape[0]), np.arange(self.num_tasks)] = 0.0
         wrong = ~((given >= 0) & (given <= LARGEST))
         if wrong.any():

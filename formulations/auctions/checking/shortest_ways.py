@@ -1,9 +1,9 @@
 """Evidence ``shortest-ways``: nobody is at a task sooner than the shortest way from any robot allows.
 
-Whoever does task t went at least D_t, the length of a shortest walk from some robot to it, so the longest path, and all paths together, are at
-least max D_t long, and the mean way is at least the mean of all D_t. Besides, the ways of all tasks together are every leg times the number of
-tasks from it on; of n robots at most n have a leg that counts k times, for each k, and the leg to t is at least e_t, the shortest from anywhere.
-So the sum is at least e_(1) + ... + e_(n) + 2 (e_(n+1) + ... + e_(2n)) + 3 ..., the largest e first.
+Whoever does task t went at least D_t, the length of a shortest walk from some robot to it, so the longest path, and all paths together,
+are at least max D_t long, and the mean way is at least the mean of all D_t. Besides, the ways of all tasks together are every leg times
+the number of tasks from it on; of n robots at most n have a leg that counts k times, for each k, and the leg to t is at least e_t, the
+shortest from anywhere. So the sum is at least e_(1) + ... + e_(n) + 2 (e_(n+1) + ... + e_(2n)) + 3 ..., the largest e first.
 """
 
 from __future__ import annotations

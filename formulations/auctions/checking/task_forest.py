@@ -1,7 +1,7 @@
 """Evidence ``task-forest``: prices of tasks and robots under which a smallest forest bounds all paths.
 
-The legs of all paths, without their direction, are a forest in which every task is joined to exactly one robot; in it a task has two legs at
-most, and a robot one. So for prices p_t, q_r >= 0 all paths together are at least as long as::
+The legs of all paths, without their direction, are a forest in which every task is joined to exactly one robot; in it a task has two legs
+at most, and a robot one. So for prices p_t, q_r >= 0 all paths together are at least as long as::
 
     min over forests that join each task to a robot of  sum (c_ij + p_i + p_j) + sum (c_rj + q_r + p_j)  -  2 sum p_t  -  sum q_r
 
