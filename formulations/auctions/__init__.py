@@ -1,3 +1,3 @@
-"""Bin auctions and task allocation."""
+"""Problems of auctions and task allocation."""
 
 from ... import _guard as _guard

@@ -1,3 +1,3 @@
-"""Auctions, and what else assigns robots to bins and tasks."""
+"""Auctions and other approximations for assigning tasks to robots."""
 
 from ... import _guard as _guard

@@ -1,3 +1,3 @@
-"""Data of bin auctions and task allocation."""
+"""Data of auctions and task allocation."""
 
 from ... import _guard as _guard

@@ -1,3 +1,3 @@
-"""Checkers of evidence on problems of auctions, in plain code of their own."""
+"""Checkers of evidence on auctions and task allocation, in plain code of their own."""
 
 from .... import _guard as _guard

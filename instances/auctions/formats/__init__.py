@@ -1,3 +1,3 @@
-"""Text formats of instances of auctions."""
+"""File formats of auctions and task allocation."""
 
 from .... import _guard as _guard

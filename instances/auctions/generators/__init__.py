@@ -1,3 +1,3 @@
-"""Seeded recipes for instances of auctions."""
+"""Seeded recipes for auctions and task allocation."""
 
 from .... import _guard as _guard
