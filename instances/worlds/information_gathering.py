@@ -182,9 +182,12 @@ class GatheringWorld(World):
         self._observation = self._look()
 
     def metrics(self) -> dict[str, float]:
-        """``gain``: units at the bases; ``idle``: steps for which full sensors have gathered nothing, all together (tau); ``loss``: what they would have
-        gathered in these, units (Gamma); ``carried`` by robots and ``stored`` by sensors now, units."""
+        """``working``: sensors that are not full, and have something to gather; ``gain``: units at the bases; ``idle``: steps for which full sensors
+        have gathered nothing, all together (tau); ``loss``: what they would have gathered in these, units (Gamma); ``carried`` by robots and
+        ``stored`` by sensors now, units."""
+        full = self.stores >= self.rules.store * (1 - EXCESS)
         return {
+            "working": float((self.gathering & ~full).sum()),
             "gain": self.gain, "idle": float((self.lost / self.rates).sum()), "loss": float(self.lost.sum()),
             "carried": float(self.loads.sum()), "stored": float(self.stores.sum()),
         }  # fmt: skip
