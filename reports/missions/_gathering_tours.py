@@ -105,7 +105,7 @@ def appended(o: GatheringObservation, robots: Sequence[int], sensors: Sequence[i
     """Sensors, in the order given, each to the end of the path of the robot whose path is the shortest with it."""
     stops: dict[int, list[int]] = {robot: [] for robot in robots}
     costs, at = dict.fromkeys(robots, 0), {robot: o.robots[robot] for robot in robots}
-    for sensor in sensors:
+    for sensor in sensors if robots else ():
         bids = {robot: costs[robot] + int(steps(at[robot], o.sensors[sensor])[0, 0]) for robot in robots}
         winner = min(bids, key=lambda robot, bids=bids: (bids[robot], robot))  # type: ignore[misc]
         costs[winner], at[winner] = bids[winner], o.sensors[sensor]

@@ -127,7 +127,7 @@ class InformationGathering(Mission):
         return {robot: tours.drive(o, robot, own) for robot, own in enumerate(self._tours)}
 
     def _allot(self, o: GatheringObservation, paths: list[list[int]]) -> None:
-        """Give robots that are back their new paths, those on their way theirs where they lose less, and the former what nobody visits."""
+        """Give robots that are back their new paths, those on their way theirs where they lose less, and what nobody visits to robots left without."""
         back = self._back(o)
         stops = {robot: paths[robot] for robot in back}
         for robot, own in enumerate(self._tours):
@@ -138,11 +138,14 @@ class InformationGathering(Mission):
                 continue
             stops[robot] = paths[robot]
             self._tours[robot] = tours.tour(o, robot, paths[robot])
-        visited = {sensor for path in stops.values() for sensor in path}
-        further = tours.appended(o, back, [sensor for sensor in self._order(o) if sensor not in visited])
+        taken = {sensor for robot, path in stops.items() if robot not in back for sensor in path}
         for robot in back:
-            kept = [sensor for sensor in stops[robot] if not any(sensor in stops[other] for other in stops if other not in back)]
-            self._tours[robot] = tours.tour(o, robot, kept + further[robot])
+            stops[robot] = [sensor for sensor in stops[robot] if sensor not in taken]
+        idle = [robot for robot in back if not stops[robot]]
+        visited = {sensor for path in stops.values() for sensor in path}
+        stops |= tours.appended(o, idle, [sensor for sensor in self._order(o) if sensor not in visited])
+        for robot in back:
+            self._tours[robot] = tours.tour(o, robot, stops[robot])
 
     def _by_rule(self, plan: str, o: GatheringObservation) -> Actions:
         problem = self._problem(o, plan)
