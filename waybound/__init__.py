@@ -15,6 +15,7 @@ from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
+    from .formulations.auctions.bin_assignment import BinAssignment
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
     from .formulations.evidence import Evidence, Guarantee
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
     from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
+    from .instances.auctions.assignment import AssignmentInstance
     from .instances.errors import (
         CheckFailedError,
         InputError,
@@ -84,6 +86,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "api": ("bound", "check", "explain", "generate", "read"),
+    "formulations.auctions.bin_assignment": ("BinAssignment",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
@@ -128,6 +131,7 @@ _MODULES = {
     "formulations.selection.selections": ("Selection",),
     "formulations.solution": ("Solution",),
     "heuristics.selection.submodularity": ("check_submodular",),
+    "instances.auctions.assignment": ("AssignmentInstance",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",
