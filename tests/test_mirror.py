@@ -15,6 +15,7 @@ FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "wayb
 KERNELS = {
     "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
+    "heuristics/auctions/conflict_kernels": "heuristics/auctions/conflict_auction",
     "heuristics/routing/insertion_steps/assignment_kernels": "heuristics/routing/greedy_assignment",
     "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
     "heuristics/selection/greedy_steps/bottleneck": "heuristics/selection/greedy",
@@ -24,6 +25,8 @@ KERNELS = {
     "solvers/bounds/routing/route_label_kernels": "solvers/bounds/routing/column_generation",
     "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
     "solvers/bounds/selection/gain_kernels": "solvers/bounds/selection/growing_sets",
+    "solvers/engines/assignment_steps/auction_kernels": "solvers/engines/assignment_steps/auction",
+    "solvers/engines/assignment_steps/price_kernels": "solvers/engines/assignment_steps/recovered_prices",
     "solvers/engines/local_max_min/cleaning_kernels": "solvers/engines/local_max_min/cleaning",
     "solvers/engines/local_max_min/lane_kernels": "solvers/engines/local_max_min/level_kernels",
     "solvers/engines/local_max_min/layer_kernels": "solvers/engines/local_max_min/arrays",

@@ -15,6 +15,7 @@ from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
+    from .formulations.auctions.bin_assignment import BinAssignment
     from .formulations.auctions.orchard_day import OrchardDay
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
     from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
+    from .instances.auctions.assignment import AssignmentInstance
     from .instances.auctions.orchard_jobs import OrchardJobs
     from .instances.errors import (
         CheckFailedError,
@@ -86,6 +88,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "api": ("bound", "check", "explain", "generate", "read"),
+    "formulations.auctions.bin_assignment": ("BinAssignment",),
     "formulations.auctions.orchard_day": ("OrchardDay",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
@@ -131,6 +134,7 @@ _MODULES = {
     "formulations.selection.selections": ("Selection",),
     "formulations.solution": ("Solution",),
     "heuristics.selection.submodularity": ("check_submodular",),
+    "instances.auctions.assignment": ("AssignmentInstance",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",

@@ -188,7 +188,7 @@ class BinAssignment(Problem):
             return f"robot {data.robot_name(int(used[k]))} may not be sent to bin {data.bin_name(answer[used[k]])}"
 
         idle = [data.robot_name(i) for i in np.nonzero(taken < 0)[0].tolist()]
-        lacking = f"{len(used)} pairs of the {self.pairs} asked for; without a bin: {', '.join(idle[:SHOWN])}{', ...' * (len(idle) > SHOWN)}"
+        lacking = f"{len(used)} of the {self.pairs} pairs asked for; without a bin: {', '.join(idle[:SHOWN])}{', ...' * (len(idle) > SHOWN)}"
         parts = (
             judge("allowed", np.where(np.isinf(costs[used]), 1.0, 0.0), forbidden),
             judge("bins", np.bincount(taken[used], minlength=m) - 1.0, crowd),
@@ -239,15 +239,15 @@ class BinAssignment(Problem):
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Assignment) -> dict[str, Any]:
-        return {"kind": "assignment", "bin_of_robot": dict(self._named(answer))}
+        return {"kind": "bin-assignment", "bin_of_robot": dict(self._named(answer))}
 
     def _named(self, answer: Assignment) -> list[tuple[str, str]]:
         return [(self.instance.robot_name(i), self.instance.bin_name(j)) for i, j in enumerate(answer) if j >= 0]
 
     def answer_from_json(self, data: Any) -> Assignment:
-        pairs = data.get("bin_of_robot") if isinstance(data, Mapping) and data.get("kind") == "assignment" else None
+        pairs = data.get("bin_of_robot") if isinstance(data, Mapping) and data.get("kind") == "bin-assignment" else None
         if not isinstance(pairs, Mapping):
-            raise InputError("not an answer to a bin-assignment problem", expected='{"kind": "assignment", "bin_of_robot": {ROBOT: BIN}}')
+            raise InputError("not an answer to a bin-assignment problem", expected='{"kind": "bin-assignment", "bin_of_robot": {ROBOT: BIN}}')
         return self._numbered([(robot, name, None) for robot, name in pairs.items()])
 
     def _numbered(self, pairs: list[tuple[Any, Any, int | None]]) -> Assignment:

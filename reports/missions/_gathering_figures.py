@@ -18,19 +18,20 @@ TITLES = {"gain": "units brought home", "idle": "steps for which sensors were fu
 
 
 def metrics(table: pd.DataFrame, path: Path) -> None:
-    """Each metric over the number of robots; bands are the intervals."""
-    figure = _figure(11.0, 3.9)
-    axes = figure.subplots(1, len(TITLES))
-    for ax, (name, title) in zip(axes, TITLES.items(), strict=True):
-        for method, colour in COLOURS.items():
-            own = table[table["method"] == method]
-            ax.plot(own["robots"], own[name], color=colour, linewidth=1.6, marker="o", markersize=3, label=method)
-            ax.fill_between(
-                own["robots"], own[name] - own[f"{name}_half"], own[name] + own[f"{name}_half"], color=colour, alpha=0.22, linewidth=0
-            )
-        ax.set_ylim(bottom=0)
-        ax.set_xlabel("robots", fontsize=9)
-        ax.locator_params(axis="x", integer=True)
-        _plain(ax, title)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(COLOURS), frameon=False, fontsize=9)
+    """Each metric over the number of robots, and below it by how much each method lies above the auction on the same runs; bands are the intervals."""
+    figure = _figure(11.0, 6.6)
+    axes = figure.subplots(2, len(TITLES), sharex=True)
+    for column, (name, title) in enumerate(TITLES.items()):
+        for ax, key in zip(axes[:, column], (name, f"{name}_above"), strict=True):
+            for method, colour in COLOURS.items():
+                own = table[table["method"] == method]
+                ax.plot(own["robots"], own[key], color=colour, linewidth=1.6, marker="o", markersize=3, label=method)
+                low, high = (own[key] + sign * own[f"{key}_half"] for sign in (-1, 1))
+                ax.fill_between(own["robots"], low, high, color=colour, alpha=0.22, linewidth=0)
+        axes[0, column].set_ylim(bottom=0)
+        axes[1, column].set_xlabel("robots", fontsize=9)
+        axes[1, column].locator_params(axis="x", integer=True)
+        _plain(axes[0, column], title)
+        _plain(axes[1, column], "above the auction, on the same runs")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(COLOURS), frameon=False, fontsize=9)
     _save(figure, path)

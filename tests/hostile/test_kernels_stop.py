@@ -126,6 +126,8 @@ def large(kind: str, part: int = 1) -> Problem:
             return routing(of(200), capacity=200)
         case "distances":
             return routing(of(6_000), max_distance=6e4)
+        case "pairs":
+            return BinAssignment(generate("assignment", 1, robots=of(3_000), bins=of(3_000), costs="euclidean"))
         case "roadmap":
             return problem_from_instance(generate("prm-graph", 1, vertices=of(3_000)))
         case _:
@@ -134,6 +136,9 @@ def large(kind: str, part: int = 1) -> Problem:
 
 LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("additive-risk", "map", {}),
+    ("bertsekas", "pairs", {"epsilon": 1e-6, "scaling": False}),
+    ("conflict-auction", "pairs", {}),
+    ("online-greedy", "pairs", {}),
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),
     ("christofides", "tour", {}),

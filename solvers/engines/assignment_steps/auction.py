@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
-from ....formulations.stop import Stop
-from .sides import Floats, Side, Wholes, joined, price_evidence, sides
+from ....formulations.stop import NEVER, Stop
+from .sides import Floats, Side, Wholes, joined, proof, sides
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
@@ -63,7 +63,7 @@ class Auction:
 
     def evidence(self, problem: BinAssignment, source: str) -> Evidence:
         """Evidence ``assignment-prices``."""
-        return price_evidence(problem, self.parts, self.prices, source)
+        return proof(problem, self.parts, self.prices, self.answer, source, NEVER)
 
 
 def auction(problem: BinAssignment, stop: Stop, *, epsilon: float = 0.0, factor: float = FACTOR, scaling: bool = True) -> Auction:
@@ -98,12 +98,15 @@ def auction(problem: BinAssignment, stop: Stop, *, epsilon: float = 0.0, factor:
     return made
 
 
-def whole_costs(part: Side, bits: int) -> tuple[Wholes, float, bool]:
-    """Costs from 0 in whole steps, the number of steps in a unit, and whether they are exact. Steps are multiples of columns + 1."""
+def whole_costs(part: Side, bits: int, finest: bool = False) -> tuple[Wholes, float, bool]:
+    """Costs from 0 in whole steps, the number of steps in a unit, and whether they are exact. Costs are multiples of columns + 1 steps.
+
+    Whole costs are counted as they are, unless the ``finest`` steps are asked for.
+    """
     low, high = float(part.cost.min(initial=0.0)), float(part.cost.max(initial=0.0))
     span, many = max(high - low, abs(high), abs(low), 1e-300), part.num_columns + 1
     most = bits - math.ceil(math.log2(many)) - math.frexp(span)[1]
-    power = 0 if most >= 0 and bool((np.floor(part.cost) == part.cost).all()) else most
+    power = 0 if most >= 0 and not finest and bool((np.floor(part.cost) == part.cost).all()) else most
     steps = np.ldexp(part.cost, power)
     whole = np.rint(steps)
     exact = bool((whole == steps).all())
@@ -116,7 +119,7 @@ def whole_costs(part: Side, bits: int) -> tuple[Wholes, float, bool]:
 def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, made: Auction) -> tuple[Wholes, Floats]:
     bits = BITS
     while True:
-        cost, unit, exact = whole_costs(part, bits)
+        cost, unit, exact = whole_costs(part, bits, finest=epsilon > 0.0)
         least = max(1, round(epsilon * unit)) if epsilon * unit < 2.0**59 else 1 << 59
         ended, column, price = 3, np.zeros(0, np.int64), np.zeros(0, np.int64)
         if not scaling or part.num_columns > part.num_rows:  # rows seldom meet: prices from 0 need no repair
@@ -129,7 +132,7 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
     whole = ended == 0
     made.complete &= whole
     made.exact &= exact
-    made.epsilon = max(made.epsilon, least / unit)
+    made.epsilon = max(made.epsilon, epsilon or least / unit)
     if not whole:
         return column, np.zeros(part.num_columns)
     if least == 1:

@@ -15,9 +15,9 @@ def lower_labels(flag, indptr, columns, cost, column, price, most):  # type: ign
     flag : array
         Of a ``Stop``.
     indptr, columns, cost : arrays
-        Pairs as a CSR matrix; costs are whole.
+        Pairs as a CSR matrix, costs whole or not.
     column : array of shape (rows,)
-    price : array of shape (columns,), whole
+    price : array of shape (columns,), of the type of the costs
         From above; changed in place.
     most : int
         Sweeps.
@@ -35,15 +35,15 @@ def lower_labels(flag, indptr, columns, cost, column, price, most):  # type: ign
                 return False
             i = turn if sweep % 2 == 0 else rows - 1 - turn
             own = column[i]
-            least, paid = price[own], price[own]
-            for k in range(indptr[i], indptr[i + 1]):
+            first = indptr[i]
+            least, paid = cost[first] + price[columns[first]], cost[first]
+            for k in range(first, indptr[i + 1]):
                 j = columns[k]
                 if j == own:
                     paid = cost[k]
-            for k in range(indptr[i], indptr[i + 1]):
-                least = min(least, cost[k] + price[columns[k]] - paid)
-            if least < price[own]:
-                price[own] = least
+                least = min(least, cost[k] + price[j])
+            if least - paid < price[own]:
+                price[own] = least - paid
                 changed = True
         if not changed:
             return True

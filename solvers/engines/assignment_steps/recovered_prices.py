@@ -9,7 +9,7 @@ import numpy as np
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from .auction import whole_costs
-from .sides import Floats, Side, Wholes, price_evidence, sides, split
+from .sides import Floats, Side, Wholes, proof, sides, split
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
@@ -42,7 +42,7 @@ def recovered_prices(problem: BinAssignment, answer: tuple[int, ...], source: st
     """
     parts = sides(problem)
     prices = [_prices(part, column, stop) for part, column in zip(parts, split(problem, parts, answer), strict=True)]
-    return price_evidence(problem, parts, prices, source)
+    return proof(problem, parts, prices, answer, source, stop)
 
 
 def _prices(part: Side, column: Wholes, stop: Stop) -> Floats:

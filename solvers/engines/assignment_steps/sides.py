@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from ....formulations.auctions.matching import surplus_rows
 from ....formulations.evidence import Evidence
+from ....formulations.stop import Stop
+from ....formulations.tolerance import same
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
@@ -118,6 +121,27 @@ def least_paid(part: Side, prices: Floats) -> Floats:
     """min over its columns of cost and price, one a row; every row has a column."""
     paid = part.cost + prices[part.columns]
     return np.asarray(np.minimum.reduceat(paid, part.indptr[:-1]))
+
+
+POLISHING = 20
+"""Sweeps that take the rounding of costs to whole numbers out of prices, where nothing else is between them and a proof."""
+
+
+def proof(problem: BinAssignment, parts: list[Side], prices: list[Floats], answer: tuple[int, ...], source: str, stop: Stop) -> Evidence:
+    """``price_evidence``; of prices that all but prove ``answer`` optimal, such as by an optimum of 0, the digits are set right."""
+    made = price_evidence(problem, parts, prices, source)
+    costs = problem.costs_of(answer)
+    value, size = math.fsum(costs), math.fsum(np.abs(costs))
+    if same(value, made.value, size) or not same(value, made.value, float(np.abs(problem.cost).max(initial=0.0)) * len(costs)):
+        return made
+    from .price_kernels import lower_labels
+
+    polished = []
+    for part, column, own in zip(parts, split(problem, parts, answer), prices, strict=True):
+        price = own.copy()
+        lower_labels(stop.flag, part.indptr, part.columns, part.cost, column.astype(np.int64), price, POLISHING)
+        polished.append(np.maximum(price, 0.0))
+    return max(made, price_evidence(problem, parts, polished, source), key=lambda evidence: evidence.value)
 
 
 def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Floats], source: str) -> Evidence:
