@@ -22,6 +22,7 @@ KERNELS = {
     "heuristics/selection/greedy_steps/enumeration": "heuristics/selection/brute_force",
     "heuristics/selection/greedy_steps/filling": "heuristics/selection/knapsack_greedy",
     "heuristics/selection/greedy_steps/loops": "heuristics/selection/greedy_steps/picking",
+    "reports/missions/orchard_days/day_kernels": "reports/missions/orchard_days/days",
     "solvers/bounds/routing/route_label_kernels": "solvers/bounds/routing/column_generation",
     "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
     "solvers/bounds/selection/gain_kernels": "solvers/bounds/selection/growing_sets",
