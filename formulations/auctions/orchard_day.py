@@ -26,15 +26,19 @@ Trip = tuple[int, int]
 Trips = tuple[tuple[Trip, ...], ...]
 """Each robot's trips, in their order."""
 
-OBJECTIVE = Setting("makespan", "what is minimised: the step at which the last bin is home, or the sum of all bins' steps", choices=("makespan", "completion"))
+OBJECTIVE = Setting(
+    "makespan",
+    "what is minimised: the step at which the last bin is home, or the sum of all bins' steps",
+    choices=("makespan", "completion"),
+)
 
 
 class OrchardDay(Problem):
     """Bring every bin that does not stand in the orchard, and fetch every bin when it is full.
 
-    A trip leads from where the robot is to the repository if it brings a bin and is not there, to the cell of the bin that it brings, to the cell of
-    the bin that it fetches, where it waits until that is full, and to the repository. An answer gives each robot a tuple of trips
-    (bin brought, bin fetched); robots go as early as they can.
+    A trip leads from where the robot is to the repository if it brings a bin and is not there, to the cell of the bin that it brings, to
+    the cell of the bin that it fetches, where it waits until that is full, and to the repository. An answer gives each robot a tuple of
+    trips (bin brought, bin fetched); robots go as early as they can.
 
     Parameters
     ----------
@@ -80,7 +84,10 @@ class OrchardDay(Problem):
         return self.jobs.num_bins
 
     def facts(self) -> dict[str, Any]:
-        return {"objective": "the last bin's step" if self.objective == "makespan" else "sum of all bins' steps", "orchard": self.jobs.facts()}
+        return {
+            "objective": "the last bin's step" if self.objective == "makespan" else "sum of all bins' steps",
+            "orchard": self.jobs.facts(),
+        }
 
     def value(self, times: Integers) -> float:
         """Of the steps at which bins come home."""
@@ -89,7 +96,8 @@ class OrchardDay(Problem):
     # -- judging -----------------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute when bins come home, and test that each is brought and fetched as often as it must be, and that no robot waits for ever."""
+        """Recompute when bins come home, and test that each is brought and fetched as often as it must be, and that no robot waits for
+        ever."""
         jobs = self.jobs
         self._check_shape(answer)
         checks = Checklist()
@@ -101,16 +109,18 @@ class OrchardDay(Problem):
                         counts[k] += 1
         for k in range(jobs.num_bins):
             due = 0 if jobs.standing[k] else 1
-            checks.test("brought", abs(float(brought[k] - due)), f"bin {k + 1} is brought {_times(brought[k])}, not {_times(due)}", site=str(k + 1))
+            checks.test(
+                "brought", abs(float(brought[k] - due)), f"bin {k + 1} is brought {_times(brought[k])}, not {_times(due)}", site=str(k + 1)
+            )
             checks.test("fetched", abs(float(fetched[k] - 1)), f"bin {k + 1} is fetched {_times(fetched[k])}, not once", site=str(k + 1))
         home, stuck = _timetable(jobs, answer)
-        for robot, trips in enumerate(answer):
+        for robot in range(jobs.num_robots):
             late = robot in stuck
             checks.test("waits", float(late), f"robot {robot + 1} waits for a bin that is never full", vehicle=str(robot + 1))
         reached = home[home >= 0]
         quantities = {
-            "makespan": float(reached.max(initial=0)), "completion": float(reached.sum()), "trips": float(sum(len(trips) for trips in answer)),
-            "returned": float(len(reached)),
+            "makespan": float(reached.max(initial=0)), "completion": float(reached.sum()), "returned": float(len(reached)),
+            "trips": float(sum(len(trips) for trips in answer)),
         }  # fmt: skip
         value = quantities["makespan" if self.objective == "makespan" else "completion"]
         return Evaluation((value,), checks.checks(("brought", "fetched", "waits")), tuple(checks.violations), quantities)
@@ -181,7 +191,8 @@ def _times(count: Any) -> str:
 
 
 def _timetable(jobs: OrchardJobs, answer: Trips) -> tuple[Integers, set[int]]:
-    """Step at which each bin comes home, -1 for never, and the robots that wait for ever; of bins brought or fetched again the first counts."""
+    """Step at which each bin comes home, -1 for never, and the robots that wait for ever; of bins brought or fetched again the first
+    counts."""
     grid = jobs.grid
     stood = [0 if there else -1 for there in jobs.standing]
     full, home = [-1] * jobs.num_bins, [-1] * jobs.num_bins

@@ -87,10 +87,14 @@ class OrchardJobs:
         InputError
             If they do not.
         """
-        routes = [[int(first), *(int(c) for c in order if c not in (NONE, first))] for first, order in zip(start.cells, start.orders, strict=True)]
+        routes = [
+            [int(first), *(int(c) for c in order if c not in (NONE, first))] for first, order in zip(start.cells, start.orders, strict=True)
+        ]
         if sorted(cell for route in routes for cell in route) != rules.grid.harvested.tolist():
             raise InputError("the routes of groups must share no cell, and name each harvest cell")
-        cells, after, standing = [], [], []
+        cells: list[int] = []
+        after: list[int] = []
+        standing: list[bool] = []
         for route in routes:
             for k, cell in enumerate(cell for cell in route for _ in range(rules.bins_per_cell)):
                 after.append(len(cells) - 1 if k else NONE)
@@ -115,7 +119,9 @@ class OrchardJobs:
                 raise InputError(f"there must be a {what}")
         for key, like in (("robot_free", "robot_cells"), ("after", "bin_cells"), ("work", "bin_cells")):
             if len(getattr(self, key)) != len(getattr(self, like)):
-                raise InputError(f"{key} and {like} must be of one length", expected=str(len(getattr(self, like))), found=str(len(getattr(self, key))))
+                raise InputError(
+                    f"{key} and {like} must be of one length", expected=str(len(getattr(self, like))), found=str(len(getattr(self, key)))
+                )
         arrays.refuse_outside("the cell of robot {}", self.robot_cells, self.grid.size, "cell")
         harvested = np.isin(self.bin_cells, self.grid.harvested)
         if not harvested.all():

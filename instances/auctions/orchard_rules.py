@@ -96,16 +96,21 @@ def draw_start(rules: OrchardRules, draw: Draw) -> OrchardStart:
 
 
 def draw_routes(rules: OrchardRules, draw: Draw) -> OrchardStart:
-    """Routes that share no cell: the harvest cells along the lanes, one to and one fro, dealt out in equal runs; which way each is gone is drawn."""
+    """Routes that share no cell: the harvest cells along the lanes, one to and one fro, dealt out in equal runs; which way each is gone
+    is drawn."""
     rows = rules.grid.harvested.reshape(rules.grid.rows, -1)
     along = np.concatenate([row if k % 2 == 0 else row[::-1] for k, row in enumerate(rows)])
-    routes = [run if turn < 0.5 else run[::-1] for run, turn in zip(np.array_split(along, rules.groups), draw.uniform(0, 1, rules.groups), strict=True)]
+    routes = [
+        run if turn < 0.5 else run[::-1]
+        for run, turn in zip(np.array_split(along, rules.groups), draw.uniform(0, 1, rules.groups), strict=True)
+    ]
     longest = max(len(route) for route in routes)
     orders = np.array([np.pad(route, (0, longest - len(route)), constant_values=NONE) for route in routes])
     return OrchardStart(orders[:, 0], orders)
 
 
 def checked_start(rules: OrchardRules, start: OrchardStart) -> OrchardStart:
+    """``start`` as arrays; raises InputError where it does not fit the rules."""
     cells, orders = np.asarray(start.cells, np.int64), np.asarray(start.orders, np.int64)
     harvested = set(rules.grid.harvested.tolist())
     if cells.shape != (rules.groups,) or len(set(cells.tolist())) < len(cells) or not set(cells.tolist()) <= harvested:
@@ -117,9 +122,7 @@ def checked_start(rules: OrchardRules, start: OrchardStart) -> OrchardStart:
 
 def orchard_rules(values: Mapping[str, Any]) -> OrchardRules:
     """Rules of setting values."""
-    grid = OrchardGrid(
-        *(values[key] for key in ("rows", "columns")), *(values[key] for key in ("repository", "empty-speed", "full-speed"))
-    )
+    grid = OrchardGrid(*(values[key] for key in ("rows", "columns")), *(values[key] for key in ("repository", "empty-speed", "full-speed")))
     others = {key.replace("-", "_"): values[key] for key in ("robots", "groups", "bins-per-cell", "fill", "pickers", "relocation")}
     return OrchardRules(grid, **others)
 

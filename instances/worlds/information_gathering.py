@@ -127,8 +127,8 @@ class GatheringWorld(World):
 
     Notes
     -----
-    Which cells a sensor goes to is an order drawn for it at the start: the first with anything left and no other sensor. Its store goes with it. Source: Zhang
-    (2015), section 4.3; what it leaves open: docs/missions.md#information-gathering.
+    Which cells a sensor goes to is an order drawn for it at the start: the first with anything left and no other sensor. Its store goes
+    with it. Source: Zhang (2015), section 4.3; what it leaves open: docs/missions.md#information-gathering.
     """
 
     def __init__(
@@ -182,8 +182,9 @@ class GatheringWorld(World):
         self._observation = self._look()
 
     def metrics(self) -> dict[str, float]:
-        """``working``: sensors that are not full, and have something to gather; ``gain``: units at the bases; ``idle``: steps for which full sensors
-        have gathered nothing, all together (tau); ``loss``: what they would have gathered in these, units (Gamma); ``carried`` by robots and
+        """``working``: sensors that are not full, and have something to gather; ``gain``: units at the bases; ``idle``: steps for which
+        full sensors have gathered nothing, all together (tau); ``loss``: what they would have gathered in these, units (Gamma);
+        ``carried`` by robots and
         ``stored`` by sensors now, units."""
         full = self.stores >= self.rules.store * (1 - EXCESS)
         return {

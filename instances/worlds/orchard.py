@@ -40,7 +40,8 @@ class OrchardObservation:
     remaining : array of shape (bins,), steps
         Until each is full, if nobody waits for anything.
     wanting : bool array of shape (cells of the grid,)
-        Where a new bin may be brought: a group stands there, fruit remains beyond the bin that it fills, and no empty bin stands there or is on its way.
+        Where a new bin may be brought: a group stands there, fruit remains beyond the bin that it fills, and no empty bin stands there or
+        is on its way.
     requests : array of shape (requests,)
         Cells of the groups without a bin to which none is on its way, the earliest request first.
     homecoming : array of shape (robots,)
@@ -78,8 +79,9 @@ class OrchardWorld(World):
 
     Notes
     -----
-    In a step robots whose legs end arrive, idle ones decide, and groups work until the next one. Bins are numbered as they leave the repository; those
-    that stand there at the start by groups. Source: Zhang (2015), chapter 3; what it leaves open: docs/missions.md#orchard.
+    In a step robots whose legs end arrive, idle ones decide, and groups work until the next one. Bins are numbered as they leave the
+    repository; those that stand there at the start by groups. Source: Zhang (2015), chapter 3; what it leaves open:
+    docs/missions.md#orchard.
     """
 
     def __init__(self, rules: OrchardRules, rng: np.random.Generator, *, start: OrchardStart | None = None) -> None:
@@ -91,7 +93,8 @@ class OrchardWorld(World):
         self.group_cells, self.group_bins = self.start.cells.copy(), np.arange(rules.groups)
         self.progress, self.since = np.zeros(rules.groups, np.int64), np.zeros(rules.groups, np.int64)
         self.idle_steps, self.made = 0, rules.groups
-        self.on_way, self.spare = np.zeros(grid.size, bool), np.full(grid.size, NONE)  # new bins on their way to cells, and in reserve there
+        self.on_way = np.zeros(grid.size, bool)  # cells to which a new bin is brought
+        self.spare = np.full(grid.size, NONE)  # a new bin in reserve beside the one that is filled
         self.bin_cells, self.stood, self.full, self.returned, self.taker = (np.full(rules.bins, NONE) for _ in range(5))
         self.bin_cells[: rules.groups], self.stood[: rules.groups] = self.start.cells, 0
         self.states, self.carried = np.full(rules.robots, IDLE), np.full(rules.robots, NONE)
@@ -289,4 +292,6 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> OrchardWorld:
     return OrchardWorld(orchard_rules(values), rng)
 
 
-WORLDS.add("orchard", WorldKind("orchard", "pickers fill bins in an orchard, and robots bring new ones and fetch full ones", ORCHARD, _make))
+WORLDS.add(
+    "orchard", WorldKind("orchard", "pickers fill bins in an orchard, and robots bring new ones and fetch full ones", ORCHARD, _make)
+)

@@ -11,14 +11,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 COLOURS = {
-    "auction": "#DDAA33", "partition, look-ahead 1": "#33AADD", "partition, look-ahead 3": "#332288", "partition, literal urgency": "#CC3377",
+    "auction": "#DDAA33", "partition, look-ahead 1": "#33AADD", "partition, look-ahead 3": "#332288",
+    "partition, literal urgency": "#CC3377",
 }  # fmt: skip
 
 TITLES = {"gain": "units brought home", "idle": "steps for which sensors were full", "loss": "units not gathered"}
 
 
 def metrics(table: pd.DataFrame, path: Path) -> None:
-    """Each metric over the number of robots, and below it by how much each method lies above the auction on the same runs; bands are the intervals."""
+    """Each metric over the number of robots, and below it by how much each method lies above the auction on the same runs; bands are the
+    intervals."""
     figure = _figure(11.0, 6.6)
     axes = figure.subplots(2, len(TITLES), sharex=True)
     for column, (name, title) in enumerate(TITLES.items()):

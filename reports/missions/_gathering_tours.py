@@ -52,7 +52,7 @@ def by_urgency(o: GatheringObservation, robot: int, sensors: Sequence[int], look
     rate, time = rates(o)[ids], times_to_full(o)[ids]
     first = urgencies(rate, time, steps(o.robots[robot], o.sensors[ids]), urgency)[0]
     then = urgencies(rate, time, steps(o.sensors[ids], o.sensors[ids]), urgency)
-    return ids[list(receding_order(first, then, look_ahead))].tolist()
+    return [int(ids[k]) for k in receding_order(first, then, look_ahead)]
 
 
 def length(o: GatheringObservation, robot: int, stops: Sequence[int]) -> tuple[Floats, float]:
@@ -87,7 +87,8 @@ def drive(o: GatheringObservation, robot: int, own: Tour) -> Move:
 
 
 def estimated_loss(o: GatheringObservation, robot: int, stops: Sequence[int], horizon: float) -> float:
-    """What all sensors lose within ``horizon`` steps if this robot alone visits its stops: each from when it is full until it is reached."""
+    """What all sensors lose within ``horizon`` steps if this robot alone visits its stops: each from when it is full until it is
+    reached."""
     reached = np.full(len(o.sensors), horizon)
     ids = list(stops)
     if ids:

@@ -31,7 +31,12 @@ def ablation(steps: pd.DataFrame, effects: pd.DataFrame, path: Path) -> None:
             line = own[own["method"] == method]
             left.plot(line["robots"], line["steps"], color=colour, linewidth=1.6, label=method)
             left.fill_between(
-                line["robots"], line["steps"] - line["steps_half"], line["steps"] + line["steps_half"], color=colour, alpha=0.25, linewidth=0
+                line["robots"],
+                line["steps"] - line["steps_half"],
+                line["steps"] + line["steps_half"],
+                color=colour,
+                alpha=0.25,
+                linewidth=0,
             )
         floor = own.drop_duplicates("robots")
         left.plot(floor["robots"], floor["least"], color="#222222", linewidth=0.9, linestyle=(0, (5, 3)), label="no rule can take fewer")

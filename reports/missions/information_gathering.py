@@ -29,9 +29,10 @@ PLANS = {"partition": "distributed-sampling", "auction": "fixed-order-auction"}
 class InformationGathering(Mission):
     """Lose little: a full sensor gathers nothing until a robot takes something out, and only what reaches a base counts.
 
-    ``plan=partition``: at the start the sensors are shared out once, a balanced partition; each robot tours its own by urgency, and again when it is back.
-    ``plan=auction``: whenever a robot is back, all sensors are allocated anew, those first that are full the soonest; robots on their way keep their
-    stops unless they expect a smaller loss by the new ones, and what nobody is going to visit goes to those that are back.
+    ``plan=partition``: at the start the sensors are shared out once, a balanced partition; each robot tours its own by urgency, and again
+    when it is back.
+    ``plan=auction``: whenever a robot is back, all sensors are allocated anew, those first that are full the soonest; robots on their way
+    keep their stops unless they expect a smaller loss by the new ones, and what nobody is going to visit goes to those that are back.
 
     Notes
     -----
@@ -127,7 +128,8 @@ class InformationGathering(Mission):
         return {robot: tours.drive(o, robot, own) for robot, own in enumerate(self._tours)}
 
     def _allot(self, o: GatheringObservation, paths: list[list[int]]) -> None:
-        """Give robots that are back their new paths, those on their way theirs where they lose less, and what nobody visits to robots left without."""
+        """Give robots that are back their new paths, those on their way theirs where they lose less, and what nobody visits to robots
+        left without."""
         back = self._back(o)
         stops = {robot: paths[robot] for robot in back}
         for robot, own in enumerate(self._tours):

@@ -2,9 +2,9 @@
 
 Run as ``python -m waybound.reports.missions.information_gathering_study --out FOLDER [--short]``.
 
-Teams of 2 to 5 robots empty ten sensors for 1,000 steps. The sensors are shared out once (distributed sampling, tours by urgency with a look-ahead of one or three
-stops, or by literal urgency), or by an auction in a fixed order whenever a robot is back. All methods meet the same sensors. Intervals are of confidence
-95 %, by Student's t; differences are taken run by run.
+Teams of 2 to 5 robots empty ten sensors for 1,000 steps. The sensors are shared out once (distributed sampling, tours by urgency with a
+look-ahead of one or three stops, or by literal urgency), or by an auction in a fixed order whenever a robot is back. All methods meet the
+same sensors. Intervals are of confidence 95 %, by Student's t; differences are taken run by run.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ METHODS: dict[str, dict[str, Any]] = {
     "partition, look-ahead 3": {"policy": "partition", "look_ahead": 3},
     "partition, literal urgency": {"policy": "partition", "look_ahead": 3, "urgency": "literal", "edges": "clique"},
 }
-"""``literal urgency`` is the larger the farther a sensor is where it is negative, as printed; all pairs of a part are among its costs then."""
+"""``literal urgency`` is the larger the farther a sensor is where it is negative, as printed; all pairs of a part are among its costs
+then."""
 
 METRICS = {"gain": 1, "idle": -1, "loss": -1}
 """1: the more the better."""
@@ -91,13 +92,15 @@ def trends(table: pd.DataFrame) -> list[tuple[str, str]]:
         for robots in teams:
             row = rows[robots, "partition, look-ahead 3"]
             above, half = sign * row[f"{name}_above"], row[f"{name}_above_half"]
-            said.append(f"{robots} robots {'yes' if above > half else 'no' if above < -half else 'undecided'} ({row[f'{name}_above']:+.0f} +- {half:.0f})")
+            verdict = "yes" if above > half else "no" if above < -half else "undecided"
+            said.append(f"{robots} robots {verdict} ({row[f'{name}_above']:+.0f} +- {half:.0f})")
         found.append((f"partition better than the auction in {name}", "; ".join(said)))
     for method in ("auction", "partition, look-ahead 3"):
         gains = [rows[robots, method]["gain"] for robots in teams]
         found.append((f"{method}: gain grows with the team", "yes" if gains == sorted(gains) else "no"))
     apart = [abs(rows[m, "partition, look-ahead 1"]["gain"] / rows[m, "partition, look-ahead 3"]["gain"] - 1.0) for m in teams]
-    found.append(("look-ahead of one and of three stops differ slightly", f"{'yes' if max(apart) < 0.05 else 'no'} (gain by {max(apart):.1%} at most)"))
+    verdict = f"{'yes' if max(apart) < 0.05 else 'no'} (gain by {max(apart):.1%} at most)"
+    found.append(("look-ahead of one and of three stops differ slightly", verdict))
     return found
 
 

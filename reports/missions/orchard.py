@@ -28,9 +28,9 @@ STACK, GAP, BESIDE = 3, 0.36, 0.25
 class Orchard(Mission):
     """Bring all bins home early: whenever robots are idle, they decide which bins they fetch and where they bring new ones.
 
-    Which bin each fetches is the problem: an assignment of the idle robots at the least sum of costs (``plan=step``), or a schedule of all bins that stand and
-    all robots, of which the first trips are begun (``makespan``, ``completion``). ``delivery`` says where new bins go. The policies choose
-    bins by rules.
+    Which bin each fetches is the problem: an assignment of the idle robots at the least sum of costs (``plan=step``), or a schedule of
+    all bins that stand and all robots, of which the first trips are begun (``makespan``, ``completion``). ``delivery`` says where new
+    bins go. The policies choose bins by rules.
 
     Notes
     -----
@@ -44,7 +44,9 @@ class Orchard(Mission):
         **WORLDS["orchard"].settings,
         "delivery": Setting("proposed", "where new bins go: ahead of requests too, or to the earliest request alone", choices=DELIVERIES),
         "cost": Setting("later", "of a bin: travel and filling, whichever ends later, or their sum", choices=COSTS),
-        "plan": Setting("step", "what robots solve: an assignment, or a schedule of all standing bins by its last step or all", choices=PLANS),
+        "plan": Setting(
+            "step", "what robots solve: an assignment, or a schedule of all standing bins by its last step or all", choices=PLANS
+        ),
         "idle": Setting("return", "what a robot in the field does without a bin to fetch", choices=("return", "stay")),
     }
 
@@ -89,8 +91,8 @@ class Orchard(Mission):
         return trips(o, chosen, self.values["delivery"], self.values["idle"] == "return")
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
-        """``deciding``: idle robots; ``least``: the least sum of costs of as many of them as there are bins for; ``beaten``: 1 where the answer's
-        is larger, 0 where it is not. The latter two are NaN where fewer than two robots choose, or by a schedule."""
+        """``deciding``: idle robots; ``least``: the least sum of costs of as many of them as there are bins for; ``beaten``: 1 where the
+        answer's is larger, 0 where it is not. The latter two are NaN where fewer than two robots choose, or by a schedule."""
         deciding, least, beaten = 0, math.nan, math.nan
         for d in decisions:
             deciding += len(d.view.robots)

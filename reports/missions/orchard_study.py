@@ -1,9 +1,10 @@
-"""Days in the orchard after Zhang (2015), chapter 3, taken apart: which part of the gain is the auction's, and which that of bringing bins ahead.
+"""Days in the orchard after Zhang (2015), chapter 3, taken apart: which part of the gain is the auction's, and which that of bringing
+bins ahead.
 
 Run as ``python -m waybound.reports.missions.orchard_study --out FOLDER [--short]``.
 
-- Ablation: choice of bins (greedy, auction) by delivery of new ones (baseline, proposed), for 2 to 20 robots, and 4 and 8 groups. The source compares the
-  first with the last of the four alone.
+- Ablation: choice of bins (greedy, auction) by delivery of new ones (baseline, proposed), for 2 to 20 robots, and 4 and 8 groups. The
+  source compares the first with the last of the four alone.
 - Auctions: how many were held among several robots, and how many of them an assignment beats.
 - Small orchards: the rules beside the optimum of the whole day.
 
@@ -190,7 +191,7 @@ def study(folder: Path, size: Size) -> str:
 
     days, small = ablation(size), small_table(size)
     tables = {
-        "steps": (f"Steps until all bins are home, bins by step {HORIZON}, waiting of pickers; means of {size.days} days", steps_table(days)),
+        "steps": (f"Steps until all are home, bins by step {HORIZON}, waiting; means of {size.days} days", steps_table(days)),
         "effects": ("Percent of greedy+baseline's steps saved on the same days", effects_table(days)),
         "auctions": ("Auctions of several robots, and those that an assignment beats", auctions_table(days)),
         "small": ("Small orchards: last step over the optimum's", small_summary(small)),

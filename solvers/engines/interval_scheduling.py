@@ -126,7 +126,7 @@ class _Intervals:
         """When bins are full, at the earliest."""
         for k, before in enumerate(self.jobs.after.tolist()):
             work = int(self.jobs.work[k])
-            self.model.add(self.full[k] >= (self.stand[k] if k in self.stand else 0) + work)
+            self.model.add(self.full[k] >= self.stand.get(k, 0) + work)
             if before >= 0:
                 self.model.add(self.full[k] >= self.full[before] + work)
             self.model.add(self.pick[k] >= self.full[k])

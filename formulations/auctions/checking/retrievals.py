@@ -1,12 +1,13 @@
 """Evidence ``retrievals``: no day in the orchard is over sooner than robots' steps suffice for all retrievals, and each bin can be home.
 
-It holds for every instance, so that the evidence holds no data. A trip that fetches bin b takes a robot at least p_b = (way out) + (way home) steps, or less by
-the way that it saves on its first trip where it does not begin at the repository. Hence the last step C has
+It holds for every instance, so that the evidence holds no data. A trip that fetches bin b takes a robot at least
+p_b = (way out) + (way home) steps, or less by the way that it saves on its first trip where it does not begin at the repository. Hence
+the last step C has
 
     sum over robots of max(0, C - free_r)  >=  sum_b p_b - (what first trips save),
 
-and the sum of all bins' steps is at least that of the shortest first on as many machines (Conway, Maxwell and Miller 1967). A bin is home no sooner than it can be
-full, the bins before it included, and than a robot can have reached it. All numbers are whole.
+and the sum of all bins' steps is at least that of the shortest first on as many machines (Conway, Maxwell and Miller 1967). A bin is home
+no sooner than it can be full, the bins before it included, and than a robot can have reached it. All numbers are whole.
 """
 
 from __future__ import annotations

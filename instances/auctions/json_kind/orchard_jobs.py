@@ -25,7 +25,8 @@ def encode(jobs: OrchardJobs) -> dict[str, Any]:
         "orchard": {key: getattr(grid, key) for key in ORCHARD_KEYS},
         "robots": {**_places(grid, jobs.robot_cells), "free": jobs.robot_free.tolist()},
         "bins": {
-            **_places(grid, jobs.bin_cells), "after": (jobs.after + 1).tolist(), "standing": jobs.standing.tolist(), "work": jobs.work.tolist(),
+            **_places(grid, jobs.bin_cells), "after": (jobs.after + 1).tolist(), "standing": jobs.standing.tolist(),
+            "work": jobs.work.tolist(),
         },
     }  # fmt: skip
     return {**data, "notes": list(jobs.notes)} if jobs.notes else data
@@ -47,9 +48,10 @@ def decode(data: dict[str, Any]) -> OrchardJobs:
     robot_cells, bin_cells = _cells(grid, robots, "robots"), _cells(grid, bins, "bins")
     count = len(bin_cells)
     return OrchardJobs(
-        grid, robot_cells, wholes(robots["free"], "robots.free", len(robot_cells)), bin_cells, wholes(bins["after"], "bins.after", count) - 1,
-        flags(bins["standing"], "bins.standing", count), wholes(bins["work"], "bins.work", count), name=string(data["name"], "name"),
-        format="json", notes=strings(data.get("notes", []), "notes"),
+        grid, robot_cells, wholes(robots["free"], "robots.free", len(robot_cells)), bin_cells,
+        wholes(bins["after"], "bins.after", count) - 1, flags(bins["standing"], "bins.standing", count),
+        wholes(bins["work"], "bins.work", count), name=string(data["name"], "name"), format="json",
+        notes=strings(data.get("notes", []), "notes"),
     )  # fmt: skip
 
 

@@ -13,12 +13,12 @@ from ....instances.worlds.orchard import OrchardObservation
 Integers = NDArray[np.int64]
 
 CHOICES = ("greedy", "auction", "auction-immediate", "assignment")
-"""Which idle robot fetches which bin: each in turn the nearest full one, or the one that will be full the soonest; the deferred and the immediate
-conflict auction; the assignment of the least sum."""
+"""Which idle robot fetches which bin: each in turn the nearest full one, or the one that will be full the soonest; the deferred and the
+immediate conflict auction; the assignment of the least sum."""
 
 DELIVERIES = ("baseline", "proposed")
-"""Who brings new bins: robots without a bin to fetch, to the earliest request; or any at the repository, to the cell of the bin that it will
-fetch, or to the request nearest to it."""
+"""Who brings new bins: robots without a bin to fetch, to the earliest request; or any at the repository, to the cell of the bin that it
+will fetch, or to the request nearest to it."""
 
 COSTS = ("later", "sum")
 """What a robot counts for a bin: travel or filling, whichever ends later; or one after the other."""
@@ -36,7 +36,7 @@ def _greedy(o: OrchardObservation, cost: str) -> dict[int, int]:
         distance = o.rules.grid.distances[cell, o.bin_cells]
         rows = np.array([row not in chosen.values() for row in range(len(o.bins))], bool).nonzero()[0]
         if len(rows):
-            chosen[robot] = int(min(rows, key=lambda row: (o.remaining[row], distance[row], row)))  # noqa: B023
+            chosen[robot] = int(min(rows, key=lambda row: (o.remaining[row], distance[row], row)))
     return chosen
 
 

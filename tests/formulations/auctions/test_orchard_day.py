@@ -96,7 +96,10 @@ def test_a_timetable_by_hand():
     problem = OrchardDay(OrchardJobs.of_routes(lane(ONE_ROUTE, 1), ONE_ROUTE))
     one_by_one = (((1, 0), *((k, k - 1) for k in range(2, 8)), (-1, 7)),)
     assert problem.evaluate(one_by_one).feasible
-    assert problem.timetable(one_by_one).tolist()[:2] == [3, 6]  # full at 2, home 3; to cell 2 at 4 and back to 1 at 5, where the next one is full since 4
+    assert problem.timetable(one_by_one).tolist()[:2] == [
+        3,
+        6,
+    ]  # full at 2, home 3; to cell 2 at 4 and back to 1 at 5, where the next one is full since 4
     each = (tuple((k if k else -1, k) for k in range(8)),)
     assert problem.timetable(each).tolist() == [3, 7, 12, 17, 24, 31, 39, 47]
 

@@ -66,7 +66,7 @@ def test_headlands_are_not_harvested():
     "wrong", [{"rows": 0}, {"columns": 2}, {"repository": 5}, {"empty_speed": 0}, {"full_speed": 1.5}, {"rows": 100, "columns": 100}]
 )
 def test_sizes_out_of_range_are_refused(wrong):
-    with pytest.raises(InputError, match="orchard|repository"):
+    with pytest.raises(InputError, match=r"orchard|repository"):
         OrchardGrid(**{"rows": 5, "columns": 6, **wrong})
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from waybound.instances.auctions.orchard_grid import OrchardGrid
@@ -24,6 +26,6 @@ def test_routes_are_runs_of_neighbours_that_share_no_cell():
     assert max(map(len, routes)) - min(map(len, routes)) <= 1
     assert start.cells.tolist() == [route[0] for route in routes]
     for route in routes:
-        for a, b in zip(route, route[1:], strict=False):
+        for a, b in pairwise(route):
             (r1, c1), (r2, c2) = divmod(a, 7), divmod(b, 7)
             assert abs(r1 - r2) + abs(c1 - c2) == 1

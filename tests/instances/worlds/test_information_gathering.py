@@ -51,7 +51,7 @@ def test_nothing_is_lost_track_of(size):
         gain = told["gain"]
         assert len(np.unique(w.places[w.gathering], axis=0)) == w.gathering.sum()
     assert gain <= rules.cell * size * size
-    assert 0.0 <= w.left.min()
+    assert w.left.min() >= 0.0
     if size == 6:
         assert 0 < w.gathering.sum() < 10  # some found no cell any more
         assert w.metrics()["working"] <= w.gathering.sum()

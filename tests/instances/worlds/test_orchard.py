@@ -115,7 +115,7 @@ def test_what_cannot_be_done_changes_nothing(actions, message):
 def test_busy_robots_and_robots_in_the_field_are_refused_what_they_cannot_do():
     w = world()
     w.step({0: Trip(1, -1)})
-    with pytest.raises(InputError, match="no new bin may|not at the repository"):
+    with pytest.raises(InputError, match=r"no new bin may|not at the repository"):
         w.step({0: Trip(1, 0)})
     w.step({1: Trip(-1, 0)})
     with pytest.raises(InputError, match="robot number 1 has not finished its trip"):

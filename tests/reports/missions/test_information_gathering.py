@@ -66,7 +66,9 @@ def test_one_robot_gathers_more_than_nobody():
     assert lost[1] < lost[0]
 
 
-@pytest.mark.parametrize("settings", [{"look_ahead": 1}, {"urgency": "literal", "edges": "clique"}, {"urgency": "rate"}, {"objective": "min-difference"}])
+@pytest.mark.parametrize(
+    "settings", [{"look_ahead": 1}, {"urgency": "literal", "edges": "clique"}, {"urgency": "rate"}, {"objective": "min-difference"}]
+)
 def test_settings_are_taken(settings):
     assert wb.run("information-gathering", policy="partition", steps=60, seed=1, **SMALL, **settings)["gain"].iloc[-1] > 0
 

@@ -14,7 +14,7 @@ def test_one_row_a_number_of_groups_is_drawn(tmp_path):
         for g in (4, 8) for m in (2, 3) for method in METHODS
     )  # fmt: skip
     effects = pd.DataFrame(
-        {"groups": g, "robots": m, **{name: 1.0 for name in figures.EFFECTS}, **{f"{name} half": 0.2 for name in figures.EFFECTS}}
+        {"groups": g, "robots": m, **dict.fromkeys(figures.EFFECTS, 1.0), **{f"{name} half": 0.2 for name in figures.EFFECTS}}
         for g in (4, 8) for m in (2, 3)
     )  # fmt: skip
     figures.ablation(steps, effects, tmp_path / "figure.png")

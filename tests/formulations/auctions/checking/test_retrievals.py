@@ -42,5 +42,3 @@ def test_data_and_other_problems_are_refused():
         check(retrievals(((0, 2),), (0,)), {"steps": 3})
     with pytest.raises(InputError, match="orchard-day problems"):
         check(wb.generate("sata", seed=1), {})
-
-

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.instances.generating import generate
 from waybound.instances.errors import UsageError
+from waybound.instances.generating import generate
 
 
 def test_days_repeat_and_name_every_bin():
