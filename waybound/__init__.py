@@ -15,6 +15,8 @@ from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
+    from .formulations.auctions.balanced_partition import BalancedPartition
+    from .formulations.auctions.task_allocation import TaskAllocation
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
     from .formulations.evidence import Evidence, Guarantee
@@ -59,6 +61,7 @@ if TYPE_CHECKING:
     from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
+    from .instances.auctions.robot_tasks import RobotTasks
     from .instances.errors import (
         CheckFailedError,
         InputError,
@@ -84,6 +87,8 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "api": ("bound", "check", "explain", "generate", "read"),
+    "formulations.auctions.balanced_partition": ("BalancedPartition",),
+    "formulations.auctions.task_allocation": ("TaskAllocation",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
@@ -128,6 +133,7 @@ _MODULES = {
     "formulations.selection.selections": ("Selection",),
     "formulations.solution": ("Solution",),
     "heuristics.selection.submodularity": ("check_submodular",),
+    "instances.auctions.robot_tasks": ("RobotTasks",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",
@@ -156,6 +162,7 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 
 __all__ = [
     "Allocation",
+    "BalancedPartition",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",
@@ -189,6 +196,7 @@ __all__ = [
     "RiskAllocation",
     "RiskyGraph",
     "RiskyPath",
+    "RobotTasks",
     "Route",
     "Routes",
     "RoutingInstance",
@@ -201,6 +209,7 @@ __all__ = [
     "Sites",
     "Solution",
     "SubmodularSelection",
+    "TaskAllocation",
     "TotalCost",
     "TotalDuration",
     "Travel",

@@ -1,8 +1,8 @@
 """Evidence ``average-part``: no partition makes its largest part smaller than the mean of what all parts must cost.
 
-All m parts together cost the sum of all weights, and distances: a spanning tree of each part is, of all parts, a spanning forest of at most m
-trees, and that is no less than a minimum spanning tree of all tasks without its m - 1 longest edges; pairs within parts are at least as many as
-in parts of equal size, and no shorter than the shortest of all pairs. And whatever part a task is in costs its weight, and the negative ones.
+All m parts together cost the sum of all weights, and distances: spanning trees of all parts are a spanning forest of at most m trees, no
+shorter than a minimum spanning tree of all tasks without its m - 1 longest edges; pairs within parts are at least as many as in parts of
+equal size, and no shorter than the shortest of all pairs. And whatever part a task is in costs its weight, and the negative ones.
 """
 
 from __future__ import annotations
