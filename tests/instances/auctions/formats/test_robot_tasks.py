@@ -9,7 +9,9 @@ from waybound.instances.errors import InputError, UsageError
 from waybound.instances.reading import read_instance
 from waybound.instances.writing import write_instance
 
-TEXT = "# name: yard\n# problem: balanced-partition\n# metric: manhattan\nrole,name,x,y,weight\nrobot,r,0,0,\ntask,a,1,2.5,3\ntask,b,-1,0,0\n"
+TEXT = (
+    "# name: yard\n# problem: balanced-partition\n# metric: manhattan\nrole,name,x,y,weight\nrobot,r,0,0,\ntask,a,1,2.5,3\ntask,b,-1,0,0\n"
+)
 
 
 def read(tmp_path, text):
