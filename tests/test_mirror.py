@@ -15,12 +15,14 @@ FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "wayb
 KERNELS = {
     "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
+    "heuristics/auctions/auction_steps/bidding_kernels": "heuristics/auctions/sequential_single_item",
     "heuristics/routing/insertion_steps/assignment_kernels": "heuristics/routing/greedy_assignment",
     "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
     "heuristics/selection/greedy_steps/bottleneck": "heuristics/selection/greedy",
     "heuristics/selection/greedy_steps/enumeration": "heuristics/selection/brute_force",
     "heuristics/selection/greedy_steps/filling": "heuristics/selection/knapsack_greedy",
     "heuristics/selection/greedy_steps/loops": "heuristics/selection/greedy_steps/picking",
+    "solvers/bounds/auctions/forest_kernels": "solvers/bounds/auctions/task_forest",
     "solvers/bounds/routing/route_label_kernels": "solvers/bounds/routing/column_generation",
     "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
     "solvers/bounds/selection/gain_kernels": "solvers/bounds/selection/growing_sets",
@@ -30,6 +32,8 @@ KERNELS = {
     "solvers/engines/local_max_min/level_kernels": "solvers/engines/local_max_min/search",
     "solvers/engines/saddle_steps/descent_kernels": "solvers/engines/saddle_steps/game",
     "solvers/engines/saddle_steps/regret_kernels": "solvers/engines/saddle_steps/regret",
+    "solvers/engines/task_subset_steps/part_kernels": "solvers/engines/part_subsets",
+    "solvers/engines/task_subset_steps/subset_kernels": "solvers/engines/task_subset_steps/shares",
 }
 """Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
 
