@@ -413,4 +413,4 @@ UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
     "task-allocation": task_allocation,
     "balanced-partition": balanced_partition,
 }
-"""The same, with values that are no fractions, or of which exact arithmetic has no account."""
+"""The same, with values that are no fractions, or of which exact arithmetic tells nothing that the tests of their room do not."""

@@ -366,7 +366,9 @@ def _team(rng: Generator) -> RobotTasks:
     high = 1 if rng.random() < 0.2 else 99
     between = np.triu(whole(rng, (tasks, tasks), 1, high), 1)
     weight = whole(rng, tasks, -9, 20) * unit
-    return RobotTasks.of_distances(whole(rng, (robots, tasks), 0, high) * unit, (between + between.T) * unit, weights=weight, name="battery")
+    return RobotTasks.of_distances(
+        whole(rng, (robots, tasks), 0, high) * unit, (between + between.T) * unit, weights=weight, name="battery"
+    )
 
 
 def task_paths(rng: Generator) -> Problem:

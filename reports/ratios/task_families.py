@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -50,7 +51,7 @@ def best(problem: TaskAllocation) -> Optimum:
     waiting, largest = problem.objective == "mini-ave", problem.objective == "mini-max"
     found: list[list[tuple[float, tuple[int, ...]]]] = []
     for robot in range(robots):
-        own = [(math.inf, ())] * (1 << tasks)
+        own: list[tuple[float, tuple[int, ...]]] = [(math.inf, ())] * (1 << tasks)
         own[0] = (0.0, ())
         for count in range(1, tasks + 1):
             for order in itertools.permutations(range(tasks), count):
@@ -110,7 +111,11 @@ def zigzag(tasks: int) -> Case:
 
 def traps() -> Family:
     """On which auctions of one task after the other are drawn away."""
-    cases = [greedy_line, *(partial(around_a_cluster, n) for n in (2, 3, 4)), partial(made, [0, 0], [1, -1.001, 2, -2.001], "between-two")]
+    cases: list[Callable[[], Case]] = [
+        greedy_line,
+        *(partial(around_a_cluster, n) for n in (2, 3, 4)),
+        partial(made, [0, 0], [1, -1.001, 2, -2.001], "between-two"),
+    ]
     return listed("drawn away", "tasks whose nearest robots are led astray", cases)
 
 

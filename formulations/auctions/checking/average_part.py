@@ -76,4 +76,5 @@ def _pairs(between: Floats, parts: int) -> list[float]:
     small, larger = divmod(len(between), parts)
     count = larger * (small + 1) * small // 2 + (parts - larger) * small * (small - 1) // 2
     every = between[np.triu_indices(len(between), 1)]
-    return np.partition(every, count)[:count].tolist() if count < len(every) else every.tolist()
+    shortest: list[float] = (np.partition(every, count)[:count] if count < len(every) else every).tolist()
+    return shortest

@@ -96,7 +96,8 @@ def build(problem: TaskAllocation) -> Compiled:
         after = {int(i): int(j) for i, j in zip(tail[used], head[used], strict=True)}
         paths = []
         for robot in range(robots):
-            at, path = robot, []
+            at = robot
+            path: list[int] = []
             while at in after and len(path) <= tasks:
                 path.append(after[at])
                 at = robots + path[-1]
