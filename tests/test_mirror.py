@@ -15,6 +15,7 @@ FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "wayb
 KERNELS = {
     "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
+    "heuristics/auctions/auction_steps/bidding_kernels": "heuristics/auctions/sequential_single_item",
     "heuristics/auctions/conflict_kernels": "heuristics/auctions/conflict_auction",
     "heuristics/routing/insertion_steps/assignment_kernels": "heuristics/routing/greedy_assignment",
     "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
@@ -22,6 +23,7 @@ KERNELS = {
     "heuristics/selection/greedy_steps/enumeration": "heuristics/selection/brute_force",
     "heuristics/selection/greedy_steps/filling": "heuristics/selection/knapsack_greedy",
     "heuristics/selection/greedy_steps/loops": "heuristics/selection/greedy_steps/picking",
+    "solvers/bounds/auctions/forest_kernels": "solvers/bounds/auctions/task_forest",
     "reports/missions/orchard_days/day_kernels": "reports/missions/orchard_days/days",
     "solvers/bounds/routing/route_label_kernels": "solvers/bounds/routing/column_generation",
     "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
@@ -34,6 +36,8 @@ KERNELS = {
     "solvers/engines/local_max_min/level_kernels": "solvers/engines/local_max_min/search",
     "solvers/engines/saddle_steps/descent_kernels": "solvers/engines/saddle_steps/game",
     "solvers/engines/saddle_steps/regret_kernels": "solvers/engines/saddle_steps/regret",
+    "solvers/engines/task_subset_steps/part_kernels": "solvers/engines/part_subsets",
+    "solvers/engines/task_subset_steps/subset_kernels": "solvers/engines/task_subset_steps/shares",
 }
 """Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
 

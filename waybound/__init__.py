@@ -15,8 +15,10 @@ from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
+    from .formulations.auctions.balanced_partition import BalancedPartition
     from .formulations.auctions.bin_assignment import BinAssignment
     from .formulations.auctions.orchard_day import OrchardDay
+    from .formulations.auctions.task_allocation import TaskAllocation
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
     from .formulations.evidence import Evidence, Guarantee
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
     from .heuristics.selection.submodularity import check_submodular
     from .instances.auctions.assignment import AssignmentInstance
     from .instances.auctions.orchard_jobs import OrchardJobs
+    from .instances.auctions.robot_tasks import RobotTasks
     from .instances.errors import (
         CheckFailedError,
         InputError,
@@ -88,6 +91,8 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "api": ("bound", "check", "explain", "generate", "read"),
+    "formulations.auctions.balanced_partition": ("BalancedPartition",),
+    "formulations.auctions.task_allocation": ("TaskAllocation",),
     "formulations.auctions.bin_assignment": ("BinAssignment",),
     "formulations.auctions.orchard_day": ("OrchardDay",),
     "formulations.certificate": ("Certificate",),
@@ -134,6 +139,7 @@ _MODULES = {
     "formulations.selection.selections": ("Selection",),
     "formulations.solution": ("Solution",),
     "heuristics.selection.submodularity": ("check_submodular",),
+    "instances.auctions.robot_tasks": ("RobotTasks",),
     "instances.auctions.assignment": ("AssignmentInstance",),
     "instances.errors": (
         "CheckFailedError",
@@ -164,6 +170,7 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 
 __all__ = [
     "Allocation",
+    "BalancedPartition",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",
@@ -199,6 +206,7 @@ __all__ = [
     "RiskAllocation",
     "RiskyGraph",
     "RiskyPath",
+    "RobotTasks",
     "Route",
     "Routes",
     "RoutingInstance",
@@ -211,6 +219,7 @@ __all__ = [
     "Sites",
     "Solution",
     "SubmodularSelection",
+    "TaskAllocation",
     "TotalCost",
     "TotalDuration",
     "Travel",

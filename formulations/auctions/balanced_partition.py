@@ -90,7 +90,8 @@ class BalancedPartition(RobotShares):
     def terms(self, part: Sequence[int]) -> list[float]:
         """What is added up to the cost of a part."""
         tasks = np.asarray(part, dtype=np.int64)
-        own, terms = self.instance.between[np.ix_(tasks, tasks)], self.weights[tasks].tolist()
+        own = self.instance.between[np.ix_(tasks, tasks)]
+        terms: list[float] = self.weights[tasks].tolist()
         if self.edges == "clique":
             return [*terms, *own[np.triu_indices(len(tasks), 1)].tolist()]
         if self.edges == "none" or len(tasks) < 2:

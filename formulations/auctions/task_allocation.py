@@ -75,7 +75,7 @@ class TaskAllocation(RobotShares):
         if not len(path):
             return np.zeros(0)
         tasks = np.asarray(path, dtype=np.int64)
-        return self.instance.distances[np.concatenate([[robot], tasks[:-1] + self.num_robots]), tasks]
+        return np.asarray(self.instance.distances[np.concatenate([[robot], tasks[:-1] + self.num_robots]), tasks])
 
     def value(self, paths: Paths) -> float:
         """The objective of paths, from the data."""

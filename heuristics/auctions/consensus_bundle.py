@@ -62,12 +62,15 @@ def consensus_bundle(problem: TaskAllocation, context: Context, *, communication
 
 def graph_of(communication: str, robots: int) -> NDArray[np.bool_]:
     """Who hears whom, shape (robots, robots)."""
-    apart = np.abs(np.arange(robots)[:, None] - np.arange(robots))
+    number = np.arange(robots)
+    apart = np.abs(number[:, None] - number)
     if communication == "complete":
-        return apart > 0
-    if communication == "star":
-        return (apart > 0) & ((np.arange(robots)[:, None] == 0) | (np.arange(robots) == 0))
-    return (apart == 1) | ((apart == robots - 1) & (robots > 1)) if communication == "ring" else apart == 1
+        heard = apart > 0
+    elif communication == "star":
+        heard = (apart > 0) & ((number[:, None] == 0) | (number == 0))
+    else:
+        heard = (apart == 1) | ((apart == robots - 1) & (robots > 1) & (communication == "ring"))
+    return np.asarray(heard)
 
 
 def _agree(problem: TaskAllocation, communication: str, most: int | None, stop: Stop) -> Consensus:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -117,7 +117,7 @@ class RobotTasks:
         if not fits(24.0 * rows * self.num_tasks):
             size = readable(8.0 * rows * self.num_tasks)
             raise InputError(f"distances of {self.num_robots:,} robots and {self.num_tasks:,} tasks need {size}, more than there is")
-        put = lambda key, value: object.__setattr__(self, key, value)  # noqa: E731
+        put: Callable[[str, Any], None] = lambda key, value: object.__setattr__(self, key, value)  # noqa: E731
         put("robot_names", arrays.names("robot", self.robot_names, self.num_robots))
         put("task_names", arrays.names("task", self.task_names, self.num_tasks))
         put("name", label(self.name))

@@ -86,6 +86,8 @@ def _exact(problem: Problem) -> bool:
         data = [p.rewards]
     elif p.family == "risk-allocation":
         return True
+    elif p.family in ("task-allocation", "balanced-partition"):
+        data = [p.instance.distances, p.instance.weights]
     elif hasattr(p, "graph"):
         data = [p.graph.weights]
     elif hasattr(p, "packing"):
@@ -270,7 +272,7 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
         "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
         "too-little-time": {"from": unit("time"), "until": unit("time")}, "all-paths": {"target": factor},
-        "path-potentials": {"potentials": factor},
+        "path-potentials": {"potentials": factor}, "task-forest": {"tasks": factor, "robots": factor},
         "risk-allocation-duals": {
             "rows": factor / unit("budget"), "chance": factor / unit("weight"), "budgets": factor, "terms": factor / unit("distance"),
         },

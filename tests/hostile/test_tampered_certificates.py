@@ -37,7 +37,7 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
-from .. import random_sensing, risk_problems, risky_cases, sata_cases, selection_problems
+from .. import random_sensing, risk_problems, risky_cases, sata_cases, selection_problems, task_problems
 from ..programs import program
 from ..small_routing import small
 from ..uncertain_graphs import WORKED, all_paths, graph_of
@@ -196,9 +196,20 @@ def _risky() -> list[Case]:
     return cases
 
 
+def _tasks() -> list[Case]:
+    cases = []
+    for objective in task_problems.OBJECTIVES:
+        paths = task_problems.line([0, 10], [4, 6, 1, 9], objective)
+        best = task_problems.best_paths_value(paths.instance, objective)
+        cases += _cases_of(paths, best, [((2, 0), (1, 3)), paths.answer_at_hand()])
+    parts = task_problems.parts([0, 1, 2, 6, 7], weights=[1, 0, 2, 0, 1])
+    return cases + _cases_of(parts, task_problems.best_partition_value(parts), [((0, 1, 2), (3, 4)), parts.answer_at_hand()])
+
+
 @cache
 def pool() -> list[Case]:
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *_uncertain_paths(), *_allocations(), *_risky()]
+    of_risk = [*_uncertain_paths(), *_allocations(), *_risky()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *of_risk, *_tasks()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name

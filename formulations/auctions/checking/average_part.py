@@ -1,8 +1,8 @@
 """Evidence ``average-part``: no partition makes its largest part smaller than the mean of what all parts must cost.
 
-All m parts together cost the sum of all weights, and distances: a spanning tree of each part is, of all parts, a spanning forest of at most m
-trees, and that is no less than a minimum spanning tree of all tasks without its m - 1 longest edges; pairs within parts are at least as many as
-in parts of equal size, and no shorter than the shortest of all pairs. And whatever part a task is in costs its weight, and the negative ones.
+All m parts together cost the sum of all weights, and distances: spanning trees of all parts are a spanning forest of at most m trees, no
+shorter than a minimum spanning tree of all tasks without its m - 1 longest edges; pairs within parts are at least as many as in parts of
+equal size, and no shorter than the shortest of all pairs. And whatever part a task is in costs its weight, and the negative ones.
 """
 
 from __future__ import annotations
@@ -76,4 +76,5 @@ def _pairs(between: Floats, parts: int) -> list[float]:
     small, larger = divmod(len(between), parts)
     count = larger * (small + 1) * small // 2 + (parts - larger) * small * (small - 1) // 2
     every = between[np.triu_indices(len(between), 1)]
-    return np.partition(every, count)[:count].tolist() if count < len(every) else every.tolist()
+    shortest: list[float] = (np.partition(every, count)[:count] if count < len(every) else every).tolist()
+    return shortest

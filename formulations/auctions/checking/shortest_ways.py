@@ -48,12 +48,12 @@ def check_shortest_ways(problem: Any, data: Mapping[str, Any]) -> float:
     ways = _shortest_ways(distances[:robots].min(axis=0), distances[robots:])
     shrunk = 1.0 - 8.0 * _EPS * (tasks + 2)  # sums of at most so many numbers that are not negative
     if problem.objective != "mini-ave":
-        return float(ways.max()) * shrunk
+        return float(float(ways.max()) * shrunk)
     own = distances.copy()
     own[np.arange(robots, robots + tasks), np.arange(tasks)] = math.inf
     legs = np.sort(own.min(axis=0))[::-1]
     times = np.arange(tasks) // robots + 1
-    return max(math.fsum(ways.tolist()), math.fsum((legs * times).tolist())) / tasks * shrunk
+    return float(max(math.fsum(ways.tolist()), math.fsum((legs * times).tolist())) / tasks * shrunk)
 
 
 def _shortest_ways(first: Floats, between: Floats) -> Floats:

@@ -20,7 +20,7 @@ Integers = NDArray[np.int64]
 
 
 def build(problem: TaskAllocation) -> Compiled:
-    """Arcs (i, j) lead from robots and tasks i to tasks j, d_ij long; x_ij is 1 where a path uses the arc, f_ij what is still to come on it::
+    """Arcs (i, j) lead from robots and tasks i to tasks j, d_ij long; x_ij is 1 where a path uses the arc, f_ij what is to come on it::
 
         mini-sum   min  sum d_ij x_ij          mini-ave   min  sum d_ij f_ij / tasks          mini-max   min  z
         enter[j]   sum_i x_ij = 1                                       tasks j
@@ -28,12 +28,13 @@ def build(problem: TaskAllocation) -> Compiled:
         flow[j]    sum_i f_ij - sum_k f_jk = 1                          tasks j: f counts the tasks from j on
         link[i,j]  f_ij <= F_i x_ij,    F_i = the number of tasks, one less if i is one
 
-    For ``mini-max`` f is what is left of the path, from i on, no more than all longest arcs into tasks together (F)::
+    For ``mini-max`` g flows beside it: what is left of the path from i on, no more than all longest arcs into tasks together (G)::
 
-        flow[j]    sum_i f_ij - sum_k f_jk - sum_i d_ij x_ij = 0        tasks j
-        longest[r] sum_j f_rj <= z                                      robots r
+        remaining[j]  sum_i g_ij - sum_k g_jk - sum_i d_ij x_ij = 0     tasks j
+        reach[i,j]    g_ij <= G x_ij
+        longest[r]    sum_j g_rj <= z                                   robots r
 
-    and the number of tasks flows beside it, as g, for arcs of no length. Source: Gavish and Graves (1978) for the flow;
+    g and z count in parts of the longest arc. Source: Gavish and Graves (1978) for the flow;
     docs/formulations/task-allocation.md#form.
     """
     instance, longest = problem.instance, problem.objective == "mini-max"
@@ -95,7 +96,8 @@ def build(problem: TaskAllocation) -> Compiled:
         after = {int(i): int(j) for i, j in zip(tail[used], head[used], strict=True)}
         paths = []
         for robot in range(robots):
-            at, path = robot, []
+            at = robot
+            path: list[int] = []
             while at in after and len(path) <= tasks:
                 path.append(after[at])
                 at = robots + path[-1]

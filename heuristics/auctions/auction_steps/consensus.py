@@ -1,7 +1,7 @@
 """Consensus-based bundles: robots that fill bundles greedily, tell their neighbours who bids most for what, and give up what they lost.
 
 Source: Choi, Brunet, How (2009), Consensus-based decentralized auctions for robust task allocation, algorithm 3 and table 1, with bids
-that never rise along a bundle (Johnson, Ponda, Choi, How 2011), so that it converges whatever the gains are.
+that never rise along a bundle (Johnson, Choi, Ponda, How 2012), so that it converges whatever the gains are.
 docs/formulations/task-allocation.md#consensus-based-bundles.
 """
 

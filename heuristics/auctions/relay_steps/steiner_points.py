@@ -183,7 +183,7 @@ def fermat_weber(points: ArrayLike, weights: ArrayLike | None = None, steps: int
     if at.ndim != 2 or at.shape[1:] != (2,) or not len(at) or heavy.shape != (len(at),) or not (heavy > 0).all():
         raise InputError("there must be points of the plane, and a positive weight each", found=f"shape {at.shape}")
     size = float(np.abs(at - at.mean(axis=0)).max())
-    here = (heavy[:, None] * at).sum(axis=0) / heavy.sum()
+    here: Floats = (heavy[:, None] * at).sum(axis=0) / heavy.sum()
     for _ in range(steps):
         away = np.hypot(*(at - here).T)
         on = away <= 1e-15 * size
@@ -195,7 +195,7 @@ def fermat_weber(points: ArrayLike, weights: ArrayLike | None = None, steps: int
         force = float(np.hypot(*(toward - here))) * float(pull.sum())
         if held and force <= held:  # the pull of the others does not move it away from where it is
             return here
-        after = here + (1.0 - (held / force if held else 0.0)) * (toward - here)
+        after: Floats = here + (1.0 - (held / force if held else 0.0)) * (toward - here)
         if float(np.abs(after - here).max()) <= 1e-16 * size:
             return after
         here = after
