@@ -16,6 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
@@ -375,6 +376,14 @@ def risk_allocation(rng: Rng, units: Units) -> RiskAllocation:
     return RiskAllocation(instance)
 
 
+def bin_assignment(rng: Rng, units: Units) -> BinAssignment:
+    """Costs of one style, pairs forbidden or not, sums and bottlenecks."""
+    n, m = (int(k) for k in rng.integers(1, 6, 2))
+    costs = numbers(rng, (n, m), style(rng)) * units.cost
+    costs[rng.random((n, m)) < float(rng.choice([0.0, 0.3, 0.7]))] = math.inf
+    return BinAssignment.from_matrix(costs, objective=str(rng.choice(["sum", "bottleneck"])), name="drawn")
+
+
 FAMILIES: dict[str, Callable[[Rng, Units], Problem]] = {
     "routing": routing,
     "bottleneck": lambda rng, units: BottleneckSATA(graph(rng, units)),
@@ -391,5 +400,6 @@ UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
     "uncertain-path": uncertain_path,
     "risky-path": risky_path,
     "risk-allocation": risk_allocation,
+    "bin-assignment": bin_assignment,
 }
-"""The same, with values that are no fractions: exact arithmetic has no say on them."""
+"""The same, of which exact arithmetic is not asked: values of most are no fractions."""

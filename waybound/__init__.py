@@ -160,6 +160,8 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 
 __all__ = [
     "Allocation",
+    "AssignmentInstance",
+    "BinAssignment",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",
