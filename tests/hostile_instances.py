@@ -17,6 +17,7 @@ import scipy.sparse as sp
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
@@ -378,6 +379,14 @@ def risk_allocation(rng: Rng, units: Units) -> RiskAllocation:
     return RiskAllocation(instance)
 
 
+def bin_assignment(rng: Rng, units: Units) -> BinAssignment:
+    """Costs of one style, pairs forbidden or not, sums and bottlenecks."""
+    n, m = (int(k) for k in rng.integers(1, 6, 2))
+    costs = numbers(rng, (n, m), style(rng)) * units.cost
+    costs[rng.random((n, m)) < float(rng.choice([0.0, 0.3, 0.7]))] = math.inf
+    return BinAssignment.from_matrix(costs, objective=str(rng.choice(["sum", "bottleneck"])), name="drawn")
+
+
 def team(rng: Rng, units: Units) -> RobotTasks:
     """Robots and tasks with any distances, weights among them, both in units of ``weight``."""
     robots, tasks = (int(v) for v in rng.integers(1, 5, 2))
@@ -410,6 +419,7 @@ UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
     "uncertain-path": uncertain_path,
     "risky-path": risky_path,
     "risk-allocation": risk_allocation,
+    "bin-assignment": bin_assignment,
     "task-allocation": task_allocation,
     "balanced-partition": balanced_partition,
 }

@@ -170,7 +170,9 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 
 __all__ = [
     "Allocation",
+    "AssignmentInstance",
     "BalancedPartition",
+    "BinAssignment",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",

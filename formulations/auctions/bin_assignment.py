@@ -29,7 +29,9 @@ Assignment = tuple[int, ...]
 """Bin of each robot, -1 for none."""
 
 OBJECTIVE = Setting("sum", "what is minimised: the sum of the costs, or the largest (bottleneck)", choices=("sum", "bottleneck"))
-MATCH = Setting("most", "how many pairs are asked for: as many as possible, or every robot, or every bin", choices=("most", "robots", "bins"))
+MATCH = Setting(
+    "most", "how many pairs are asked for: as many as possible, or every robot, or every bin", choices=("most", "robots", "bins")
+)
 WAITING = Setting(
     "max", "what waiting for a bin makes of its cost: max(travel, filled), or the sum, which counts filling during travel twice",
     choices=("max", "sum"),
@@ -83,7 +85,8 @@ class BinAssignment(Problem):
         self.objective, self.match, self.waiting = (
             setting.value(name, given) for (name, setting), given in zip(SETTINGS.items(), (objective, match, waiting), strict=True)
         )
-        self.name, self.problem, self.notes = instance.name, "bin-assignment", instance.notes
+        self.name, self.notes = instance.name, instance.notes
+        self.problem = {"sum": "bin-assignment", "bottleneck": "bottleneck-assignment"}[self.objective]
         self.num_robots, self.num_bins = instance.num_robots, instance.num_bins
         self.indptr, self.bins, self.cost = self._waited()
 
@@ -175,7 +178,9 @@ class BinAssignment(Problem):
         """Recompute the costs, and test that all pairs are allowed, no bin has two robots, and there are as many as asked for."""
         n, m, data = self.num_robots, self.num_bins, self.instance
         if not isinstance(answer, tuple) or len(answer) != n or not all(type(j) is int and -1 <= j < m for j in answer):
-            raise InputError("an answer is a tuple of one bin a robot, as numbers from 0, -1 for none", expected=f"{n} numbers", found=str(answer)[:80])
+            raise InputError(
+                "an answer is a tuple of one bin a robot, as numbers from 0, -1 for none", expected=f"{n} numbers", found=str(answer)[:80]
+            )
         taken, costs = np.array(answer, dtype=np.int64), self.costs_of(answer)
         used = np.nonzero(taken >= 0)[0]
 
@@ -188,7 +193,9 @@ class BinAssignment(Problem):
             return f"robot {data.robot_name(int(used[k]))} may not be sent to bin {data.bin_name(answer[used[k]])}"
 
         idle = [data.robot_name(i) for i in np.nonzero(taken < 0)[0].tolist()]
-        lacking = f"{len(used)} of the {self.pairs} pairs asked for; without a bin: {', '.join(idle[:SHOWN])}{', ...' * (len(idle) > SHOWN)}"
+        lacking = (
+            f"{len(used)} of the {self.pairs} pairs asked for; without a bin: {', '.join(idle[:SHOWN])}{', ...' * (len(idle) > SHOWN)}"
+        )
         parts = (
             judge("allowed", np.where(np.isinf(costs[used]), 1.0, 0.0), forbidden),
             judge("bins", np.bincount(taken[used], minlength=m) - 1.0, crowd),
@@ -247,7 +254,9 @@ class BinAssignment(Problem):
     def answer_from_json(self, data: Any) -> Assignment:
         pairs = data.get("bin_of_robot") if isinstance(data, Mapping) and data.get("kind") == "bin-assignment" else None
         if not isinstance(pairs, Mapping):
-            raise InputError("not an answer to a bin-assignment problem", expected='{"kind": "bin-assignment", "bin_of_robot": {ROBOT: BIN}}')
+            raise InputError(
+                "not an answer to a bin-assignment problem", expected='{"kind": "bin-assignment", "bin_of_robot": {ROBOT: BIN}}'
+            )
         return self._numbered([(robot, name, None) for robot, name in pairs.items()])
 
     def _numbered(self, pairs: list[tuple[Any, Any, int | None]]) -> Assignment:
@@ -285,7 +294,9 @@ class BinAssignment(Problem):
 
     def answer_from_text(self, text: str) -> tuple[Assignment, None]:
         """Inverse of ``answer_to_text``."""
-        rows = [(k, [cell.strip() for cell in row]) for k, row in enumerate(csv.reader(text.split("\n")), start=1) if any(map(str.strip, row))]
+        rows = [
+            (k, [cell.strip() for cell in row]) for k, row in enumerate(csv.reader(text.split("\n")), start=1) if any(map(str.strip, row))
+        ]
         if not rows or rows[0][1] != ["robot", "bin"]:
             raise InputError("is no assignment", line=1, expected="the titles robot,bin", found=text.split("\n")[0][:40])
         for k, row in rows[1:]:
@@ -304,14 +315,19 @@ class BinAssignment(Problem):
         return f"<BinAssignment {self.name}: {self.num_robots} robots, {self.num_bins} bins, {len(self.bins)} pairs, {self.objective}>"
 
 
-@PROBLEMS.register("bin-assignment")
 def make(instance: Any, name: str, settings: dict[str, Any]) -> BinAssignment:
-    """The problem of an instance; settings ``objective``, ``match``, ``waiting``."""
+    """The problem of an instance, ``bottleneck-assignment`` with that objective; settings ``objective``, ``match``, ``waiting``."""
     if not isinstance(instance, AssignmentInstance):
         raise UsageError(f"{instance.name} holds no costs of robots and bins, so it cannot be read as {name}")
     if settings.pop("convention", None) not in (None, "exact"):
         raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
     given = {key: settings.pop(key) for key in SETTINGS if key in settings}
+    if name == "bottleneck-assignment" and given.setdefault("objective", "bottleneck") != "bottleneck":
+        raise UsageError(f"the objective of {name} is bottleneck; for sums ask for --problem bin-assignment")
     if settings:
         raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {', '.join(SETTINGS)}")
     return BinAssignment(instance, **given)
+
+
+for _name in ("bin-assignment", "bottleneck-assignment"):
+    PROBLEMS.add(_name, make)

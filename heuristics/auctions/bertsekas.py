@@ -61,7 +61,12 @@ def bertsekas(
     if problem.pairs > int((problem.largest >= 0).sum()):
         return Outcome(found.answer, statistics=statistics)
     value = problem.evaluate(found.answer).quantities["sum"]
-    return Outcome(found.answer, _guarantee(problem, value, found.epsilon, found.exact, epsilon), (found.evidence(problem, "auction prices"),), statistics)
+    return Outcome(
+        found.answer,
+        _guarantee(problem, value, found.epsilon, found.exact, epsilon),
+        (found.evidence(problem, "auction prices"),),
+        statistics,
+    )
 
 
 def _guarantee(problem: BinAssignment, value: float, epsilon: float, exact: bool, given: float | None) -> Guarantee | None:

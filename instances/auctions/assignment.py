@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
-PROBLEMS = ("bin-assignment",)
+PROBLEMS = ("bin-assignment", "bottleneck-assignment")
 """What may be asked of such data."""
 
 LARGEST = 1e150
@@ -114,7 +114,9 @@ class AssignmentInstance:
         bad = np.isnan(made)
         if bad.any():
             robot, column = np.argwhere(bad)[0].tolist()
-            raise InputError(f"the cost in row {robot}, column {column} is not a number", expected="a number, or infinity for a forbidden pair")
+            raise InputError(
+                f"the cost in row {robot}, column {column} is not a number", expected="a number, or infinity for a forbidden pair"
+            )
         indptr = np.zeros(len(made) + 1, dtype=np.int64)
         np.cumsum(kept.sum(axis=1), out=indptr[1:])
         return cls(*made.shape, indptr, np.nonzero(kept)[1], made[kept], **further)  # type: ignore[arg-type]
@@ -169,7 +171,9 @@ class AssignmentInstance:
         for what, count in (("robots", n), ("bins", m)):
             arrays.refuse_unused(what, count, len(bins), "pairs")
         if len(indptr) != n + 1 or cost.shape != bins.shape:
-            raise InputError("indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {len(bins)}, {cost.size}")
+            raise InputError(
+                "indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {len(bins)}, {cost.size}"
+            )
         arrays.check_csr(indptr, bins, m, "robot", "bin", "pairs")
         for key, values in (("indptr", indptr), ("bins", bins), ("cost", cost)):
             object.__setattr__(self, key, arrays.frozen(values))
@@ -189,7 +193,9 @@ class AssignmentInstance:
             late = ~((filled >= 0) & ((filled <= LARGEST) | (filled == math.inf)))
             if late.any():
                 k = int(np.argmax(late))
-                raise InputError(f"the time until {self.bin_name(k)} is full must be from 0 to {LARGEST:g}, or infinite", found=str(filled[k]))
+                raise InputError(
+                    f"the time until {self.bin_name(k)} is full must be from 0 to {LARGEST:g}, or infinite", found=str(filled[k])
+                )
             object.__setattr__(self, "filled", arrays.frozen(filled))
 
     # -- lookups -----------------------------------------------------------------------------------------------------

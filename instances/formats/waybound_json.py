@@ -54,7 +54,8 @@ FORMATS.add(
     Format(
         "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",), "",
         ("tsp", "cvrp", "vrptw", "min-cost-vrp", "bottleneck", "bottleneck-lp", "winner-takes-all", "selection", "max-min-lp",
-         "risk-allocation", "risky-path", "uncertain-path", "bin-assignment", "task-allocation", "balanced-partition", "orchard-day"),
+         "risk-allocation", "risky-path", "uncertain-path", "bin-assignment", "bottleneck-assignment", "task-allocation",
+         "balanced-partition", "orchard-day"),
         "exact", sense="of the problem", answer="of the problem", kinds=(),
     ),
 )  # fmt: skip

@@ -49,6 +49,7 @@ FILES = {
     "rewards.json": ("risky-grid", "rows=20", "columns=20", "rewards=200"),
     "roadmap.json": ("prm-graph", "vertices=3000"),
     "pairs.json": ("assignment", "robots=2000", "bins=2000", "costs=euclidean"),
+    "largest.json": ("assignment", "robots=2000", "bins=2000"),
     "plan.json": ("risk-allocation", "family=corridor", "steps=100", "constraints=4"),
     "joint-plan.json": ("risk-allocation", "family=corridor", "steps=15", "constraints=4", "risk=joint"),
     "obstacles.json": ("risk-allocation", "family=obstacles", "steps=12"),
@@ -63,7 +64,10 @@ def outing(instance: Any) -> Any:
     return replace(instance, objective=("reward",), sites=sites, fleet=(replace(instance.fleet[0], max_distance=300.0),))
 
 
-CHANGED = {"even.json": lambda instance: replace(instance, objective=("longest-route",)), "outing.json": outing}
+CHANGED = {
+    "even.json": lambda instance: replace(instance, objective=("longest-route",)), "outing.json": outing,
+    "largest.json": lambda instance: replace(instance, problem="bottleneck-assignment"),
+}  # fmt: skip
 
 SOLVED = {
     "cpsat": "routes.txt", "highs": "routes.txt", "scip": "routes.txt", "mathopt": "routes.txt", "mathopt:gscip": "knapsack.json",

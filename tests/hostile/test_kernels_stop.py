@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from programs import AnsweredBy
 
+from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.risk.risk_allocation import RiskAllocation

@@ -20,9 +20,9 @@ Floats = NDArray[np.float64]
 def build(problem: BinAssignment) -> Compiled:
     """Robot i is sent to bin j (x_ij), K pairs in all; l is the least of all costs, t by how much the largest is more::
 
-        min  l + t,   x binary,   t >= 0
-        cost[i]    sum_j (c_ij - l) x_ij <= t
-        robot[i], bin[j], pairs as in ``bipartite``
+    min  l + t,   x binary,   t >= 0
+    cost[i]    sum_j (c_ij - l) x_ij <= t
+    robot[i], bin[j], pairs as in ``bipartite``
     """
     n, size = problem.num_robots, len(problem.bins)
     low = float(problem.cost.min(initial=np.inf)) if size else 0.0

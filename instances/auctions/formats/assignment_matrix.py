@@ -63,8 +63,14 @@ def read(text: str, path: Path) -> AssignmentInstance:
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, AssignmentInstance):
-        raise UsageError(f"{getattr(instance, 'name', 'this')} has no costs of robots and bins and cannot be written as assignment-matrix; use json")
-    for what, held in (("times of being filled", instance.filled), ("positions", instance.robot_positions), ("positions", instance.bin_positions)):
+        raise UsageError(
+            f"{getattr(instance, 'name', 'this')} has no costs of robots and bins and cannot be written as assignment-matrix; use json"
+        )
+    for what, held in (
+        ("times of being filled", instance.filled),
+        ("positions", instance.robot_positions),
+        ("positions", instance.bin_positions),
+    ):
         if held is not None:
             raise UsageError(f"{instance.name} cannot be written as assignment-matrix, which has no place for {what}; use json")
     rows = (

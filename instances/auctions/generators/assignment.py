@@ -24,7 +24,9 @@ COSTS = ("uniform", "whole", "euclidean", "orchard")
 SETTINGS = {
     "robots": Setting(10, "number of robots", least=1, most=200_000),
     "bins": Setting(10, "number of bins", least=1, most=200_000),
-    "costs": Setting("uniform", "uniform in [0, 1), whole from 0, distances in a unit square, or times of travel in an orchard", choices=COSTS),
+    "costs": Setting(
+        "uniform", "uniform in [0, 1), whole from 0, distances in a unit square, or times of travel in an orchard", choices=COSTS
+    ),
     "largest": Setting(1000, "largest of the whole costs", least=0, most=1_000_000_000),
     "arcs": Setting(0, "bins that each robot may be sent to, drawn at random; 0 for all of them", least=0, most=200_000),
     "rows": Setting(10, "lanes of the orchard", least=1, most=1000),
@@ -61,7 +63,9 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> AssignmentInstance:
     elif kind == "euclidean":
         places = [draw.uniform(0.0, 1.0, (n, 2)), draw.uniform(0.0, 1.0, (m, 2))]
     if kind in ("orchard", "euclidean"):
-        further |= {key: points[:, ::-1].astype(np.float64) for key, points in zip(("robot_positions", "bin_positions"), places, strict=True)}
+        further |= {
+            key: points[:, ::-1].astype(np.float64) for key, points in zip(("robot_positions", "bin_positions"), places, strict=True)
+        }
     robots, bins = _pairs(draw, n, m, arcs)
     if kind == "orchard":
         cost = np.ceil(np.concatenate([orchard_distance(places[0][i : i + 1], places[1], columns)[0] for i in range(n)]) / 2.0)
@@ -88,4 +92,6 @@ def _pairs(draw: Draw, n: int, m: int, arcs: int) -> tuple[Integers, Integers]:
     return keys // m, keys % m
 
 
-GENERATORS.add("assignment", Generator("assignment", "robots and bins with random costs (assignment problems, bin auctions)", SETTINGS, make))
+GENERATORS.add(
+    "assignment", Generator("assignment", "robots and bins with random costs (assignment problems, bin auctions)", SETTINGS, make)
+)

@@ -46,7 +46,9 @@ def decode(data: dict[str, Any]) -> AssignmentInstance:
         raise InputError("problem is none of assignments", expected=", ".join(PROBLEMS), found=problem)
     if ("cost" in data) == ("pairs" in data):
         raise InputError("costs stand in one of two ways", expected="the key 'cost', a matrix, or the key 'pairs'")
-    further: dict[str, Any] = {"name": string(data["name"], "name"), "format": "json", "notes": strings(data.get("notes", []), "notes")}
+    further: dict[str, Any] = {
+        "name": string(data["name"], "name"), "format": "json", "problem": problem, "notes": strings(data.get("notes", []), "notes"),
+    }  # fmt: skip
     counts = []
     for what, key, known in (("robot", "robots", ROBOT_KEYS), ("bin", "bins", BIN_KEYS)):
         part = fields(data[key], key, known, ("count",))

@@ -69,7 +69,8 @@ def test_by_default_other_costs_are_proved_to_nine_digits() -> None:
     ("options", "message"),
     [
         ({"epsilon": 0}, "epsilon must be a number above 0, not 0"), ({"epsilon": -1.0}, "epsilon must be a number above 0"),
-        ({"epsilon": float("nan")}, "epsilon must be"), ({"epsilon": "small"}, "epsilon must be"), ({"factor": 1.0}, "factor must be a number above 1"),
+        ({"epsilon": float("nan")}, "epsilon must be"), ({"epsilon": "small"}, "epsilon must be"),
+        ({"factor": 1.0}, "factor must be a number above 1"),
         ({"scaling": 3}, "scaling must be true or false"),
     ],
 )  # fmt: skip

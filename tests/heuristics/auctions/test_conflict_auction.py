@@ -92,7 +92,11 @@ def test_its_ratio_is_attained_on_a_line_in_as_many_rounds_as_robots() -> None:
         found = run(case.problem)
         assert greedy_ratio(2**doublings) == pytest.approx(ratio, rel=1e-12)
         assert case.problem.evaluate(found.answer).values[0] / case.optimum.value == pytest.approx(ratio, rel=1e-9)
-        assert found.statistics["rounds"] == 2**doublings and found.guarantee is not None and found.guarantee.ratio == greedy_ratio(2**doublings)
+        assert (
+            found.statistics["rounds"] == 2**doublings
+            and found.guarantee is not None
+            and found.guarantee.ratio == greedy_ratio(2**doublings)
+        )
     assert [value(greedy_line(k, 1e-7).problem) for k in range(6)] == pytest.approx([1, 4, 14, 46, 146, 454], rel=1e-5)
     assert all(value(serial_line(n).problem) == 1.0 for n in range(1, 9))
 
@@ -121,7 +125,9 @@ def test_average_ratios_are_those_of_simulation() -> None:
         for _ in range(draws(500)):
             problem = BinAssignment.from_matrix(rng.random((n, n)))
             ratios.append([value(problem) / run_optimum(problem), serial_value(problem) / run_optimum(problem)])
-        assert np.mean(ratios, axis=0) == pytest.approx([deferred, serial], abs=4.0 * float(np.std(ratios, axis=0).max()) / math.sqrt(len(ratios)))
+        assert np.mean(ratios, axis=0) == pytest.approx(
+            [deferred, serial], abs=4.0 * float(np.std(ratios, axis=0).max()) / math.sqrt(len(ratios))
+        )
 
 
 def serial_value(problem: BinAssignment) -> float:

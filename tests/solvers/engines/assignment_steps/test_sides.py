@@ -26,7 +26,10 @@ def test_both_halves_are_kept_apart_and_a_level_makes_one_proof_of_them() -> Non
     """Two robots for one bin, and a robot that may be sent there too, but has two bins of its own."""
     problem = BinAssignment.from_matrix([[4.0, INF, INF], [3.0, INF, INF], [1.0, 5.0, 7.0]])
     parts = sides(problem)
-    assert [(p.rows_are_robots, p.row_numbers.tolist(), p.column_numbers.tolist()) for p in parts] == [(True, [2], [1, 2]), (False, [0], [0, 1])]
+    assert [(p.rows_are_robots, p.row_numbers.tolist(), p.column_numbers.tolist()) for p in parts] == [
+        (True, [2], [1, 2]),
+        (False, [0], [0, 1]),
+    ]
     made = auction(problem, NEVER)
     assert made.answer == (-1, 0, 1) and split(problem, parts, made.answer)[1].tolist() == [1]
     assert joined(problem, parts, split(problem, parts, made.answer)) == made.answer
