@@ -63,6 +63,7 @@ def test_every_format_recognises_what_it_writes_and_nothing_else_does() -> None:
     written["uncertain-edges"] = "# start: a\n# goal: b\nfrom,to,mean,variance\na,b,1,1\n"
     written["assignment-pairs"] = "robot,bin,cost\na,b,1\n"
     written["assignment-matrix"] = "robot/bin,left,right\na,1,2\n"
+    written["robot-tasks"] = "role,x,y\nrobot,0,0\ntask,1,1\n"
     written["risk-map"] = "# risk map\n# conditional: yes\n# length: 0.1\nS.G\n"
     written["risk-states"] = "# conditional: yes\n# reach: 2\n# start: a\nstate,easting,northing,risk\na,0,0,0.1\nb,1,0,0.2\n"
     written |= {name: "\n".join(BASES[name]) for name in FORMATS if name in BASES}

@@ -77,6 +77,8 @@ def single_moves(
             return Descent(_tuples(now), tuple(moves), stop.reached() or "moves")
         offers = []
         for task in now[high]:
+            if stop.reached():
+                return Descent(_tuples(now), tuple(moves), stop.reached())
             less, more = cost([t for t in now[high] if t != task]), cost([*now[low], task])
             change = less - more if signed else abs(less - more)
             if change < apart - tolerance:

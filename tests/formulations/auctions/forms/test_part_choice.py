@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
+from program_text import expected, program_text
 from task_problems import best_partition_value, drawn, parts
 
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound.formulations.problem import problem_from_instance
 from waybound.instances.errors import InputError, UnsupportedError
+from waybound.instances.reading import read_instance
 from waybound.solvers.backend import Control, Options, solver_named
 
 KINDS = list(itertools.product(("min-max", "min-difference"), ("clique", "none")))
@@ -45,3 +49,30 @@ def test_trees_are_not_its_matter_and_no_partition_is_no_point():
         parts([0, 1, 2]).compile("part-choice")
     with pytest.raises(InputError, match="nobody does task 3"):
         parts([0, 1, 2], edges="none").compile().encode(((0,), (1,)))
+
+
+def test_part_choice_from_text_to_text(tmp_path: Path) -> None:
+    """Two tasks in two parts, their pair of distance 2, and costs in parts of the largest weight, 4."""
+    (tmp_path / "t.csv").write_text("role,name,x,y,weight\nrobot,r,0,0,\nrobot,s,9,0,\ntask,a,0,0,4\ntask,b,2,0,-1\n")
+    instance = read_instance(tmp_path / "t.csv")
+    problem = problem_from_instance(instance, "balanced-partition", edges="clique", objective="min-difference")
+    assert program_text(problem.compile("part-choice").program) == expected(
+        """
+        min 4 t - 4 s
+        share[a]: y[a,r] + y[a,s] = 1
+        share[b]: y[b,r] + y[b,s] = 1
+        most[r]: y[a,r] - 0.25 y[b,r] + 0.5 z[a,b,r] - t <= 0
+        most[s]: y[a,s] - 0.25 y[b,s] + 0.5 z[a,b,s] - t <= 0
+        pair[a,b,r]: y[a,r] + y[b,r] - z[a,b,r] <= 1
+        pair[a,b,s]: y[a,s] + y[b,s] - z[a,b,s] <= 1
+        least[r]: y[a,r] - 0.25 y[b,r] + 0.5 z[a,b,r] - s >= 0
+        least[s]: y[a,s] - 0.25 y[b,s] + 0.5 z[a,b,s] - s >= 0
+        first[a,b,r]: - y[a,r] + z[a,b,r] <= 0
+        first[a,b,s]: - y[a,s] + z[a,b,s] <= 0
+        second[a,b,r]: - y[b,r] + z[a,b,r] <= 0
+        second[a,b,s]: - y[b,s] + z[a,b,s] <= 0
+        y[a,r], y[a,s], y[b,r], y[b,s] binary
+        0 <= z[a,b,r], z[a,b,s] <= 1
+        -0.25 <= t, s <= 1.5
+        """
+    )

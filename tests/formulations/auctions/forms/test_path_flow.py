@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from program_text import expected, written
 from task_problems import OBJECTIVES, all_paths, best_paths_value, drawn, line
 
 from waybound.formulations.auctions.task_allocation import TaskAllocation
@@ -54,3 +57,40 @@ def test_tasks_all_in_one_place_are_a_program_too():
         made = line([0, 0], [0, 0], objective).compile()
         found = solver_named("highs").run(made.program, Options(time_limit=20.0), Control())
         assert made.problem.evaluate(made.decode(found.answer)).values == (0.0,)
+
+
+TEAM = """
+    role,name,x,y
+    robot,r,0,0
+    robot,s,9,0
+    task,a,4,0
+    task,b,4,3
+"""
+
+
+def test_path_flow_from_text_to_text(tmp_path: Path) -> None:
+    """Arcs from both robots and between both tasks, with as much flow as tasks are still to come."""
+    assert written(TEAM, "path-flow", tmp_path) == expected(
+        """
+        path-flow, exact
+        min 4 x[robot r,task a] + 5 x[robot r,task b] + 5 x[robot s,task a] + 5.83095 x[robot s,task b] + 3 x[task a,task b] + 3
+            x[task b,task a]
+        enter[task a]: x[robot r,task a] + x[robot s,task a] + x[task b,task a] = 1
+        enter[task b]: x[robot r,task b] + x[robot s,task b] + x[task a,task b] = 1
+        leave[robot r]: x[robot r,task a] + x[robot r,task b] <= 1
+        leave[robot s]: x[robot s,task a] + x[robot s,task b] <= 1
+        leave[task a]: x[task a,task b] <= 1
+        leave[task b]: x[task b,task a] <= 1
+        flow[task a]: f[robot r,task a] + f[robot s,task a] - f[task a,task b] + f[task b,task a] = 1
+        flow[task b]: f[robot r,task b] + f[robot s,task b] + f[task a,task b] - f[task b,task a] = 1
+        link[robot r,task a]: - 2 x[robot r,task a] + f[robot r,task a] <= 0
+        link[robot r,task b]: - 2 x[robot r,task b] + f[robot r,task b] <= 0
+        link[robot s,task a]: - 2 x[robot s,task a] + f[robot s,task a] <= 0
+        link[robot s,task b]: - 2 x[robot s,task b] + f[robot s,task b] <= 0
+        link[task a,task b]: - x[task a,task b] + f[task a,task b] <= 0
+        link[task b,task a]: - x[task b,task a] + f[task b,task a] <= 0
+        x[robot r,task a], x[robot r,task b], x[robot s,task a], x[robot s,task b], x[task a,task b], x[task b,task a] binary
+        0 <= f[robot r,task a], f[robot r,task b], f[robot s,task a], f[robot s,task b] <= 2
+        0 <= f[task a,task b], f[task b,task a] <= 1
+        """
+    )
