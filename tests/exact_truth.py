@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from exact_simplex import Tableau, bounded
 
+from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
@@ -41,6 +43,10 @@ def truth(problem: Problem) -> Truth:
         return SharesTruth(problem)
     if isinstance(problem, RiskyPath):
         return PathTruth(problem)
+    if isinstance(problem, TaskAllocation):
+        return TaskTruth(problem)
+    if isinstance(problem, BalancedPartition):
+        return PartTruth(problem)
     return ProgramTruth(problem)
 
 
@@ -133,6 +139,77 @@ class PathTruth(Truth):
         told += [self.risks.get(three, Fraction(0)) for three in zip(answer, answer[1:], answer[2:], strict=False)]
         failing = 1 - math.prod(1 - risk for risk in told)
         return None if failing == 1 else (Fraction(-math.log1p(-float(failing))),)
+
+
+class TaskTruth(Truth):
+    """All ways to lengthen the path of some robot by some task that is left."""
+
+    def __init__(self, problem: TaskAllocation) -> None:
+        super().__init__(("min",))
+        self.robots, self.tasks, self.objective = problem.num_robots, problem.num_tasks, problem.objective
+        self.away = [[Fraction(float(v)) for v in row] for row in problem.instance.distances.tolist()]
+        self.lengthen(((),) * self.robots, 0)
+
+    def lengthen(self, paths: tuple[tuple[int, ...], ...], robot: int) -> None:
+        """Robots before ``robot`` have their whole paths."""
+        left = [task for task in range(self.tasks) if not any(task in path for path in paths)]
+        if not left:
+            self.meet(self.worth(paths), True, paths)
+            return
+        for task in left:
+            self.lengthen((*paths[:robot], (*paths[robot], task), *paths[robot + 1 :]), robot)
+        if robot + 1 < self.robots:
+            self.lengthen(paths, robot + 1)
+
+    def worth(self, paths: Any) -> Values:
+        legs = [
+            [self.away[self.robots + path[k - 1] if k else robot][task] for k, task in enumerate(path)] for robot, path in enumerate(paths)
+        ]
+        if self.objective == "mini-ave":
+            return (sum((leg * (len(own) - k) for own in legs for k, leg in enumerate(own)), Fraction(0)) / self.tasks,)
+        lengths = [sum(own, Fraction(0)) for own in legs]
+        return (max(lengths) if self.objective == "mini-max" else sum(lengths, Fraction(0)),)
+
+    def value(self, answer: Any) -> Values | None:
+        return self.worth(answer) if sorted(t for path in answer for t in path) == list(range(self.tasks)) else None
+
+
+class PartTruth(Truth):
+    """All ways to put one task after the other into a part."""
+
+    def __init__(self, problem: BalancedPartition) -> None:
+        super().__init__(("min",))
+        self.parts_, self.tasks, self.spread, self.edges = (
+            problem.num_robots,
+            problem.num_tasks,
+            problem.objective != "min-max",
+            problem.edges,
+        )
+        self.weight = [Fraction(float(w)) for w in problem.weights]
+        self.away = [[Fraction(float(v)) for v in row] for row in problem.instance.between.tolist()]
+        self.mixed = True
+        for owners in itertools.product(range(self.parts_), repeat=self.tasks):
+            answer = tuple(tuple(task for task, owner in enumerate(owners) if owner == part) for part in range(self.parts_))
+            self.meet(self.worth(answer), True, answer)
+
+    def cost(self, part: tuple[int, ...]) -> Fraction:
+        total, pairs = sum((self.weight[t] for t in part), Fraction(0)), itertools.combinations(part, 2)
+        if self.edges == "clique":
+            return total + sum((self.away[a][b] for a, b in pairs), Fraction(0))
+        joined: list[set[int]] = [{t} for t in part]
+        for a, b in sorted(pairs, key=lambda pair: self.away[pair[0]][pair[1]]) if self.edges == "mst" else ():
+            one, other = (next(group for group in joined if t in group) for t in (a, b))
+            if one is not other:
+                total += self.away[a][b]
+                joined = [group for group in joined if group is not one and group is not other] + [one | other]
+        return total
+
+    def worth(self, answer: Any) -> Values:
+        costs = [self.cost(part) for part in answer]
+        return (max(costs) - (min(costs) if self.spread else 0),)
+
+    def value(self, answer: Any) -> Values | None:
+        return self.worth(answer) if sorted(t for part in answer for t in part) == list(range(self.tasks)) else None
 
 
 class BottleneckTruth(Truth):

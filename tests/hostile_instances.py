@@ -17,6 +17,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
@@ -29,6 +32,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import InputError
+from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
 from waybound.instances.risk.elements import LocaleRisk, MoveRisk
 from waybound.instances.risk.gaussian import Quantities
@@ -396,6 +400,30 @@ def risk_allocation(rng: Rng, units: Units) -> RiskAllocation:
     return RiskAllocation(instance)
 
 
+def bin_assignment(rng: Rng, units: Units) -> BinAssignment:
+    """Costs of one style, pairs forbidden or not, sums and bottlenecks."""
+    n, m = (int(k) for k in rng.integers(1, 6, 2))
+    costs = numbers(rng, (n, m), style(rng)) * units.cost
+    costs[rng.random((n, m)) < float(rng.choice([0.0, 0.3, 0.7]))] = math.inf
+    return BinAssignment.from_matrix(costs, objective=str(rng.choice(["sum", "bottleneck"])), name="drawn")
+
+
+def team(rng: Rng, units: Units) -> RobotTasks:
+    """Robots and tasks with any distances, weights among them, both in units of ``weight``."""
+    robots, tasks = (int(v) for v in rng.integers(1, 5, 2))
+    starts, between, weights = (numbers(rng, size, style(rng)) for size in ((robots, tasks), (tasks, tasks), tasks))
+    between = np.triu(between, 1) + np.triu(between, 1).T
+    return RobotTasks.of_distances(starts * units.weight, between * units.weight, weights=weights * units.weight, name="drawn")
+
+
+def task_allocation(rng: Rng, units: Units) -> TaskAllocation:
+    return TaskAllocation(team(rng, units), str(rng.choice(["mini-sum", "mini-max", "mini-ave"])))
+
+
+def balanced_partition(rng: Rng, units: Units) -> BalancedPartition:
+    return BalancedPartition(team(rng, units), str(rng.choice(["min-max", "min-difference"])), str(rng.choice(["mst", "clique", "none"])))
+
+
 FAMILIES: dict[str, Callable[[Rng, Units], Problem]] = {
     "routing": routing,
     "bottleneck": lambda rng, units: BottleneckSATA(graph(rng, units)),
@@ -412,5 +440,8 @@ UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
     "uncertain-path": uncertain_path,
     "risky-path": risky_path,
     "risk-allocation": risk_allocation,
+    "bin-assignment": bin_assignment,
+    "task-allocation": task_allocation,
+    "balanced-partition": balanced_partition,
 }
-"""The same, with values that are no fractions: exact arithmetic has no say on them."""
+"""The same, with values that are no fractions, or of which exact arithmetic tells nothing that the tests of their room do not."""

@@ -15,6 +15,10 @@ from .formulations import plotting
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
+    from .formulations.auctions.balanced_partition import BalancedPartition
+    from .formulations.auctions.bin_assignment import BinAssignment
+    from .formulations.auctions.orchard_day import OrchardDay
+    from .formulations.auctions.task_allocation import TaskAllocation
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
     from .formulations.evidence import Evidence, Guarantee
@@ -59,6 +63,9 @@ if TYPE_CHECKING:
     from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
+    from .instances.auctions.assignment import AssignmentInstance
+    from .instances.auctions.orchard_jobs import OrchardJobs
+    from .instances.auctions.robot_tasks import RobotTasks
     from .instances.errors import (
         CheckFailedError,
         InputError,
@@ -84,6 +91,10 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "api": ("bound", "check", "explain", "generate", "read"),
+    "formulations.auctions.balanced_partition": ("BalancedPartition",),
+    "formulations.auctions.task_allocation": ("TaskAllocation",),
+    "formulations.auctions.bin_assignment": ("BinAssignment",),
+    "formulations.auctions.orchard_day": ("OrchardDay",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
@@ -128,6 +139,8 @@ _MODULES = {
     "formulations.selection.selections": ("Selection",),
     "formulations.solution": ("Solution",),
     "heuristics.selection.submodularity": ("check_submodular",),
+    "instances.auctions.robot_tasks": ("RobotTasks",),
+    "instances.auctions.assignment": ("AssignmentInstance",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",
@@ -137,6 +150,7 @@ _MODULES = {
         "UsageError",
         "WayboundError",
     ),
+    "instances.auctions.orchard_jobs": ("OrchardJobs",),
     "instances.risk.uncertain_graph": ("UncertainGraph",),
     "instances.risk.risky_graph": ("RiskyGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
@@ -156,6 +170,9 @@ _TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
 
 __all__ = [
     "Allocation",
+    "AssignmentInstance",
+    "BalancedPartition",
+    "BinAssignment",
     "BottleneckSATA",
     "Cardinality",
     "Certificate",
@@ -181,6 +198,8 @@ __all__ = [
     "MissingPackageError",
     "NoAnswerError",
     "Objective",
+    "OrchardDay",
+    "OrchardJobs",
     "PartitionMatroid",
     "Penalties",
     "Problem",
@@ -189,6 +208,7 @@ __all__ = [
     "RiskAllocation",
     "RiskyGraph",
     "RiskyPath",
+    "RobotTasks",
     "Route",
     "Routes",
     "RoutingInstance",
@@ -201,6 +221,7 @@ __all__ = [
     "Sites",
     "Solution",
     "SubmodularSelection",
+    "TaskAllocation",
     "TotalCost",
     "TotalDuration",
     "Travel",

@@ -13,6 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.arrays.problem import ArrayProblem
+from ...formulations.auctions.balanced_partition import OBJECTIVES as PARTS
+from ...formulations.auctions.balanced_partition import BalancedPartition
+from ...formulations.auctions.task_allocation import OBJECTIVES as PATHS
+from ...formulations.auctions.task_allocation import TaskAllocation
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
@@ -21,6 +25,7 @@ from ...formulations.risk.risky_path import RiskyPath
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...instances.auctions.robot_tasks import RobotTasks
 from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.risk.risky_graph import RiskyGraph
 from ...instances.routing.instance import Sites, VehicleType
@@ -351,11 +356,37 @@ def squares(rng: Generator) -> Problem:
     return ArrayProblem(_arrays(sense, columns, found.matrix.toarray(), found.row_lower, found.row_upper, found.offset, curved))
 
 
+# -- robots and tasks ------------------------------------------------------------------------------------------------
+
+
+def _team(rng: Generator) -> RobotTasks:
+    """Whole distances of one of a few sizes, all alike now and then; weights of both signs."""
+    robots, tasks = int(rng.integers(1, 4)), int(rng.integers(1, 5))
+    unit = float(rng.choice([1.0, 1.0, TINY, HUGE]))
+    high = 1 if rng.random() < 0.2 else 99
+    between = np.triu(whole(rng, (tasks, tasks), 1, high), 1)
+    weight = whole(rng, tasks, -9, 20) * unit
+    return RobotTasks.of_distances(
+        whole(rng, (robots, tasks), 0, high) * unit, (between + between.T) * unit, weights=weight, name="battery"
+    )
+
+
+def task_paths(rng: Generator) -> Problem:
+    """Open paths of a few robots through a few tasks: their sum, the longest, or the mean way."""
+    return TaskAllocation(_team(rng), PATHS[int(rng.integers(len(PATHS)))])
+
+
+def task_parts(rng: Generator) -> Problem:
+    """Partitions whose largest part, or spread, is least, with pairs that cost or weights alone."""
+    return BalancedPartition(_team(rng), PARTS[int(rng.integers(len(PARTS)))], "clique" if rng.random() < 0.7 else "none")
+
+
 KINDS: dict[str, Draw] = {
     draw.__name__.replace("_", "-"): draw
     for draw in (
         time_windows, linear, bottleneck, selection, tight_windows, mixed_integer, huge_times, products, equal_distances, packing_covering,
         fleets, integer, no_routes, winner_takes_all, tiny_times, unbounded, unlimited_limits, bottleneck_shares, squares, risky_paths,
+        task_paths, task_parts,
     )
 }  # fmt: skip
 """By name, in the order in which they take turns."""

@@ -14,6 +14,8 @@ from fractions import Fraction
 from typing import Any
 
 from ...formulations.arrays.problem import ArrayProblem
+from ...formulations.auctions.balanced_partition import BalancedPartition
+from ...formulations.auctions.task_allocation import TaskAllocation
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
@@ -53,6 +55,10 @@ def truth(problem: Problem) -> Truth:
         return max_min_truth(problem)
     if isinstance(problem, RiskyPath):
         return _best("min", path_hazards(problem))
+    if isinstance(problem, TaskAllocation):
+        return _best("min", path_values(problem))
+    if isinstance(problem, BalancedPartition):
+        return _best("min", part_values(problem))
     if isinstance(problem, ArrayProblem):
         return program_truth(problem.program)
     raise NotImplementedError(f"nothing enumerates {problem.problem} problems")
@@ -217,6 +223,42 @@ def path_hazards(problem: RiskyPath) -> Iterator[Fraction]:
                 left = survives * places[to] * moves.get((-1, at, to), ONE) * moves.get((before, at, to), ONE)
                 if left:
                     begun.append(((*path, to), left))
+
+
+# -- robots and tasks ------------------------------------------------------------------------------------------------
+
+
+def path_values(problem: TaskAllocation) -> Iterator[Fraction]:
+    """Objective of every way to do all tasks: each order of them, cut into one path a robot."""
+    robots, tasks = problem.num_robots, problem.num_tasks
+    away = _fractions(problem.instance.distances.tolist())
+    for order in itertools.permutations(range(tasks)):
+        for cuts in itertools.combinations_with_replacement(range(tasks + 1), robots - 1):
+            ways: list[Fraction] = []
+            lengths = []
+            for robot, (first, last) in enumerate(itertools.pairwise((0, *cuts, tasks))):
+                at, way = robot, ZERO
+                for task in order[first:last]:
+                    way += away[at][task]
+                    ways.append(way)
+                    at = robots + task
+                lengths.append(way)
+            yield {"mini-sum": sum(lengths, ZERO), "mini-max": max(lengths), "mini-ave": sum(ways, ZERO) / tasks}[problem.objective]
+
+
+def part_values(problem: BalancedPartition) -> Iterator[Fraction]:
+    """Objective of every partition whose parts cost weights, and all pairs or none."""
+    robots, tasks = problem.num_robots, problem.num_tasks
+    away, weight = _fractions(problem.instance.distances.tolist())[robots:], _fractions(problem.instance.weights.tolist())  # type: ignore[union-attr]
+    if problem.edges == "mst":
+        raise NotImplementedError("nothing enumerates partitions into trees")
+    for owners in itertools.product(range(robots), repeat=tasks):
+        costs = [ZERO] * robots
+        for a, owner in enumerate(owners):
+            costs[owner] += weight[a]
+            if problem.edges == "clique":
+                costs[owner] += sum((away[a][b] for b in range(a) if owners[b] == owner), ZERO)
+        yield max(costs) - (min(costs) if problem.objective == "min-difference" else ZERO)
 
 
 # -- programs --------------------------------------------------------------------------------------------------------

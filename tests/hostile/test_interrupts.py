@@ -50,6 +50,8 @@ FILES = {
     "map.json": ("risky-grid", "rows=60", "columns=60", "mud=0.3", "tether=true"),
     "rewards.json": ("risky-grid", "rows=20", "columns=20", "rewards=200"),
     "roadmap.json": ("prm-graph", "vertices=3000"),
+    "pairs.json": ("assignment", "robots=2000", "bins=2000", "costs=euclidean"),
+    "largest.json": ("assignment", "robots=2000", "bins=2000"),
     "plan.json": ("risk-allocation", "family=corridor", "steps=100", "constraints=4"),
     "joint-plan.json": ("risk-allocation", "family=corridor", "steps=15", "constraints=4", "risk=joint"),
     "obstacles.json": ("risk-allocation", "family=obstacles", "steps=12"),
@@ -68,6 +70,7 @@ CHANGED = {
     "even.json": lambda instance: replace(instance, objective=("longest-route",)), "outing.json": outing,
     "risks.json": lambda instance: replace(instance, team_risk=0.05),
     "careful.json": lambda instance: replace(instance, fleet=(replace(instance.fleet[0], risk=0.05),)),
+    "largest.json": lambda instance: replace(instance, problem="bottleneck-assignment"),
 }  # fmt: skip
 
 SOLVED = {
@@ -79,9 +82,11 @@ SOLVED = {
     "convex-allocation": "plan.json", "disjunctive-allocation": "obstacles.json", "exact-joint": "joint-plan.json",
     "non-dominated-paths": "roadmap.json", "supported-paths": "roadmap.json",
     "outer-approximation": "careful.json",
+    "lapjv": "pairs.json", "min-cost-flow": "pairs.json", "threshold-matching": "largest.json",
 }  # fmt: skip
 
 APPROXIMATED = {
+    "bertsekas": "pairs.json", "conflict-auction": "pairs.json", "online-greedy": "pairs.json",
     "additive-risk": "map.json", "cvar": "joint-plan.json", "iterative": "plan.json", "least-mean": "roadmap.json", "look-back": "map.json",
     "rags": "roadmap.json", "scenario": "joint-plan.json", "two-stage": "rewards.json",
     "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from programs import AnsweredBy
 
+from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.risk.risk_allocation import RiskAllocation
@@ -129,6 +130,12 @@ def large(kind: str, part: int = 1) -> Problem:
             return replace(made, travel=replace(made.travel, variances=np.full((of(200), of(200)), 1e6)))
         case "distances":
             return routing(of(6_000), max_distance=6e4)
+        case "pairs":
+            return BinAssignment(generate("assignment", 1, robots=of(3_000), bins=of(3_000), costs="euclidean"))
+        case "tasks":
+            return problem_from_instance(generate("robot-tasks", 1, robots=4, tasks=of(4_000)))
+        case "parts":
+            return problem_from_instance(generate("robot-tasks", 1, robots=4, tasks=of(2_000), problem="balanced-partition"))
         case "roadmap":
             return problem_from_instance(generate("prm-graph", 1, vertices=of(3_000)))
         case _:
@@ -137,12 +144,18 @@ def large(kind: str, part: int = 1) -> Problem:
 
 LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("additive-risk", "map", {}),
+    ("bertsekas", "pairs", {"epsilon": 1e-6, "scaling": False}),
+    ("conflict-auction", "pairs", {}),
+    ("online-greedy", "pairs", {}),
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),
     ("christofides", "tour", {}),
+    ("consensus-bundle", "tasks", {}),
     ("continuous-greedy", "winner-takes-all", {"steps": 100_000}),
     ("continuous-greedy", "cardinality", {"steps": 1_000_000}),
     ("cvar", "joint-plan", {"samples": 2_000}),
+    ("distributed-sampling", "parts", {"initial": "first"}),
+    ("fixed-order-auction", "tasks", {}),
     ("greedy", "winner-takes-all", {"evaluation": "plain"}),
     ("greedy", "winner-takes-all", {"evaluation": "incremental"}),
     ("greedy", "dense", {"evaluation": "plain"}),
@@ -163,6 +176,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),
     ("look-back", "map", {"steps": 3}),
     ("lp-rounding", "cardinality", {}),
+    ("parallel-auction", "tasks", {}),
     ("pure-greedy", "outing", {}),
     ("rags", "roadmap", {}),
     ("random", "winner-takes-all", {}),
@@ -172,6 +186,8 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("scenario", "joint-plan", {"confidence": 0.999999}),
     ("sequential-greedy", "winner-takes-all", {}),
     ("sequential-greedy", "user-groups", {}),
+    ("sequential-single-item", "tasks", {"paths": "optimal"}),
+    ("sequential-single-item", "tasks", {}),
     ("split", "distances", {}),
     ("split", "tour", {"tour": "nearest-neighbour"}),
     ("stochastic-greedy", "dense", {}),
@@ -228,7 +244,9 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
         tally["heuristics that were asked to stop"] += 1
 
 
-@pytest.mark.parametrize("kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp", "roadmap"])
+@pytest.mark.parametrize(
+    "kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp", "roadmap", "tasks", "parts"]
+)
 @pytest.mark.parametrize("name", sorted(BOUNDS))
 def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: Any) -> None:
     problem, method, rng = large(kind), BOUNDS[name], np.random.default_rng(8)

@@ -41,7 +41,7 @@ SOLVERS = {
     "highs": 100, "saddle": 100, "scip": 30, "cpsat": 30, "pulp": 20, "pulp:HiGHS": 5, "mathopt:highs": 5, "mathopt:gscip": 20,
     "mathopt:glop": 20, "mathopt:cp-sat": 10, "mathopt:pdlp": 10, "cvxpy": 2, "cvxpy:HIGHS": 2, "cvxpy:SCS": 2, "pyvrp": 30, "ortools": 10,
     "vroom": 10, "supported-paths": 100, "non-dominated-paths": 30, "risk-labels": 100, "path-enumeration": 30, "convex-allocation": 100,
-    "exact-joint": 10,
+    "exact-joint": 10, "lapjv": 100, "min-cost-flow": 10, "threshold-matching": 100,
 }  # fmt: skip
 """Solvers, and how many problems of each family they get."""
 
@@ -82,10 +82,14 @@ def _exact(problem: Problem) -> bool:
         data = [p.sites.demand, p.sites.ready, p.sites.due, p.sites.service, p.sites.reward, p.travel.distances, p.travel.durations]
     elif p.family == "uncertain-path":
         data = [p.graph.mean, p.graph.variance]
+    elif p.family == "bin-assignment":
+        data = [p.cost]
     elif p.family == "risky-path":
         data = [p.rewards]
     elif p.family == "risk-allocation":
         return True
+    elif p.family in ("task-allocation", "balanced-partition"):
+        data = [p.instance.distances, p.instance.weights]
     elif hasattr(p, "graph"):
         data = [p.graph.weights]
     elif hasattr(p, "packing"):
@@ -117,7 +121,7 @@ def _factors(problem: Problem, unit: Callable[[str], float]) -> list[float]:
         return [unit("weight") / unit("load") if problem.sense == "max" else unit("load") / unit("weight")]
     if problem.family == "risky-path":
         return [unit("reward") if problem.sense == "max" else 1.0]
-    return [unit("cost") if problem.family in ("arrays", "uncertain-path", "risk-allocation") else unit("weight")]
+    return [unit("cost") if problem.family in ("arrays", "uncertain-path", "risk-allocation", "bin-assignment") else unit("weight")]
 
 
 def listed(value: Any, factors: Iterable[float] = ()) -> list[float | None]:
@@ -270,7 +274,8 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
         "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
         "too-little-time": {"from": unit("time"), "until": unit("time")}, "all-paths": {"target": factor},
-        "path-potentials": {"potentials": factor},
+        "path-potentials": {"potentials": factor}, "task-forest": {"tasks": factor, "robots": factor},
+        "assignment-prices": {"prices": factor, "level": factor},
         "risk-allocation-duals": {
             "rows": factor / unit("budget"), "chance": factor / unit("weight"), "budgets": factor, "terms": factor / unit("distance"),
         },

@@ -37,7 +37,8 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
-from .. import random_sensing, risk_problems, risky_cases, sata_cases, selection_problems
+from .. import random_sensing, risk_problems, risky_cases, sata_cases, selection_problems, task_problems
+from ..bin_assignments import worked
 from ..programs import program
 from ..small_routing import small
 from ..uncertain_graphs import WORKED, all_paths, graph_of
@@ -176,6 +177,15 @@ def _uncertain_paths() -> list[Case]:
     return cases
 
 
+def _bins() -> list[Case]:
+    """A sum, a largest cost, robots and bins of which some are left over on both sides, and too few bins."""
+    cases = _cases_of(worked("O"), 4.0, [(1, 0), (0, 1)])
+    cases += _cases_of(worked("O", objective="bottleneck"), 2.0, [(1, 0), (0, 1)])
+    apart = wb.BinAssignment.from_matrix([[4.0, np.inf, np.inf], [3.0, np.inf, np.inf], [1.0, 5.0, 7.0]])
+    cases += _cases_of(apart, 8.0, [(-1, 0, 1), (0, -1, 2)])
+    return cases + _cases_of(wb.BinAssignment.from_matrix([[1.0], [2.0]], match="robots"), None, [(0, -1)])
+
+
 def _allocations() -> list[Case]:
     """Two margins that share a risk, the second dearer; as a cost and as a reward, and where no risk is enough."""
     worth = lambda first: float(-ndtri(first) - 3.0 * ndtri(0.1 - first))  # noqa: E731
@@ -196,9 +206,20 @@ def _risky() -> list[Case]:
     return cases
 
 
+def _tasks() -> list[Case]:
+    cases = []
+    for objective in task_problems.OBJECTIVES:
+        paths = task_problems.line([0, 10], [4, 6, 1, 9], objective)
+        best = task_problems.best_paths_value(paths.instance, objective)
+        cases += _cases_of(paths, best, [((2, 0), (1, 3)), paths.answer_at_hand()])
+    parts = task_problems.parts([0, 1, 2, 6, 7], weights=[1, 0, 2, 0, 1])
+    return cases + _cases_of(parts, task_problems.best_partition_value(parts), [((0, 1, 2), (3, 4)), parts.answer_at_hand()])
+
+
 @cache
 def pool() -> list[Case]:
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *_uncertain_paths(), *_allocations(), *_risky()]
+    of_risk = [*_uncertain_paths(), *_allocations(), *_risky()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *of_risk, *_bins(), *_tasks()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name

@@ -18,8 +18,8 @@ from waybound.instances.routing.reach import refuse_unreachable
 
 def test_the_recipes_are_known() -> None:
     assert set(GENERATORS) == {
-        "coverage", "prm-graph", "random", "raster-graph", "risk-allocation", "risky-grid", "sata", "sensing-geometric", "sensing-regular",
-        "sensing-ring", "solomon", "uchoa",
+        "assignment", "coverage", "orchard-day", "prm-graph", "random", "raster-graph", "risk-allocation", "risky-grid", "robot-tasks", "sata",
+        "sensing-geometric", "sensing-regular", "sensing-ring", "solomon", "uchoa",
     }  # fmt: skip
 
 
@@ -39,7 +39,12 @@ def test_text_dashes_and_underscores_are_taken() -> None:
 @pytest.mark.parametrize(
     ("kind", "seed", "given", "message"),
     [
-        ("sudoku", 1, {}, "unknown generator 'sudoku'; choose from coverage, prm-graph, random, raster-graph, risk-allocation, "),
+        (
+            "sudoku",
+            1,
+            {},
+            "unknown generator 'sudoku'; choose from assignment, coverage, orchard-day, prm-graph, random, raster-graph, ",
+        ),
         ("random", -1, {}, "the seed must be a whole number between 0 and 9223372036854775807, not -1"),
         ("random", True, {}, "the seed"),
         ("random", "x", {}, "the seed"),

@@ -24,7 +24,7 @@ def test_the_content_decides_and_not_the_name(tmp_path: Path) -> None:
 def test_a_format_can_be_forced(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="heading is missing"):
         read_instance(bundled_path("demo-x40"), format="solomon")
-    with pytest.raises(UsageError, match="unknown format 'excel'; choose from chao, cordeau, csv, edges, json, "):
+    with pytest.raises(UsageError, match="unknown format 'excel'; choose from assignment-matrix, assignment-pairs, chao, "):
         read_instance(tmp_path / "does-not-matter", format="excel")
 
 
@@ -61,6 +61,9 @@ def test_every_format_recognises_what_it_writes_and_nothing_else_does() -> None:
     written["vrplib"] = bundled_path("demo-x40").read_text()
     written["edges"] = bundled_path("figure-3-3").read_text()
     written["uncertain-edges"] = "# start: a\n# goal: b\nfrom,to,mean,variance\na,b,1,1\n"
+    written["assignment-pairs"] = "robot,bin,cost\na,b,1\n"
+    written["assignment-matrix"] = "robot/bin,left,right\na,1,2\n"
+    written["robot-tasks"] = "role,x,y\nrobot,0,0\ntask,1,1\n"
     written["risk-map"] = "# risk map\n# conditional: yes\n# length: 0.1\nS.G\n"
     written["risk-states"] = "# conditional: yes\n# reach: 2\n# start: a\nstate,easting,northing,risk\na,0,0,0.1\nb,1,0,0.2\n"
     written |= {name: "\n".join(BASES[name]) for name in FORMATS if name in BASES}

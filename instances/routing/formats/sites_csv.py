@@ -41,9 +41,9 @@ EXPRESSIBLE = frozenset(
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds the titles ``x`` and ``y``, or ``id``, among others."""
+    """Whether the first line that is no comment holds the titles ``x`` and ``y``, or ``id``, among others, and no roles."""
     titles = titles_of(text)
-    return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles)
+    return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles) and "role" not in titles
 
 
 def read(text: str, path: Path) -> RoutingInstance:

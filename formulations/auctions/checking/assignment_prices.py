@@ -1,0 +1,108 @@
+"""Evidence ``assignment-prices``: prices of bins, and a level of what a pair may cost, that bound the sum of an assignment's costs.
+
+With prices p, and K pairs asked for, n robots and m bins, every assignment of K pairs costs at least
+
+    sum_i min_j (c_ij + p_j) - sum_j p_j                                      where K = n
+    K s - sum_j p_j - sum_i max(0, max_j (s - p_j - c_ij))                    for any level s
+
+since it pays at most the prices of all bins. Prices are not negative, but where K = m, so that each is paid: then they are free.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...evidence import CHECKERS
+
+Floats = NDArray[np.float64]
+
+BLOCK = 1 << 20
+"""Pairs that are looked at together."""
+
+_LARGEST = 1e300
+
+
+@CHECKERS.register("assignment-prices")
+def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
+    """Lower bound on the sum of the costs that any prices prove.
+
+    Parameters
+    ----------
+    problem : BinAssignment
+    data : dict
+        ``prices``: one number a bin, negative ones counting as 0 unless every bin is asked for; ``level``: a number, 0 by default, not
+        needed where every robot is asked for.
+
+    Returns
+    -------
+    float
+        Every sum is rounded towards minus infinity, so that it holds at any scale of the data.
+
+    Raises
+    ------
+    InputError
+        If there is not one finite number a bin.
+
+    Notes
+    -----
+    Source: linear programming duality (Kuhn 1955; Bertsekas 1981); docs/formulations/bin-assignment.md#evidence.
+    """
+    if problem.family != "bin-assignment":
+        raise InputError("prices of bins are evidence for bin-assignment problems", found=problem.problem)
+    if problem.objective != "sum":
+        return -math.inf
+    given, level = data.get("prices"), data.get("level", 0.0)
+    if not isinstance(given, list) or len(given) != problem.num_bins or not all(map(_finite, given)) or not _finite(level):
+        raise InputError("evidence needs a list of prices, one finite number a bin", expected=str(problem.num_bins))
+    prices, asked = np.array(given, dtype=np.float64), problem.pairs
+    if asked != problem.num_bins:
+        prices = np.maximum(prices, 0.0)
+    least = _least_to_pay(problem.indptr, problem.bins, problem.cost, prices)
+    if asked == problem.num_robots:
+        return math.inf if np.isinf(least).any() else _sum_below([*least.tolist(), *(-prices).tolist()])
+    served = least[least < level].tolist()
+    levels = [math.copysign(level, (asked - len(served)) * level)] * abs(asked - len(served))
+    return _sum_below([*levels, *served, *(-prices).tolist()])
+
+
+def _finite(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST
+
+
+def _sum_below(terms: list[float]) -> float:
+    """The largest double that is no more than the exact sum."""
+    try:
+        total = math.fsum(terms)
+    except OverflowError:
+        return -math.inf
+    return math.nextafter(total, -math.inf) if math.fsum([*terms, -total]) < 0.0 else total
+
+
+def _least_to_pay(indptr: NDArray[Any], bins: NDArray[Any], cost: Floats, prices: Floats) -> Floats:
+    """At most min_j (c_ij + p_j) of each robot, and that itself where the sum is a double; infinite where it has no pair."""
+    least = np.full(len(indptr) - 1, math.inf)
+    first = 0
+    while first < len(least):
+        last = max(first + 1, int(np.searchsorted(indptr, indptr[first] + BLOCK, side="right")) - 1)
+        begin, end = int(indptr[first]), int(indptr[last])
+        price = prices[bins[begin:end]]
+        paid = cost[begin:end] + price
+        own = np.nonzero(np.diff(indptr[first : last + 1]) > 0)[0]
+        if len(own):
+            found = np.minimum.reduceat(paid, indptr[first + own] - begin)
+            row = np.repeat(np.arange(len(own)), np.diff(indptr[first : last + 1])[own])
+            near = np.nonzero(paid <= np.nextafter(found, math.inf)[row])[0]  # what is dearer is no less, exactly summed
+            a, b, total = cost[begin:end][near], price[near], paid[near]
+            part = total - a
+            lost = (a - (total - part)) + (b - part)  # the exact rounding error (Knuth 1969)
+            below = np.zeros(len(own), dtype=bool)
+            below[row[near[lost < 0.0]]] = True
+            least[first + own] = np.where(below, np.nextafter(found, -math.inf), found)
+        first = last
+    return least

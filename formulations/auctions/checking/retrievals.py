@@ -1,0 +1,74 @@
+"""Evidence ``retrievals``: no day in the orchard is over sooner than robots' steps suffice for all retrievals, and each bin can be home.
+
+It holds for every instance, so that the evidence holds no data. A trip that fetches bin b takes a robot at least
+p_b = (way out) + (way home) steps, or less by the way that it saves on its first trip where it does not begin at the repository. Hence
+the last step C has
+
+    sum over robots of max(0, C - free_r)  >=  sum_b p_b - (what first trips save),
+
+and the sum of all bins' steps is at least that of the shortest first on as many machines (Conway, Maxwell and Miller 1967). A bin is home
+no sooner than it can be full, the bins before it included, and than a robot can have reached it. All numbers are whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ....instances.errors import InputError
+from ...evidence import CHECKERS
+
+
+@CHECKERS.register("retrievals")
+def check_retrievals(problem: Any, data: Mapping[str, Any]) -> float:
+    """Lower bound on the last bin's step, or on the sum of all.
+
+    Parameters
+    ----------
+    problem : OrchardDay
+    data : dict
+        Empty.
+
+    Raises
+    ------
+    InputError
+        For another problem, or data.
+
+    Notes
+    -----
+    docs/formulations/orchard-day.md#bounds.
+    """
+    jobs = getattr(problem, "jobs", None)
+    if problem.family != "orchard-day" or jobs is None:
+        raise InputError("retrievals are evidence for orchard-day problems", found=problem.problem)
+    if data:
+        raise InputError("evidence of retrievals holds no data", found=str(sorted(data))[:80])
+    grid, columns = jobs.grid, jobs.grid.columns
+
+    def way(a: int, b: int, speed: int) -> int:
+        (r1, c1), (r2, c2) = divmod(int(a), columns), divmod(int(b), columns)
+        cells = abs(c1 - c2) if r1 == r2 else abs(r1 - r2) + min(c1 + c2, 2 * (columns - 1) - c1 - c2)
+        return -(-cells // speed)
+
+    home, empty, full = grid.repository * columns, grid.empty_speed, grid.full_speed
+    robots = [(int(cell), int(free)) for cell, free in zip(jobs.robot_cells, jobs.robot_free, strict=True)]
+    cells = [int(cell) for cell in jobs.bin_cells]
+    back = [way(cell, home, full) for cell in cells]
+    from_home = min(free + way(cell, home, empty) for cell, free in robots)
+    ready: list[int] = []
+    soonest: list[int] = []
+    for k, cell in enumerate(cells):
+        before = ready[int(jobs.after[k])] if jobs.after[k] >= 0 else 0
+        stood = 0 if jobs.standing[k] else from_home + way(home, cell, empty)
+        ready.append(max(before, stood) + int(jobs.work[k]))
+        soonest.append(max(ready[k], min(free + way(at, cell, empty) for at, free in robots)) + back[k])
+    away = [at for at, _ in robots if at != home]
+    if problem.objective == "completion":
+        least = sorted(min(way(at, cell, empty) for at in (home, *away)) + b for cell, b in zip(cells, back, strict=True))
+        shortest_first = sum(p * -(-(len(least) - k) // len(robots)) for k, p in enumerate(least))
+        return float(max(sum(soonest), shortest_first))
+    saved = sum(max(0, *(way(home, cell, empty) - way(at, cell, empty) for cell in cells)) for at in away)
+    work = sum(way(home, cell, empty) + b for cell, b in zip(cells, back, strict=True)) - saved
+    frees = sorted(free for _, free in robots)
+    shared = min(-(-(work + sum(frees[: k + 1])) // (k + 1)) for k in range(len(frees)))
+    return float(max(*soonest, shared, 0))

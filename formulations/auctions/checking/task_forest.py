@@ -1,0 +1,80 @@
+"""Evidence ``task-forest``: prices of tasks and robots under which a smallest forest bounds all paths.
+
+The legs of all paths, without their direction, are a forest in which every task is joined to exactly one robot; in it a task has two legs
+at most, and a robot one. So for prices p_t, q_r >= 0 all paths together are at least as long as::
+
+    min over forests that join each task to a robot of  sum (c_ij + p_i + p_j) + sum (c_rj + q_r + p_j)  -  2 sum p_t  -  sum q_r
+
+c_ij being the shorter of the two directions. Without prices that is the minimum spanning forest rooted at the robots.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...evidence import CHECKERS
+from ...routing.checking.multipliers import numbers
+
+Floats = NDArray[np.float64]
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@CHECKERS.register("task-forest")
+def check_task_forest(problem: Any, data: Mapping[str, Any]) -> float:
+    """Lower bound on the sum of all paths, or on the longest of them, that any prices prove.
+
+    Parameters
+    ----------
+    problem : TaskAllocation
+    data : dict
+        ``tasks``: one number a task; ``robots``: one a robot. Negative ones count as 0.
+
+    Returns
+    -------
+    float
+        At least 0. The longest of n paths is at least an n-th of all together; for the mean way nothing else is proved.
+
+    Raises
+    ------
+    InputError
+        If a list is missing, has a wrong length, or holds anything but finite numbers.
+
+    Notes
+    -----
+    Source: Lagoudakis et al. (2005) for the forest; Held and Karp (1971) for the prices; docs/formulations/task-allocation.md#evidence.
+    """
+    if problem.family != "task-allocation":
+        raise InputError("a forest of tasks is evidence for task-allocation problems", found=problem.problem)
+    instance = problem.instance
+    robots, tasks = instance.num_robots, instance.num_tasks
+    p, q = np.maximum(numbers(data, "tasks", tasks), 0.0), np.maximum(numbers(data, "robots", robots), 0.0)
+    if problem.objective == "mini-ave":
+        return 0.0
+    distances = np.asarray(instance.distances)
+    size = float(distances.max()) + 2.0 * float(p.max()) + float(q.max())
+    if not math.isfinite(64.0 * size * (tasks + robots)):
+        return 0.0
+    inner = np.minimum(distances[robots:], distances[robots:].T)
+    root = (distances[:robots] + q[:, None]).min(axis=0) + p
+    forest = _smallest_forest(root, inner + p[:, None] + p)
+    rounding = 32.0 * _EPS * (tasks + robots) * size
+    whole = math.fsum([*forest, *(-2.0 * p), *(-q), -rounding])
+    return max(0.0, whole / robots * (1.0 - 4.0 * _EPS) if problem.objective == "mini-max" else whole)
+
+
+def _smallest_forest(root: Floats, edges: Floats) -> list[float]:
+    """Lengths of the edges by which Prim's algorithm joins the nodes to a root, one after the other."""
+    near, left, taken = root.copy(), np.ones(len(root), dtype=bool), []
+    for _ in range(len(root)):
+        node = int(np.where(left, near, math.inf).argmin())
+        taken.append(float(near[node]))
+        left[node] = False
+        near = np.minimum(near, edges[node])
+    return taken

@@ -1,0 +1,3 @@
+"""Forms of problems of auctions and task allocation."""
+
+from .... import _guard as _guard

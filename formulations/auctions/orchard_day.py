@@ -1,0 +1,265 @@
+"""The rest of a day in the orchard, planned as a whole: which robot brings and fetches which bins, in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...instances.auctions.orchard_jobs import OrchardJobs
+from ...instances.errors import InputError, UsageError
+from ...instances.generators.settings import Setting
+from ...instances.instance import digest
+from ..evaluation import Checklist, Evaluation
+from ..problem import PROBLEMS, Problem
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Integers = NDArray[np.int64]
+
+Trip = tuple[int, int]
+"""The bin brought, and the bin then fetched; -1 for none."""
+
+Trips = tuple[tuple[Trip, ...], ...]
+"""Each robot's trips, in their order."""
+
+OBJECTIVE = Setting(
+    "makespan",
+    "what is minimised: the step at which the last bin is home, or the sum of all bins' steps",
+    choices=("makespan", "completion"),
+)
+
+
+class OrchardDay(Problem):
+    """Bring every bin that does not stand in the orchard, and fetch every bin when it is full.
+
+    A trip leads from where the robot is to the repository if it brings a bin and is not there, to the cell of the bin that it brings, to
+    the cell of the bin that it fetches, where it waits until that is full, and to the repository. An answer gives each robot a tuple of
+    trips (bin brought, bin fetched); robots go as early as they can.
+
+    Parameters
+    ----------
+    jobs : OrchardJobs
+    objective : str
+        ``makespan``, or ``completion``: the sum of the steps at which bins come home.
+
+    Raises
+    ------
+    UsageError
+        For another objective.
+
+    Notes
+    -----
+    Source: Zhang (2015), chapter 3, planned as a whole; docs/formulations/orchard-day.md#model.
+    """
+
+    family: ClassVar[str] = "orchard-day"
+
+    def __init__(self, jobs: OrchardJobs, objective: str = OBJECTIVE.default) -> None:
+        if not isinstance(jobs, OrchardJobs):
+            raise UsageError(f"a day in the orchard is made of OrchardJobs, not of {type(jobs).__name__}")
+        self.jobs, self.objective = jobs, str(OBJECTIVE.value("objective", objective))
+        self.name, self.problem, self.notes = jobs.name, "orchard-day", jobs.notes
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return ("min",)
+
+    @property
+    def convention(self) -> str:
+        return "exact"
+
+    def digest(self) -> str:
+        return digest("orchard-day", self.objective, self.jobs.digest())
+
+    def features(self) -> frozenset[str]:
+        """The objective."""
+        return frozenset({f"objective:{self.objective}"})
+
+    @property
+    def size(self) -> int:
+        return self.jobs.num_bins
+
+    def facts(self) -> dict[str, Any]:
+        return {
+            "objective": "the last bin's step" if self.objective == "makespan" else "sum of all bins' steps",
+            "orchard": self.jobs.facts(),
+        }
+
+    def value(self, times: Integers) -> float:
+        """Of the steps at which bins come home."""
+        return float(times.max() if self.objective == "makespan" else times.sum())
+
+    # -- judging -----------------------------------------------------------------------------------------------------
+
+    def evaluate(self, answer: Any) -> Evaluation:
+        """Recompute when bins come home, and test that each is brought and fetched as often as it must be, and that no robot waits for
+        ever."""
+        jobs = self.jobs
+        self._check_shape(answer)
+        checks = Checklist()
+        brought, fetched = np.zeros(jobs.num_bins, int), np.zeros(jobs.num_bins, int)
+        for trips in answer:
+            for bring, fetch in trips:
+                for counts, k in ((brought, bring), (fetched, fetch)):
+                    if k >= 0:
+                        counts[k] += 1
+        for k in range(jobs.num_bins):
+            due = 0 if jobs.standing[k] else 1
+            checks.test(
+                "brought", abs(float(brought[k] - due)), f"bin {k + 1} is brought {_times(brought[k])}, not {_times(due)}", site=str(k + 1)
+            )
+            checks.test("fetched", abs(float(fetched[k] - 1)), f"bin {k + 1} is fetched {_times(fetched[k])}, not once", site=str(k + 1))
+        home, stuck = _timetable(jobs, answer)
+        for robot in range(jobs.num_robots):
+            late = robot in stuck
+            checks.test("waits", float(late), f"robot {robot + 1} waits for a bin that is never full", vehicle=str(robot + 1))
+        reached = home[home >= 0]
+        quantities = {
+            "makespan": float(reached.max(initial=0)), "completion": float(reached.sum()), "returned": float(len(reached)),
+            "trips": float(sum(len(trips) for trips in answer)),
+        }  # fmt: skip
+        value = quantities["makespan" if self.objective == "makespan" else "completion"]
+        return Evaluation((value,), checks.checks(("brought", "fetched", "waits")), tuple(checks.violations), quantities)
+
+    def _check_shape(self, answer: Any) -> None:
+        jobs = self.jobs
+        if not isinstance(answer, tuple) or len(answer) != jobs.num_robots:
+            raise InputError(f"an answer is a tuple of trips for each of {jobs.num_robots} robots", found=str(answer)[:80])
+        for trips in answer:
+            if not isinstance(trips, tuple) or not all(isinstance(trip, tuple) and len(trip) == 2 for trip in trips):
+                raise InputError("a robot's trips are a tuple of pairs (bin brought, bin fetched)", found=str(trips)[:80])
+            for trip in trips:
+                if not all(type(k) is int and -1 <= k < jobs.num_bins for k in trip) or trip == (-1, -1):
+                    raise InputError(f"a trip names bins 0 to {jobs.num_bins - 1}, or -1 for one of the two", found=str(trip)[:80])
+
+    def timetable(self, answer: Trips) -> Integers:
+        """Step at which each bin comes home, -1 for never."""
+        self._check_shape(answer)
+        return _timetable(self.jobs, answer)[0]
+
+    def answer_at_hand(self) -> Trips:
+        """Bin after bin, each by the robot that has it home the soonest; those that are to be brought, on the way to the one before."""
+        return in_order(self.jobs, range(self.jobs.num_bins))
+
+    # -- answers as files and tables ---------------------------------------------------------------------------------
+
+    def answer_to_json(self, answer: Trips) -> dict[str, Any]:
+        def part(k: int) -> int | None:
+            return None if k < 0 else k + 1
+
+        return {"kind": "trips", "robots": [[{"bring": part(a), "fetch": part(b)} for a, b in trips] for trips in answer]}
+
+    def answer_from_json(self, data: Any) -> Trips:
+        robots = data.get("robots") if isinstance(data, Mapping) and data.get("kind") == "trips" else None
+        if not isinstance(robots, list):
+            raise InputError("not an answer to an orchard-day problem", expected='an object {"kind": "trips", "robots": [[...], ...]}')
+
+        def part(trip: Any, key: str) -> int:
+            value = trip.get(key) if isinstance(trip, Mapping) else None
+            if not isinstance(trip, Mapping) or (value is not None and (type(value) is not int or value < 1)):
+                raise InputError("a trip names bins from 1, or null", expected='{"bring": ..., "fetch": ...}', found=str(trip)[:80])
+            return -1 if value is None else value - 1
+
+        if not all(isinstance(trips, list) for trips in robots):
+            raise InputError("each robot has a list of trips", found=str(robots)[:80])
+        answer = tuple(tuple((part(trip, "bring"), part(trip, "fetch")) for trip in trips) for trips in robots)
+        self._check_shape(answer)
+        return answer
+
+    def answer_to_frame(self, answer: Trips) -> pd.DataFrame:
+        """One row a trip: robot, trip, bin brought, bin fetched (from 1), and the step at which it comes home."""
+        import pandas as pd
+
+        home = self.timetable(answer)
+        rows = [
+            {"robot": r + 1, "trip": k + 1, "bring": a + 1 or None, "fetch": b + 1 or None, "home": int(home[b]) if b >= 0 else None}
+            for r, trips in enumerate(answer)
+            for k, (a, b) in enumerate(trips)
+        ]
+        return pd.DataFrame(rows, columns=["robot", "trip", "bring", "fetch", "home"])
+
+    def __repr__(self) -> str:
+        return f"<OrchardDay {self.name}: {self.jobs.num_robots} robots, {self.jobs.num_bins} bins, {self.objective}>"
+
+
+def _times(count: Any) -> str:
+    return {0: "never", 1: "once"}.get(int(count), f"{int(count)} times")
+
+
+def _timetable(jobs: OrchardJobs, answer: Trips) -> tuple[Integers, set[int]]:
+    """Step at which each bin comes home, -1 for never, and the robots that wait for ever; of bins brought or fetched again the first
+    counts."""
+    grid = jobs.grid
+    stood = [0 if there else -1 for there in jobs.standing]
+    full, home = [-1] * jobs.num_bins, [-1] * jobs.num_bins
+    here, clock, done = jobs.robot_cells.tolist(), jobs.robot_free.tolist(), [0] * jobs.num_robots
+    waiting = [False] * jobs.num_robots  # at the cell of the bin that it fetches
+    moved = True
+    while moved:
+        moved = False
+        for k, before in enumerate(jobs.after.tolist()):
+            if full[k] < 0 and stood[k] >= 0 and (before < 0 or full[before] >= 0):
+                full[k], moved = max(stood[k], full[before] if before >= 0 else 0) + int(jobs.work[k]), True
+        for robot, trips in enumerate(answer):
+            while done[robot] < len(trips):
+                bring, fetch = trips[done[robot]]
+                if bring >= 0 and not waiting[robot]:
+                    clock[robot] += int(grid.empty_times[here[robot], grid.home])
+                    here[robot] = int(jobs.bin_cells[bring])
+                    clock[robot] += int(grid.empty_times[grid.home, here[robot]])
+                    if stood[bring] < 0:
+                        stood[bring] = clock[robot]
+                    moved = True
+                if not waiting[robot] and fetch >= 0:
+                    clock[robot] += int(grid.empty_times[here[robot], jobs.bin_cells[fetch]])
+                    here[robot], waiting[robot], moved = int(jobs.bin_cells[fetch]), True, True
+                if fetch >= 0:
+                    if full[fetch] < 0:
+                        break
+                    clock[robot] = max(clock[robot], full[fetch]) + int(grid.full_times[here[robot], grid.home])
+                    here[robot] = grid.home
+                    if home[fetch] < 0:
+                        home[fetch] = clock[robot]
+                waiting[robot], moved = False, True
+                done[robot] += 1
+    return np.array(home), {robot for robot, trips in enumerate(answer) if done[robot] < len(trips)}
+
+
+def in_order(jobs: OrchardJobs, order: Any) -> Trips:
+    """Bins fetched in an order, each by the robot that would have it home the soonest; one that has to be brought is, by the same trip.
+
+    ``order`` names a bin after those that its group fills before. It is the timetable of a list schedule, where no bin is to be brought.
+    """
+    grid = jobs.grid
+    here, clock = jobs.robot_cells.copy(), jobs.robot_free.copy()
+    full = np.zeros(jobs.num_bins, np.int64)
+    trips: list[list[Trip]] = [[] for _ in range(jobs.num_robots)]
+    for k in order:
+        cell, before = jobs.bin_cells[k], jobs.after[k]
+        if jobs.standing[k]:
+            reached, stood = clock + grid.empty_times[here, cell], np.zeros(jobs.num_robots, np.int64)
+        else:
+            reached = stood = clock + grid.empty_times[here, grid.home] + grid.empty_times[grid.home, cell]
+        ready = np.maximum(stood, full[before] if before >= 0 else 0) + jobs.work[k]
+        back = np.maximum(reached, ready) + grid.full_times[cell, grid.home]
+        robot = int(np.argmin(back))
+        clock[robot], here[robot], full[k] = back[robot], grid.home, ready[robot]
+        trips[robot].append((-1 if jobs.standing[k] else int(k), int(k)))
+    return tuple(tuple(own) for own in trips)
+
+
+@PROBLEMS.register("orchard-day")
+def make(instance: Any, name: str, settings: dict[str, Any]) -> OrchardDay:
+    """The problem of an instance; setting ``objective``."""
+    if not isinstance(instance, OrchardJobs):
+        raise UsageError(f"{instance.name} holds no bins of an orchard, so it cannot be read as {name}")
+    if settings.pop("convention", None) not in (None, "exact"):
+        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
+    objective = settings.pop("objective", OBJECTIVE.default)
+    if settings:
+        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes objective")
+    return OrchardDay(instance, objective)

@@ -1,0 +1,140 @@
+"""What problems share whose answers give every task to one robot: answers, their files, and the test that all tasks are there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...instances.auctions.robot_tasks import RobotTasks
+from ...instances.errors import InputError, UsageError
+from ...instances.printable import printable
+from ..evaluation import Check, Violation, judge
+from ..problem import Problem
+from ..references import indices_of
+
+Shares = tuple[tuple[int, ...], ...]
+"""The tasks of each robot, as numbers from 0."""
+
+
+class RobotShares(Problem):
+    """A problem whose answer is a tuple with one tuple of tasks a robot, as numbers from 0.
+
+    Attributes
+    ----------
+    instance : RobotTasks
+    answer_kind : str
+        Of answers in files.
+    """
+
+    instance: RobotTasks
+    answer_kind: ClassVar[str]
+
+    @property
+    def num_robots(self) -> int:
+        return self.instance.num_robots
+
+    @property
+    def num_tasks(self) -> int:
+        return self.instance.num_tasks
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return ("min",)
+
+    @property
+    def convention(self) -> str:
+        return "exact"
+
+    @property
+    def size(self) -> int:
+        return self.num_tasks
+
+    def answer_at_hand(self) -> Shares:
+        """All tasks to the first robot."""
+        return (tuple(range(self.num_tasks)), *((),) * (self.num_robots - 1))
+
+    def judge_shares(self, answer: Any) -> tuple[tuple[Check, ...], tuple[Violation, ...]]:
+        """Test that there is one tuple a robot, and every task in one of them; InputError for what is no answer."""
+        tasks = self.num_tasks
+        if not isinstance(answer, tuple) or not all(isinstance(share, tuple) and all(type(t) is int for t in share) for share in answer):
+            raise InputError("an answer is a tuple of tuples of tasks, one a robot, as numbers from 0", found=printable(repr(answer), 80))
+        if len(answer) != self.num_robots:
+            raise InputError("an answer has one tuple a robot", expected=str(self.num_robots), found=str(len(answer)))
+        given = [t for share in answer for t in share]
+        unknown = [t for t in given if not 0 <= t < tasks]
+        if unknown:
+            raise InputError(f"task number {unknown[0]} does not exist", expected=f"0 to {tasks - 1}")
+        count = np.bincount(np.array(given, dtype=np.int64), minlength=tasks)
+        name = self.instance.task_name
+        checks: list[tuple[Check, list[Violation]]] = [
+            judge("done", 1.0 - count, lambda k: f"nobody does task {name(k)}"),
+            judge("once", count - 1.0, lambda k: f"task {name(k)} is done {count[k]} times"),
+        ]
+        return tuple(check for check, _ in checks), tuple(fault for _, found in checks for fault in found)
+
+    # -- answers as files --------------------------------------------------------------------------------------------
+
+    def answer_to_json(self, answer: Shares) -> dict[str, Any]:
+        told = self.instance
+        shares = [
+            {"robot": told.robot_name(robot), "tasks": [told.task_name(task) for task in share]} for robot, share in enumerate(answer)
+        ]
+        return {"kind": self.answer_kind, "shares": shares}
+
+    def answer_from_json(self, data: Any) -> Shares:
+        shares = data.get("shares") if isinstance(data, Mapping) and data.get("kind") == self.answer_kind else None
+        if not isinstance(shares, list) or not all(isinstance(share, Mapping) and share.keys() == {"robot", "tasks"} for share in shares):
+            expected = f'an object {{"kind": "{self.answer_kind}", "shares": [{{"robot": ..., "tasks": [...]}}, ...]}}'
+            raise InputError(f"not an answer to a {self.problem} problem", expected=expected)
+        robots = {self.instance.robot_name(r): r for r in range(self.num_robots)}
+        tasks = {self.instance.task_name(t): t for t in range(self.num_tasks)}
+        made: list[tuple[int, ...]] = [()] * self.num_robots
+        seen: set[str] = set()
+        for share in shares:
+            robot, given = str(share["robot"]), share["tasks"]
+            if robot not in robots or robot in seen:
+                raise InputError(f"robot {printable(robot, 80)!r} {'stands twice' if robot in seen else 'does not exist'}")
+            seen.add(robot)
+            unknown = next((t for t in given if str(t) not in tasks), None) if isinstance(given, list) else given
+            if not isinstance(given, list) or unknown is not None:
+                raise InputError(f"the share of robot {robot} holds an unknown task {printable(str(unknown), 80)!r}")
+            made[robots[robot]] = tuple(tasks[str(task)] for task in given)
+        return tuple(made)
+
+    def answer_of(self, given: Any) -> Shares:
+        """Tuples of numbers from 0, or lists of numbers or names, one a robot."""
+        if isinstance(given, tuple) and all(isinstance(share, tuple) and all(type(t) is int for t in share) for share in given):
+            return given
+        if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
+            raise UsageError("shares are a list with one list of tasks a robot, by number from 0 or by name")
+        names = {self.instance.task_name(task): task for task in range(self.num_tasks)}
+        shares = list(given)
+        if any(isinstance(share, str | bytes | Mapping) or not isinstance(share, Iterable) for share in shares):
+            raise UsageError("shares are a list with one list of tasks a robot, by number from 0 or by name")
+        return tuple(tuple(indices_of(share, names, "task")) for share in shares)
+
+    def check_start(self, answer: Any) -> None:
+        """See ``Problem.check_start``."""
+        known = isinstance(answer, tuple) and all(isinstance(share, tuple) for share in answer)
+        if not known or len(answer) != self.num_robots or any(not 0 <= t < self.num_tasks for share in answer for t in share):
+            raise UsageError(f"the start is no answer of {self.name}: it has {self.num_robots} robots and {self.num_tasks} tasks")
+
+
+def robot_tasks(instance: Any, name: str) -> RobotTasks:
+    """``instance``, if it holds robots and tasks; UsageError for any other."""
+    if not isinstance(instance, RobotTasks):
+        raise UsageError(f"{instance.name} holds no robots and tasks, so it cannot be read as {name}")
+    return instance
+
+
+def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) -> dict[str, Any]:
+    """The settings that are ``known``; UsageError for others. The convention can only be exact."""
+    given = dict(settings)
+    if given.pop("convention", None) not in (None, "exact"):
+        raise UsageError(f"{name} problems take distances as they are: the convention can only be exact")
+    unknown = [key for key in given if key not in known]
+    if unknown:
+        raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes {', '.join(known)}")
+    return given

@@ -1,0 +1,58 @@
+"""What the auctions share: whether a ratio holds on an instance, and pairs that an auction left out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.auctions.bin_assignment import BinAssignment
+from ...formulations.stop import Stop
+from ...formulations.tolerance import LIMIT
+from ...instances.auctions.assignment import AssignmentInstance
+
+if TYPE_CHECKING:
+    from ...formulations.auctions.bin_assignment import Assignment
+
+MOST_TRIPLES = 2_000_000_000
+"""Robots x robots x bins that are looked at to find out whether costs are like those of travel: some seconds."""
+
+QUADRANGLE = "c_ij <= c_il + c_kl + c_kj for all robots i, k and bins j, l, to 11 digits"
+
+
+def quadrangle(problem: BinAssignment, stop: Stop) -> bool:
+    """Whether the costs are all there and keep the quadrangle inequality, as times of travel in a metric do, waiting included.
+
+    It makes them 0 at least. The side of fewer is compared pair by pair.
+    """
+    from .conflict_kernels import quadrangle_broken
+
+    if not problem.complete:
+        return False
+    matrix = problem.matrix()
+    if problem.num_robots > problem.num_bins:
+        matrix = np.ascontiguousarray(matrix.T)
+    if matrix.shape[0] * matrix.size > MOST_TRIPLES:
+        return False
+    return bool(quadrangle_broken(stop.flag, matrix, LIMIT) == 0)
+
+
+def completed(problem: BinAssignment, taken: NDArray[np.int64], stop: Stop) -> tuple[Assignment, int]:
+    """An assignment of the most pairs that keeps as many of ``taken`` as possible, and how many it changes."""
+    from ...solvers.engines.assignment_steps.auction import auction
+
+    most = int((problem.largest >= 0).sum())
+    if int((taken >= 0).sum()) >= most:
+        return tuple(taken.tolist()), 0
+    kept = taken[problem.robots] == problem.bins
+    changes = AssignmentInstance(problem.num_robots, problem.num_bins, problem.indptr, problem.bins, np.where(kept, 0.0, 1.0))
+    found = auction(BinAssignment(changes), stop)
+    if not found.complete:
+        return tuple(taken.tolist()), 0
+    return found.answer, int((np.array(found.answer) != taken).sum())
+
+
+def told(changed: int) -> str:
+    """What a user should know of a completed assignment."""
+    return f"as many pairs as possible need other bins for {changed} robots than it found" if changed else ""

@@ -1,0 +1,77 @@
+"""Conflict auction: robots bid for their cheapest bins, the lowest cost wins ("one-turn English auction")."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...formulations.auctions.bin_assignment import BinAssignment
+from ...formulations.evidence import Guarantee
+from ...instances.errors import UsageError
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ._common import QUADRANGLE, completed, quadrangle, told
+
+MODES = ("deferred", "immediate")
+
+SOURCE = "Reingold and Tarjan (1981), On a greedy heuristic for complete matching"
+
+
+def greedy_ratio(pairs: int) -> float:
+    """2 n^(log2 3/2) - 1, of cheapest-pair-first matchings of ``pairs`` pairs on costs that keep the quadrangle inequality."""
+    return float(2.0 * max(1, pairs) ** math.log2(1.5) - 1.0)
+
+
+def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "deferred") -> Outcome:
+    """Robots without a bin bid for their cheapest one until all have one, or none is left.
+
+    Parameters
+    ----------
+    problem : BinAssignment
+    context : Context
+    mode : str
+        ``deferred``: a cheaper later bid wins a bin from who holds it, so that the outcome is that of the cheapest pair again and
+        again. ``immediate``: who has won a bin keeps it; nothing is guaranteed.
+
+    Returns
+    -------
+    Outcome
+        ``rounds`` and ``bids`` in its statistics. Where pairs are forbidden it may match fewer than possible; as few robots as possible
+        then get other bins.
+
+    Notes
+    -----
+    Source: Zhang (2015), section 3.4.2, algorithm 1, read as in docs/formulations/bin-assignment.md#auctions. Equal costs go to the lower
+    bin, equal bids to the lower robot. The ratio is that of Reingold and Tarjan (1981), whose proof needs no more than the inequality.
+    """
+    from .conflict_kernels import conflict_rounds
+
+    if mode not in MODES:
+        raise UsageError(f"mode must be one of {', '.join(MODES)}, not {mode!r}")
+    stop = context.begin()
+    order = np.lexsort((problem.bins, problem.cost, problem.robots))
+    indptr = problem.indptr.astype(np.int64)
+    taken, rounds, bids, whole = conflict_rounds(
+        stop.flag, indptr, problem.bins[order].astype(np.int64), problem.cost[order], problem.num_bins, mode == "immediate"
+    )
+    statistics = {"rounds": int(rounds), "bids": int(bids)}
+    if not whole:
+        return Outcome(tuple(taken.tolist()), statistics=statistics, limit=stop.reached() or "time")
+    answer, changed = completed(problem, taken, stop)
+    guarantee = None
+    if mode == "deferred" and problem.objective == "sum" and quadrangle(problem, stop):
+        pairs = problem.pairs
+        ratio = greedy_ratio(pairs)
+        statement = f"cost <= (2 n^(log2 3/2) - 1) OPT, that is {ratio:.4g} OPT for n = {pairs} pairs"
+        guarantee = Guarantee(ratio, statement, (QUADRANGLE,), SOURCE)
+    return Outcome(answer, guarantee, (), {**statistics, **({"changed": changed} if changed else {})}, told(changed))
+
+
+HEURISTICS.add(
+    "conflict-auction",
+    Heuristic(
+        "conflict-auction", ("bin-assignment",), frozenset({"objective:sum", "objective:bottleneck"}), conflict_auction,
+        "robots bid for their cheapest bins, the lowest cost wins",
+        "2 n^0.585 - 1 for n pairs whose costs keep the quadrangle inequality, where later bids may win (deferred)",
+    ),
+)  # fmt: skip

@@ -1,0 +1,59 @@
+"""How much a robot takes at each of its waypoints."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ....instances.errors import InputError
+
+Floats = NDArray[np.float64]
+
+
+def expected_contents(contents: ArrayLike, rates: ArrayLike, steps: float, capacity: float = np.inf) -> Floats:
+    """What stores will hold after ``steps``, at most ``capacity``: (4.6) of Zhang (2015), which knows no capacity."""
+    return np.minimum(np.asarray(contents, dtype=np.float64) + steps * np.asarray(rates, dtype=np.float64), capacity)
+
+
+def reward_split(available: ArrayLike, room: float) -> Floats:
+    """Shares of a robot's room in proportion to what is available, and no more than that anywhere.
+
+    Parameters
+    ----------
+    available : array of shape (waypoints,)
+        What each is expected to hold, in units; not negative.
+    room : float
+        Of the robot, in units; not negative.
+
+    Returns
+    -------
+    array of shape (waypoints,)
+        Together ``room``, or all that is available where that is less.
+
+    Raises
+    ------
+    InputError
+        For what is negative or no number.
+
+    Notes
+    -----
+    Source: Zhang (2015), (4.7), whose shares always come to the whole room; docs/formulations/balanced-partition.md#reward-split.
+    """
+    held = np.asarray(available, dtype=np.float64)
+    if held.ndim != 1 or not (held >= 0).all() or not np.isfinite(held).all() or not room >= 0:
+        raise InputError("what is available, and the room of the robot, must be numbers from 0 on", found=str(available)[:60])
+    return water_filled(held, held, room)
+
+
+def water_filled(weights: Floats, caps: Floats, total: float) -> Floats:
+    """Shares of ``total`` in proportion to ``weights``, each at most its cap: what a cap cuts off is shared out among the others."""
+    made, left, open_ = np.zeros(len(weights)), float(total), (weights > 0) & (caps > 0)
+    while left > 0 and open_.any():
+        part = np.where(open_, weights / weights[open_].sum() * left, 0.0)
+        full = open_ & (part >= caps)
+        if not full.any():
+            return np.where(open_, part, made)
+        made[full] = caps[full]
+        left -= float(caps[full].sum())
+        open_ &= ~full
+    return made

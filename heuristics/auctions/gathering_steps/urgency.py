@@ -1,0 +1,97 @@
+"""Orders of waypoints by urgency, with a look ahead of a few stops."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ....instances.errors import InputError, UsageError
+
+Floats = NDArray[np.float64]
+
+URGENCIES = ("shifted", "literal", "rate")
+
+MOST_ORDERS = 10_000_000
+"""Orders of the next stops that are compared at once."""
+
+
+def urgencies(rates: ArrayLike, times: ArrayLike, distances: ArrayLike, urgency: str = "shifted") -> Floats:
+    """How urgent each waypoint is from each place.
+
+    Parameters
+    ----------
+    rates : array of shape (waypoints,)
+        Units gathered a step, positive.
+    times : array of shape (waypoints,)
+        Steps until the store of a waypoint is full.
+    distances : array of shape (places, waypoints)
+        Steps; less than one counts as one.
+    urgency : str
+        ``literal``: (rate - time) / distance, as printed, which is the larger the farther a waypoint is where it is negative.
+        ``shifted``: the same with the largest time added to rate - time: positive, and in the same order. ``rate``: the rate over the
+        time and the distance together.
+
+    Returns
+    -------
+    array of shape (places, waypoints)
+
+    Raises
+    ------
+    InputError
+        If arrays do not fit each other, or a rate is not positive.
+    UsageError
+        For another urgency.
+
+    Notes
+    -----
+    Source: Zhang (2015), (4.2) and (4.5); docs/formulations/balanced-partition.md#urgency.
+    """
+    rate, time, away = (np.asarray(given, dtype=np.float64) for given in (rates, times, distances))
+    if rate.ndim != 1 or time.shape != rate.shape or away.shape[-1:] != rate.shape:
+        raise InputError("there must be one rate, time and distance a waypoint", found=f"{rate.shape}, {time.shape}, {away.shape}")
+    if not (rate > 0).all() or not np.isfinite([rate, time]).all():
+        raise InputError("rates must be positive, and all times finite")
+    steps = np.maximum(1.0, away)
+    if urgency == "rate":
+        return np.asarray(rate / (np.maximum(time, 0.0) + steps))
+    if urgency not in URGENCIES:
+        raise UsageError(f"urgency must be {', '.join(URGENCIES)}, not {urgency!r}")
+    return np.asarray((rate - time + (time.max(initial=0.0) if urgency == "shifted" else 0.0)) / steps)
+
+
+def next_stop(first: Floats, then: Floats, horizon: int) -> int:
+    """The first waypoint of the most urgent order of the next ``horizon`` ones, the first in lexicographic order of equal ones.
+
+    Parameters
+    ----------
+    first : array of shape (waypoints,)
+        Urgencies from where the robot is.
+    then : array of shape (waypoints, waypoints)
+        Urgencies from each waypoint.
+    horizon : int
+        At least 1; fewer waypoints are all looked at.
+    """
+    n = len(first)
+    depth = min(horizon, n)
+    if horizon < 1 or n == 0 or n**depth > MOST_ORDERS:
+        raise UsageError(f"a look ahead of {horizon} stops among {n} waypoints: at least 1, and at most {MOST_ORDERS:,} orders")
+    total = first.copy()
+    for level in range(1, depth):
+        total = total[..., None] + then  # what comes next counts from the last one
+        index = np.indices(total.shape, sparse=True)
+        for before in range(level):
+            total = np.where(index[before] == index[level], -np.inf, total)
+    return int(np.unravel_index(int(total.argmax()), total.shape)[0])
+
+
+def receding_order(first: Floats, then: Floats, horizon: int = 3) -> tuple[int, ...]:
+    """All waypoints, each the first of the most urgent order of the next ones from the stop before.
+
+    Parameters and source as of ``next_stop``; Zhang (2015), section 4.4.2, with horizons 1 and 3.
+    """
+    left, order, here = np.arange(len(first)), [], first
+    while len(left):
+        chosen = int(left[next_stop(here[left], then[np.ix_(left, left)], horizon)])
+        order.append(chosen)
+        left, here = left[left != chosen], then[chosen]
+    return tuple(order)

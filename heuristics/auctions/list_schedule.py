@@ -1,0 +1,69 @@
+"""Heuristic ``list-schedule``: bins of an orchard one after the other, each by the robot that has it home the soonest."""
+
+from __future__ import annotations
+
+from ...formulations.auctions.orchard_day import OrchardDay, in_order
+from ...formulations.evidence import Guarantee
+from ...instances.auctions.orchard_jobs import OrchardJobs
+from ...instances.errors import UsageError
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+
+ORDERS = ("nearest", "longest")
+
+READY = ("all bins are full at the start", "no bin is to be brought", "all robots begin at the repository at once")
+"""Under which bins are jobs of fixed lengths on identical machines."""
+
+
+def list_schedule(problem: OrchardDay, context: Context, *, order: str = "nearest") -> Outcome:
+    """Bins by their way home, the shortest or the longest first, those that a group fills before a bin always before it.
+
+    Parameters
+    ----------
+    problem : OrchardDay
+    context : Context
+    order : str
+        ``nearest`` or ``longest``.
+    """
+    if order not in ORDERS:
+        raise UsageError(f"list-schedule: order must be one of {', '.join(ORDERS)}, not {order!r}")
+    jobs = problem.jobs
+    length = (jobs.out + jobs.home).tolist()
+    following = {int(before): k for k, before in enumerate(jobs.after.tolist()) if before >= 0}
+    ready = [k for k, before in enumerate(jobs.after.tolist()) if before < 0]
+    sign = 1 if order == "nearest" else -1
+    listed: list[int] = []
+    while ready:
+        k = min(ready, key=lambda k: (sign * length[k], k))
+        ready.remove(k)
+        listed.append(k)
+        if k in following:
+            ready.append(following[k])
+    return Outcome(in_order(jobs, listed), _guarantee(problem, order))
+
+
+def is_ready(jobs: OrchardJobs) -> bool:
+    """Whether ``READY`` holds."""
+    waits = bool((jobs.work > 0).any() or not jobs.standing.all() or jobs.away.any() or (jobs.robot_free > 0).any())
+    return not waits
+
+
+def _guarantee(problem: OrchardDay, order: str) -> Guarantee | None:
+    if not is_ready(problem.jobs):
+        return None
+    m = problem.jobs.num_robots
+    if problem.objective == "completion":
+        shortest = "sum of the bins' steps = least sum"
+        return Guarantee(1.0, shortest, READY, "Conway, Maxwell and Miller (1967)") if order == "nearest" else None
+    if order == "longest":
+        return Guarantee(4 / 3 - 1 / (3 * m), "last step <= (4/3 - 1/(3 m)) optimum for m robots", READY, "Graham (1969), theorem 2")
+    return Guarantee(2 - 1 / m, "last step <= (2 - 1/m) optimum for m robots", READY, "Graham (1966)")
+
+
+HEURISTICS.add(
+    "list-schedule",
+    Heuristic(
+        "list-schedule", ("orchard-day",), frozenset({"objective:makespan", "objective:completion"}), list_schedule,
+        "bins in the order of their ways, each by the robot that has it home first",
+        "2 - 1/m, longest first 4/3 - 1/(3 m), for full bins and robots at the repository; nearest first is then optimal for the sum",
+    ),
+)  # fmt: skip

@@ -1,0 +1,3 @@
+"""Local search for balanced partitions."""
+
+from .... import _guard as _guard

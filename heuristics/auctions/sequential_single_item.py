@@ -1,0 +1,76 @@
+"""Sequential single-item auction: round after round all robots bid for all open tasks, and the lowest bid wins."""
+
+from __future__ import annotations
+
+from ...formulations.auctions.task_allocation import OBJECTIVES, TaskAllocation
+from ...formulations.evidence import Guarantee
+from ...instances.errors import UsageError
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from .auction_steps.metric import keeps_triangles
+from .auction_steps.paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed, paths_of, rule_of
+
+SOURCE = "Lagoudakis et al. (2005), Auction-based multi-robot routing; its proof on docs/formulations/task-allocation.md#guarantee-2"
+
+MOST_ORDERED = 9
+"""Tasks of one robot up to which its best path is looked for: 2^9 sets for each open task, in every round."""
+
+
+def sequential_single_item(problem: TaskAllocation, context: Context, *, bids: str | None = None, paths: str = "insertion") -> Outcome:
+    """Award one task a round, to the robot and for the task of the lowest bid; the lower robot, then the lower task, of equal ones.
+
+    Parameters
+    ----------
+    problem : TaskAllocation
+    context : Context
+    bids : str, optional
+        What a bid is. ``sum``: by how much the robot's path grows. ``max``: how long it is then. ``ave``: what is added to the ways of all
+        its tasks. By default what the objective counts.
+    paths : str
+        ``insertion``: a robot keeps the order of its path and inserts at the cheapest place. ``optimal``: up to
+        ``MOST_ORDERED`` tasks it takes its best path through all of them.
+
+    Returns
+    -------
+    Outcome
+        With a guarantee of 2 for the sum of all paths, by bids ``sum``, where distances keep the triangle inequality. The statistics count
+        rounds, and one bid a robot and round: its lowest.
+
+    Raises
+    ------
+    UsageError
+        For other bids or paths.
+
+    Notes
+    -----
+    Source: Lagoudakis et al. (2005), bidding rules BidSumPath, BidMaxPath and BidAvePath; docs/formulations/task-allocation.md#auctions.
+    """
+    from .auction_steps.bidding_kernels import sequential
+
+    rule = rule_of(problem, bids)
+    if paths not in ("insertion", "optimal"):
+        raise UsageError(f"paths must be insertion or optimal, not {paths!r}")
+    stop = context.begin()
+    number = [objective.removeprefix("mini-") for objective in OBJECTIVES].index(rule)
+    path, count, awarded = sequential(stop.flag, *arrays_of(problem), number, MOST_ORDERED if paths == "optimal" else 0)
+    answer = paths_of(path, count)
+    statistics = {"rounds": int(awarded), "bids": int(awarded) * problem.num_robots}
+    if awarded < problem.num_tasks:
+        return Outcome(completed(problem, answer), statistics=statistics, message=CUT_SHORT, limit=stop.reached() or "none")
+    guarantee = None
+    if problem.objective == "mini-sum" and rule == "sum" and not stop.reached():
+        holds = keeps_triangles(problem.instance, stop)
+        guarantee = None if holds is None else Guarantee(2.0, "sum of paths <= 2 OPT", holds, SOURCE)
+    return Outcome(answer, guarantee, statistics=statistics)
+
+
+HEURISTICS.add(
+    "sequential-single-item",
+    Heuristic(
+        name="sequential-single-item",
+        families=("task-allocation",),
+        features=ANY_OBJECTIVE,
+        run=sequential_single_item,
+        summary="auction of one task a round to the lowest marginal bid (SSI)",
+        stated="2 for the sum of all paths (mini-sum) under the triangle inequality; none for the other objectives",
+    ),
+)

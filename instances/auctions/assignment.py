@@ -1,0 +1,272 @@
+"""Robots, bins, and what it costs to send the one to the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from ..errors import InputError
+from ..instance import digest
+from ..text import label
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+PROBLEMS = ("bin-assignment", "bottleneck-assignment")
+"""What may be asked of such data."""
+
+LARGEST = 1e150
+"""Of a cost: sums and squares stay finite."""
+
+
+@dataclass(frozen=True, eq=False)
+class AssignmentInstance:
+    """Which robot may be sent to which bin, and at what cost: complete or sparse.
+
+    ``from_matrix``, ``from_pairs`` and ``from_frame`` make one from the user's own data; the constructor takes a CSR matrix.
+
+    Parameters
+    ----------
+    num_robots, num_bins : int
+        At least 1 each.
+    indptr : array of shape (robots + 1,)
+        The pairs of robot i are ``indptr[i]`` to ``indptr[i + 1]``.
+    bins : array of shape (pairs,)
+        Bin of each pair, ascending within a robot's. Pairs that are not listed are forbidden.
+    cost : array of shape (pairs,)
+        Of each pair: the time to reach the bin, or any other cost.
+    filled : array of shape (bins,), optional
+        When each bin is full, counted from now in the unit of the costs; 0 where it is, infinite where nobody fills it. By default
+        nobody has to wait.
+    robot_names, bin_names : tuple of str, optional
+        None stands for "1", "2", ...
+    robot_positions, bin_positions : array of shape (robots or bins, 2), optional
+        For maps.
+    name, format, problem, problems, notes
+        See ``Instance``.
+
+    Raises
+    ------
+    InputError
+        If an array has the wrong length or holds what it must not.
+
+    Notes
+    -----
+    Source: Zhang (2015), Multi-robot coordination, section 3.4.2; docs/formulations/bin-assignment.md#model.
+    """
+
+    kind: ClassVar[str] = "assignment"
+    num_robots: int
+    num_bins: int
+    indptr: Indices
+    bins: Indices
+    cost: Floats
+    filled: Floats | None = None
+    robot_names: tuple[str, ...] | None = None
+    bin_names: tuple[str, ...] | None = None
+    robot_positions: Floats | None = None
+    bin_positions: Floats | None = None
+    name: str = "assignment"
+    format: str = "arrays"
+    problem: str = PROBLEMS[0]
+    problems: tuple[str, ...] = PROBLEMS
+    notes: tuple[str, ...] = field(default=())
+
+    @classmethod
+    def from_matrix(cls, costs: Any, **further: Any) -> AssignmentInstance:
+        """From a matrix, one row a robot and one column a bin.
+
+        Parameters
+        ----------
+        costs : array of shape (robots, bins), or a sparse matrix of scipy
+            Infinity forbids a pair; of a sparse matrix what is not stored is forbidden, a stored 0 is a cost.
+        **further
+            ``filled``, names, positions and the like, see the class.
+
+        Raises
+        ------
+        InputError
+            For rows of different lengths, NaN, minus infinity, and no robots or bins; names row and column.
+        """
+        if hasattr(costs, "tocsr"):
+            matrix = costs.tocsr(copy=True)
+            stored = matrix.nnz
+            matrix.sum_duplicates()
+            if matrix.nnz != stored:
+                raise InputError("a pair of robot and bin stands twice in the sparse matrix")
+            return cls(*matrix.shape, matrix.indptr, matrix.indices, matrix.data, **further)
+        try:
+            made = np.asarray(costs, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise _not_rectangular(costs) from None
+        if made.ndim != 2:
+            raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {made.shape}")
+        kept = made < math.inf
+        bad = np.isnan(made)
+        if bad.any():
+            robot, column = np.argwhere(bad)[0].tolist()
+            raise InputError(
+                f"the cost in row {robot}, column {column} is not a number", expected="a number, or infinity for a forbidden pair"
+            )
+        indptr = np.zeros(len(made) + 1, dtype=np.int64)
+        np.cumsum(kept.sum(axis=1), out=indptr[1:])
+        return cls(*made.shape, indptr, np.nonzero(kept)[1], made[kept], **further)  # type: ignore[arg-type]
+
+    @classmethod
+    def from_pairs(
+        cls, num_robots: int, num_bins: int, robots: ArrayLike, bins: ArrayLike, costs: ArrayLike, **further: Any
+    ) -> AssignmentInstance:
+        """From lists of one entry a pair, in any order, robots and bins as numbers from 0."""
+        n, m = arrays.size("num_robots", num_robots), arrays.size("num_bins", num_bins)
+        i, j = arrays.whole_numbers("robots", robots), arrays.whole_numbers("bins", bins)
+        c = arrays.reals("costs", costs)
+        if not i.shape == j.shape == c.shape:
+            raise InputError("robots, bins and costs must have one entry a pair", found=f"{len(i)}, {len(j)} and {c.size}")
+        arrays.refuse_outside("the robot of pair {}", i, n, "robot")
+        arrays.refuse_outside("the bin of pair {}", j, m, "bin")
+        order = np.lexsort((j, i))
+        twice = (np.diff(i[order]) == 0) & (np.diff(j[order]) == 0)
+        if twice.any():
+            k = order[int(np.argmax(twice))]
+            raise InputError(f"the pair of robot {i[k]} and bin {j[k]} stands twice")
+        kept = order[~(c[order] == math.inf)]
+        indptr = np.zeros(n + 1, dtype=np.int64)
+        np.cumsum(np.bincount(i[kept], minlength=n), out=indptr[1:])
+        return cls(n, m, indptr, j[kept], c[kept], **further)  # type: ignore[arg-type]
+
+    @classmethod
+    def from_frame(cls, costs: pd.DataFrame, **further: Any) -> AssignmentInstance:
+        """From a pandas frame: columns ``robot``, ``bin`` and ``cost``, one row a pair, or one row a robot and one column a bin.
+
+        Infinite costs forbid a pair. Names are those of the frame.
+        """
+        if not hasattr(costs, "columns") or not hasattr(costs, "iloc"):
+            raise InputError("costs must be a pandas frame", found=type(costs).__name__)
+        if [str(title) for title in costs.columns] == ["robot", "bin", "cost"]:
+            robots, bins = (dict.fromkeys(costs[title].astype(str)) for title in ("robot", "bin"))
+            numbers = [{name: k for k, name in enumerate(names)} for names in (robots, bins)]
+            ends = [costs[title].astype(str).map(number).to_numpy() for title, number in zip(("robot", "bin"), numbers, strict=True)]
+            values = arrays.reals("column cost", costs["cost"])
+            if np.isnan(values).any():
+                row = int(np.argmax(np.isnan(values)))
+                raise InputError(f"the cost in row {row} is not a number", expected="a number, or infinity for a forbidden pair")
+            return cls.from_pairs(len(robots), len(bins), *ends, values, robot_names=tuple(robots), bin_names=tuple(bins), **further)
+        names = {"robot_names": tuple(map(str, costs.index)), "bin_names": tuple(map(str, costs.columns))}
+        return cls.from_matrix(costs.to_numpy(), **{**names, **further})
+
+    def __post_init__(self) -> None:
+        n, m = arrays.size("num_robots", self.num_robots), arrays.size("num_bins", self.num_bins)
+        if not n or not m:
+            raise InputError(f"there are no {'robots' if not n else 'bins'}", expected="one at least")
+        indptr, bins, cost = arrays.indices("indptr", self.indptr), arrays.indices("bins", self.bins), arrays.reals("cost", self.cost)
+        for what, count in (("robots", n), ("bins", m)):
+            arrays.refuse_unused(what, count, len(bins), "pairs")
+        if len(indptr) != n + 1 or cost.shape != bins.shape:
+            raise InputError(
+                "indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {len(bins)}, {cost.size}"
+            )
+        arrays.check_csr(indptr, bins, m, "robot", "bin", "pairs")
+        for key, values in (("indptr", indptr), ("bins", bins), ("cost", cost)):
+            object.__setattr__(self, key, arrays.frozen(values))
+        for what, count in (("robot", n), ("bin", m)):
+            object.__setattr__(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
+            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count))
+        object.__setattr__(self, "name", label(self.name))
+        wrong = ~(np.abs(cost) <= LARGEST)
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            pair = f"{self.robot_name(int(np.searchsorted(indptr, k, side='right')) - 1)} and {self.bin_name(int(bins[k]))}"
+            raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", found=str(cost[k]))
+        if self.filled is not None:
+            filled = arrays.reals("filled", self.filled)
+            if filled.shape != (m,):
+                raise InputError("there must be one time of being filled a bin", expected=str(m), found=str(filled.shape))
+            late = ~((filled >= 0) & ((filled <= LARGEST) | (filled == math.inf)))
+            if late.any():
+                k = int(np.argmax(late))
+                raise InputError(
+                    f"the time until {self.bin_name(k)} is full must be from 0 to {LARGEST:g}, or infinite", found=str(filled[k])
+                )
+            object.__setattr__(self, "filled", arrays.frozen(filled))
+
+    # -- lookups -----------------------------------------------------------------------------------------------------
+
+    @property
+    def num_pairs(self) -> int:
+        return len(self.bins)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every robot may be sent to every bin."""
+        return self.num_pairs == self.num_robots * self.num_bins
+
+    @property
+    def robots(self) -> NDArray[np.int64]:
+        """Robot of each pair."""
+        return np.repeat(np.arange(self.num_robots), np.diff(self.indptr))
+
+    def matrix(self) -> Floats:
+        """The costs as a matrix of shape (robots, bins), infinite where a pair is forbidden; a view where all are allowed."""
+        if self.complete:
+            return self.cost.reshape(self.num_robots, self.num_bins)
+        made = np.full((self.num_robots, self.num_bins), math.inf)
+        made[self.robots, self.bins] = self.cost
+        return made
+
+    def robot_name(self, robot: int) -> str:
+        return str(robot + 1) if self.robot_names is None else self.robot_names[robot]
+
+    def bin_name(self, number: int) -> str:
+        return str(number + 1) if self.bin_names is None else self.bin_names[number]
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row a pair: robot, bin, cost."""
+        import pandas as pd
+
+        names = [self.robot_name(k) for k in self.robots.tolist()], [self.bin_name(k) for k in self.bins.tolist()]
+        return pd.DataFrame({"robot": names[0], "bin": names[1], "cost": self.cost})
+
+    def digest(self) -> str:
+        """Hash of everything that values depend on; names and positions are not part of it."""
+        filled = np.zeros(0) if self.filled is None else self.filled
+        return digest("assignment", self.num_robots, self.num_bins, self.indptr, self.bins, self.cost, filled)
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes and ranges, as plain JSON values."""
+        degree, used = np.diff(self.indptr), np.bincount(self.bins, minlength=self.num_bins)
+        return {
+            "robots": self.num_robots,
+            "bins": self.num_bins,
+            "pairs": self.num_pairs,
+            "forbidden": self.num_robots * self.num_bins - self.num_pairs,
+            "bins_a_robot": [int(degree.min()), int(degree.max())],
+            "robots_a_bin": [int(used.min()), int(used.max())],
+            "costs": [float(self.cost.min()), float(self.cost.max())] if self.num_pairs else [],
+            "whole_costs": bool((np.floor(self.cost) == self.cost).all()),
+            "not_yet_full": 0 if self.filled is None else int((self.filled > 0).sum()),
+            "positions": self.robot_positions is not None and self.bin_positions is not None,
+        }
+
+    def __repr__(self) -> str:
+        return f"<AssignmentInstance {self.name}: {self.num_robots} robots, {self.num_bins} bins, {self.num_pairs} pairs>"
+
+
+def _not_rectangular(costs: Iterable[Any]) -> InputError:
+    """What is wrong with rows of which numpy makes no matrix."""
+    try:
+        lengths = [len(row) for row in costs]
+    except TypeError:
+        return InputError("costs must be a matrix of numbers, one row a robot and one column a bin", found=repr(costs)[:40])
+    odd = next((k for k, length in enumerate(lengths) if length != lengths[0]), None)
+    if odd is not None:
+        return InputError(f"row {odd} of the costs has a wrong length", expected=str(lengths[0]), found=str(lengths[odd]))
+    return InputError("costs must hold numbers", found=repr(costs)[:40])

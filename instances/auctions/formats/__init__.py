@@ -1,0 +1,3 @@
+"""File formats of auctions and task allocation."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Seeded recipes for auctions and task allocation."""
+
+from .... import _guard as _guard

@@ -1,0 +1,234 @@
+"""Robots, tasks, and how far it is from each to each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from ..errors import InputError
+from ..instance import digest
+from ..memory import fits, readable
+from ..text import label
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+
+PROBLEMS = ("task-allocation", "balanced-partition")
+"""What may be asked of robots and tasks."""
+
+METRICS = ("euclidean", "manhattan", "chebyshev", "matrix")
+"""Rules from places to distances; chebyshev counts the moves on a grid of eight neighbours."""
+
+LARGEST = 1e150
+"""Of a coordinate, a distance or a weight: sums and products stay finite."""
+
+
+@dataclass(frozen=True, eq=False)
+class RobotTasks:
+    """Robots with starts, tasks, and distances. Rows of distances are robots, then tasks; columns are tasks, for nobody returns.
+
+    ``of_positions``, ``of_distances``, ``from_frame`` and ``from_networkx`` make one from what a user has.
+
+    Parameters
+    ----------
+    num_robots, num_tasks : int
+        At least one each.
+    metric : str
+        One of ``METRICS``; ``matrix`` takes the distances as they are given.
+    positions : array of shape (robots + tasks, 2), optional
+        Needed by every metric but ``matrix``, where they serve pictures alone.
+    matrix : array of shape (robots + tasks, tasks), optional
+        Distances of the metric ``matrix``; not negative, from a task to itself taken for 0. They need not be symmetric.
+    weights : array of shape (tasks,), optional
+        What a task weighs in its part, in units of distance, of any sign; 0 by default. Paths do not know it.
+    robot_names, task_names : tuple of str, optional
+        None stands for "1", "2", ...
+    name, format, problem, problems, notes
+        See ``Instance``.
+
+    Raises
+    ------
+    InputError
+        If there is no robot or no task, or an array has the wrong shape or holds what it must not.
+
+    Notes
+    -----
+    Source: Lagoudakis et al. (2005), Auction-based multi-robot routing, section II; docs/formulations/task-allocation.md#model.
+    """
+
+    kind: ClassVar[str] = "robot-tasks"
+    num_robots: int
+    num_tasks: int
+    metric: str = "euclidean"
+    positions: Floats | None = None
+    matrix: Floats | None = None
+    weights: Floats | None = None
+    robot_names: tuple[str, ...] | None = None
+    task_names: tuple[str, ...] | None = None
+    name: str = "robot-tasks"
+    format: str = "arrays"
+    problem: str = PROBLEMS[0]
+    problems: tuple[str, ...] = PROBLEMS
+    notes: tuple[str, ...] = ()
+    distances: Floats = field(init=False, repr=False)
+
+    @classmethod
+    def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **given: Any) -> RobotTasks:
+        """From places: arrays of shape (robots, 2) and (tasks, 2), or, on a line, (robots,) and (tasks,)."""
+        starts, places = _points("robot", robots), _points("task", tasks)
+        return cls(len(starts), len(places), metric, np.vstack([starts, places]), **given)
+
+    @classmethod
+    def of_distances(cls, starts: ArrayLike, between: ArrayLike, **given: Any) -> RobotTasks:
+        """From distances: of shape (robots, tasks) from the robots to the tasks, and (tasks, tasks) between tasks."""
+        first, second = _table("distances from the robots", starts), _table("distances between the tasks", between)
+        tasks = second.shape[1]
+        if second.shape[0] != tasks or first.shape[1] != tasks:
+            found = f"{first.shape} and {second.shape}"
+            raise InputError("distances must be of shapes (robots, tasks) and (tasks, tasks)", found=found)
+        return cls(len(first), tasks, "matrix", matrix=np.vstack([first, second]), **given)
+
+    @classmethod
+    def from_frame(cls, robots: pd.DataFrame, tasks: pd.DataFrame, metric: str = "euclidean", name: str = "frame") -> RobotTasks:
+        """From pandas frames with columns x, y, and perhaps name; that of tasks perhaps with weight too."""
+        from .robot_task_sources import of_frames
+
+        return of_frames(robots, tasks, metric, name)
+
+    @classmethod
+    def from_networkx(cls, graph: Any, robots: Sequence[Any], tasks: Sequence[Any], *, weight: str = "weight") -> RobotTasks:
+        """On a graph of networkx: robots and tasks stand at nodes, distances are shortest paths."""
+        from .robot_task_sources import of_graph
+
+        return of_graph(graph, robots, tasks, weight)
+
+    def __post_init__(self) -> None:
+        for what in ("robots", "tasks"):
+            if arrays.size(f"num_{what}", getattr(self, f"num_{what}")) == 0:
+                raise InputError(f"there are no {what}", expected="at least one")
+        rows = self.num_robots + self.num_tasks
+        if not fits(24.0 * rows * self.num_tasks):
+            size = readable(8.0 * rows * self.num_tasks)
+            raise InputError(f"distances of {self.num_robots:,} robots and {self.num_tasks:,} tasks need {size}, more than there is")
+        put: Callable[[str, Any], None] = lambda key, value: object.__setattr__(self, key, value)  # noqa: E731
+        put("robot_names", arrays.names("robot", self.robot_names, self.num_robots))
+        put("task_names", arrays.names("task", self.task_names, self.num_tasks))
+        put("name", label(self.name))
+        if self.metric not in METRICS:
+            raise InputError(f"unknown metric {self.metric!r}", expected=", ".join(METRICS))
+        put("positions", self._positions())
+        put("weights", self._weights())
+        put("matrix", self._matrix())
+        put("distances", self.matrix if self.matrix is not None else _frozen(self._measured()))
+
+    def _positions(self) -> Floats | None:
+        given = arrays.positions("place", self.positions, self.num_robots + self.num_tasks)
+        if given is None and self.metric != "matrix":
+            raise InputError(f"the metric {self.metric} needs positions of all robots and tasks")
+        if given is not None and (np.abs(given) > LARGEST).any():
+            k = int(np.argmax((np.abs(given) > LARGEST).any(axis=1)))
+            raise InputError(f"coordinates of {self.row_name(k)} must be at most {LARGEST:g}", found=str(given[k]))
+        return given
+
+    def _weights(self) -> Floats:
+        given = np.zeros(self.num_tasks) if self.weights is None else arrays.reals("weights", self.weights)
+        if given.shape != (self.num_tasks,):
+            raise InputError("there must be one weight a task", expected=str(self.num_tasks), found=str(given.shape))
+        wrong = ~(np.abs(given) <= LARGEST)
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            raise InputError(f"the weight of task {self.task_name(k)} must be finite and at most {LARGEST:g}", found=str(given[k]))
+        return _frozen(given.copy())
+
+    def _matrix(self) -> Floats | None:
+        if self.metric != "matrix":
+            if self.matrix is not None:
+                raise InputError(f"the metric {self.metric} measures distances itself; a matrix goes with the metric 'matrix'")
+            return None
+        if self.matrix is None:
+            raise InputError("the metric 'matrix' needs a matrix of distances")
+        given, shape = _table("distances", self.matrix).copy(), (self.num_robots + self.num_tasks, self.num_tasks)
+        if given.shape != shape:
+            raise InputError(
+                "distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(given.shape)
+            )
+        given[np.arange(self.num_robots, shape[0]), np.arange(self.num_tasks)] = 0.0
+        wrong = ~((given >= 0) & (given <= LARGEST))
+        if wrong.any():
+            i, j = (int(v[0]) for v in np.nonzero(wrong))
+            what = f"the distance from {self.row_name(i)} to task {self.task_name(j)}"
+            raise InputError(f"{what} must be from 0 to {LARGEST:g}", found=str(given[i, j]))
+        return _frozen(given)
+
+    def _measured(self) -> Floats:
+        assert self.positions is not None
+        tasks = self.positions[self.num_robots :]
+        dx, dy = (np.abs(self.positions[:, None, k] - tasks[None, :, k]) for k in (0, 1))
+        return np.hypot(dx, dy) if self.metric == "euclidean" else dx + dy if self.metric == "manhattan" else np.maximum(dx, dy)
+
+    # -- parts and names -----------------------------------------------------------------------------------------------
+
+    @property
+    def starts(self) -> Floats:
+        """Distances from the robots to the tasks, shape (robots, tasks)."""
+        return self.distances[: self.num_robots]
+
+    @property
+    def between(self) -> Floats:
+        """Distances between the tasks, shape (tasks, tasks)."""
+        return self.distances[self.num_robots :]
+
+    def robot_name(self, robot: int) -> str:
+        return str(robot + 1) if self.robot_names is None else self.robot_names[robot]
+
+    def task_name(self, task: int) -> str:
+        return str(task + 1) if self.task_names is None else self.task_names[task]
+
+    def row_name(self, row: int) -> str:
+        """What a row of the distances stands for."""
+        robots = self.num_robots
+        return f"robot {self.robot_name(row)}" if row < robots else f"task {self.task_name(row - robots)}"
+
+    def digest(self) -> str:
+        """Hash of all distances and weights."""
+        return digest("robot-tasks", self.num_robots, self.distances, self.weights)
+
+    def facts(self) -> dict[str, Any]:
+        """Counts, and the range of distances."""
+        away = self.distances[self.distances > 0] if (self.distances > 0).any() else np.zeros(1)
+        found: dict[str, Any] = {"robots": self.num_robots, "tasks": self.num_tasks, "metric": self.metric}
+        return {**found, "distances": [float(away.min()), float(away.max())], "weights": float(np.asarray(self.weights).sum())}
+
+    def __repr__(self) -> str:
+        return f"<RobotTasks {self.name}: {self.num_robots} robots, {self.num_tasks} tasks, {self.metric}>"
+
+
+def _points(what: str, given: ArrayLike | Iterable[Any]) -> Floats:
+    points = _table(f"{what} positions", given, several=False)
+    if points.ndim == 1:
+        points = np.column_stack([points, np.zeros(len(points))])
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise InputError(f"{what} positions must be two numbers each, or one on a line", found=f"shape {points.shape}")
+    return points
+
+
+def _table(what: str, given: Any, several: bool = True) -> Floats:
+    try:
+        made = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{what} must be numbers, as many in each row", found=repr(given)[:40]) from None
+    if several and made.ndim != 2:
+        raise InputError(f"{what} must be a table", found=f"shape {made.shape}")
+    return made
+
+
+def _frozen(values: Floats) -> Floats:
+    values.setflags(write=False)
+    return values

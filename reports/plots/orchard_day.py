@@ -1,0 +1,58 @@
+"""Pictures of days in the orchard."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ...formulations.auctions.orchard_day import OrchardDay
+from . import PLOTS
+from .drawing import COLOURS, INK, entitled, new_axes
+
+if TYPE_CHECKING:
+    from ...formulations.solution import Solution
+
+NAMED = 60
+"""Up to so many bins are named."""
+
+
+def plot_orchard_day(
+    problem: OrchardDay, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+) -> Any:
+    """One row a robot, from left to right the way home of each bin that it fetches, dark, and before it the trip to there, pale.
+
+    Parameters
+    ----------
+    problem : OrchardDay
+    answer : tuple of trips, one a robot
+    ax : matplotlib axes, optional
+        New ones by default.
+    solution : Solution, optional
+        For objective, bound and gap in the title.
+    title : str, optional
+        Instead of the one made.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = new_axes() if ax is None else ax
+    jobs, home = problem.jobs, problem.timetable(answer)
+    for robot, trips in enumerate(answer):
+        before = int(jobs.robot_free[robot])
+        for bring, fetch in trips:
+            if fetch < 0:
+                continue
+            loaded = int(home[fetch] - jobs.home[fetch])
+            ax.barh(robot + 1, loaded - before, left=before, height=0.6, color=COLOURS[1 if bring >= 0 else 2], alpha=0.35)
+            ax.barh(robot + 1, int(jobs.home[fetch]), left=loaded, height=0.6, color=COLOURS[0])
+            if jobs.num_bins <= NAMED:
+                ax.text(loaded + jobs.home[fetch] / 2, robot + 1, str(fetch + 1), ha="center", va="center", fontsize=8, color="white")
+            before = int(home[fetch])
+    ax.set_yticks(range(1, jobs.num_robots + 1))
+    ax.invert_yaxis()
+    ax.set_xlabel("step", fontsize=9, color=INK)
+    ax.set_ylabel("robot", fontsize=9, color=INK)
+    return entitled(ax, problem, answer, solution, title, "bins on their way home, and the trips to them")
+
+
+PLOTS.add("orchard-day", plot_orchard_day)

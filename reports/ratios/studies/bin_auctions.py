@@ -1,0 +1,39 @@
+"""Auctions of bins against what they state, on assignments that are enumerated or known by construction."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .. import assignment_families as families
+from ..guarantees import guarantee_study
+from ..judging import Configuration
+
+
+def _in_random_order(problem: Any, rng: np.random.Generator) -> dict[str, Any]:
+    return {"order": rng.permutation(problem.num_robots).tolist()}
+
+
+def _serial(problem: Any) -> float:
+    return float(2.0**problem.num_robots - 1.0)
+
+
+guarantee_study(
+    "conflict-auction", "the cheapest bid wins a bin, stated 2 n^(log2 3/2) - 1 on costs of travel", 2000,
+    [Configuration("deferred", "conflict-auction", families.greedy_bound)],
+    [families.travel(), families.serial_lines(), families.greedy_lines()],
+)  # fmt: skip
+guarantee_study(
+    "online-greedy", "robots in turn, stated 2^n - 1 on costs of travel", 2000,
+    [
+        Configuration("in order", "online-greedy", _serial),
+        Configuration("random order", "online-greedy", _serial, _in_random_order),
+    ],
+    [families.travel(fewer_robots=True), families.serial_lines(), families.greedy_lines()],
+)  # fmt: skip
+guarantee_study(
+    "bertsekas", "prices rise by bids, optimal for whole costs", 2000,
+    [Configuration("default", "bertsekas", lambda problem: 1.0 if (problem.cost % 1.0 == 0.0).all() else 1.0 + 1e-6)],
+    [families.travel(), families.arbitrary(), families.serial_lines(), families.greedy_lines()],
+)  # fmt: skip

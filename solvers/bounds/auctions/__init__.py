@@ -1,0 +1,3 @@
+"""Evidence for bounds of auctions and task allocation."""
+
+from .... import _guard as _guard

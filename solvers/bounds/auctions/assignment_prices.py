@@ -1,0 +1,37 @@
+"""Bound ``assignment-prices``: prices of an auction for sums of costs; robots and bins that meet all cheap pairs for the largest cost."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ....formulations.evidence import Evidence
+from ....formulations.stop import Stop
+from ...engines.assignment_steps.auction import auction
+from ...engines.assignment_steps.thresholds import least_threshold
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod
+
+if TYPE_CHECKING:
+    from ....formulations.auctions.bin_assignment import BinAssignment
+
+
+def missing(problem: Any) -> frozenset[str]:
+    """Nothing for bin assignments."""
+    return frozenset() if problem.family == "bin-assignment" else frozenset({f"{problem.family} problems"})
+
+
+def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evidence | None:
+    """Evidence of the least sum or the least largest cost; None where it was stopped, or where not as many pairs as asked for exist."""
+    if problem.pairs > int((problem.largest >= 0).sum()):
+        return next((reason.evidence for reason in problem.infeasibility_reasons()), None)
+    if problem.objective == "bottleneck":
+        return least_threshold(problem, stop).evidence
+    made = auction(problem, stop)
+    return made.evidence(problem, "auction prices") if made.complete else None
+
+
+def _prepare() -> None:
+    from ...engines.assignment_steps import auction_kernels  # noqa: F401 - compiles on import or first use
+
+
+BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", missing, compute, prepare=_prepare))

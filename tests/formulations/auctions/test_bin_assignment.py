@@ -1,0 +1,98 @@
+"""Robots to bins: the problem and its judge."""
+
+from __future__ import annotations
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+from bin_assignments import WORKED, enumerated, random_costs, worked
+from draws import draws
+
+import waybound as wb
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.instances.auctions.assignment import AssignmentInstance
+from waybound.instances.errors import InputError, UsageError
+
+INF = math.inf
+
+
+def test_sum_and_bottleneck_are_recomputed() -> None:
+    assert worked("K4").evaluate((1, 2, 3, 0)).values == (38.0,)
+    judged = worked("K4", objective="bottleneck").evaluate((1, 2, 3, 0))
+    assert judged.values == (12.0,) and judged.quantities == {"pairs": 4.0, "sum": 38.0, "largest": 12.0}
+
+
+def test_each_broken_rule_is_named_with_robots_and_bins() -> None:
+    problem = BinAssignment.from_matrix([[1.0, INF], [2.0, 3.0], [4.0, 5.0]], robot_names=("ann", "bob", "cleo"), bin_names=("x", "y"))
+    told = {v.check: v.message for v in problem.evaluate((1, 0, 0)).violations}
+    assert told == {"allowed": "robot ann may not be sent to bin y", "bins": "bin x is given to 2 robots: bob, cleo"}
+    (lacking,) = problem.evaluate((0, -1, -1)).violations
+    assert lacking.message == "1 of the 2 pairs asked for; without a bin: bob, cleo" and lacking.amount == 1.0
+    for answer in ((0, 1), (0, 1, 2), (0, 1, -2), [0, 1, -1], (0.0, 1, -1), (True, 1, -1)):
+        with pytest.raises(InputError, match="an answer is a tuple of one bin a robot"):
+            problem.evaluate(answer)
+
+
+def test_waiting_is_the_larger_of_the_two_or_their_sum_and_bins_that_nobody_fills_are_no_ones() -> None:
+    data = AssignmentInstance.from_matrix([[1.0, 5.0, 2.0]], filled=np.array([3.0, 0.0, INF]))
+    assert BinAssignment(data).matrix().tolist() == [[3.0, 5.0, INF]]
+    assert BinAssignment(data, waiting="sum").matrix().tolist() == [[4.0, 5.0, INF]]
+    assert BinAssignment(data).digest() != BinAssignment(data, waiting="sum").digest()
+
+
+def test_as_many_pairs_as_possible_come_first_whatever_they_cost() -> None:
+    problem = BinAssignment.from_matrix([[1.0, 100.0], [0.0, INF]])
+    assert problem.pairs == 2 and not problem.evaluate((0, -1)).feasible and problem.evaluate((1, 0)).feasible
+    assert wb.solve(problem).objective == 100.0
+
+
+def test_where_all_are_asked_for_there_may_be_no_answer_and_who_is_to_blame_is_named() -> None:
+    costs = [[1.0, INF, INF], [2.0, INF, INF], [1.0, 1.0, 1.0]]
+    robots = BinAssignment.from_matrix(costs, match="robots", robot_names=("ann", "bob", "cleo"), bin_names=("x", "y", "z"))
+    (reason,) = wb.explain(robots).reasons
+    assert reason.where == "robots ann, bob" and reason.message == "robots ann, bob: 2 of them, for whom there are 1 bins in all: x"
+    bins = BinAssignment.from_matrix(np.transpose(costs), match="bins", bin_names=("ann", "bob", "cleo"))
+    assert [r.where for r in wb.explain(bins).reasons] == ["bins ann, bob"]
+    for solver in ("lapjv", "highs"):
+        found = wb.solve(robots, solver)
+        assert found.status == "infeasible" and found.certificate.infeasible
+    assert list(BinAssignment.from_matrix(costs).infeasibility_reasons()) == []
+
+
+def test_the_number_of_pairs_is_that_of_enumeration() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(draws(100)):
+        costs = random_costs(rng, 4)
+        assert BinAssignment.from_matrix(costs).pairs == enumerated(costs)[0]
+
+
+def test_answers_are_written_and_read_by_name() -> None:
+    problem = worked("E")
+    assert problem.answer_to_json((-1, 0, 1)) == {"kind": "bin-assignment", "bin_of_robot": {"2": "1", "3": "2"}}
+    assert problem.answer_from_json(problem.answer_to_json((-1, 0, 1))) == (-1, 0, 1)
+    text = problem.answer_to_text((-1, 0, 1), ".csv")
+    assert text == "robot,bin\n2,1\n3,2\n" and problem.answer_from_text(text) == ((-1, 0, 1), None)
+    assert problem.answer_of({2: 1, "3": "2"}) == problem.answer_of(np.array([-1, 0, 1])) == (-1, 0, 1)
+    assert problem.answer_to_frame((-1, 0, 1)).to_dict("list") == {"robot": ["2", "3"], "bin": ["1", "2"], "cost": [2.0, 5.0]}
+    for text, message in (("robot\n", "is no assignment"), ("robot,bin\n9,1\n", "unknown robot '9'"), ("robot,bin\n1,1\n1,2\n", "twice")):
+        with pytest.raises(InputError, match=message):
+            problem.answer_from_text(text)
+    with pytest.raises(InputError, match="unknown bin"):
+        problem.answer_from_json({"kind": "bin-assignment", "bin_of_robot": {"1": "7"}})
+    with pytest.raises(UsageError, match="the start is no assignment"):
+        problem.check_start((0, 1))
+
+
+def test_settings_are_checked() -> None:
+    data = AssignmentInstance.from_matrix(WORKED["A"])
+    for given, message in (
+        ({"objective": "average"}, "objective must be one of sum, bottleneck"), ({"match": "all"}, "match must be one of"),
+        ({"waiting": "min"}, "waiting must be one of max, sum"),
+    ):  # fmt: skip
+        with pytest.raises(UsageError, match=message):
+            BinAssignment(data, **given)
+    with pytest.raises(UsageError, match="is made of an AssignmentInstance"):
+        BinAssignment([[1]])  # type: ignore[arg-type]
+    assert pickle.loads(pickle.dumps(worked("A"))).digest() == worked("A").digest()

@@ -1,0 +1,149 @@
+"""The judge of days in the orchard, and their optima."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from draws import draws
+from orchard_cases import FOUR, LANE, ONE_ROUTE, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
+
+import waybound as wb
+from waybound.formulations.auctions.orchard_day import OrchardDay, in_order
+from waybound.formulations.evidence import CHECKERS
+from waybound.instances.auctions.orchard_jobs import OrchardJobs
+from waybound.instances.errors import InputError, UsageError
+from waybound.reports.missions.orchard_days.days import play_day
+
+# places, steps at which they are full, robots, ways out and home, least last step, least sum
+SCHEDULES = [
+    (((0, 2), (1, 1), (0, 4)), (0, 0, 0), ((0, 0), (0, 0)), (3, 3, 6), 6, 15),
+    (((0, 1), (0, 8), (4, 8)), (5, 0, 0), ((0, 0), (0, 0)), (2, 12, 18), 18, 42),
+    (((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8)), (0,) * 6, ((0, 0), (0, 0)), (2, 3, 8, 11, 14, 18), 28, 85),
+    (((0, 2), (1, 2)), (0, 0), ((0, 0), (0, 6)), (3, 5), 5, 9),
+    (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), (3, 5, 9, 11), 14, 38),
+]
+
+
+@pytest.mark.parametrize(("places", "full", "robots", "ways", "last", "total"), SCHEDULES)
+def test_schedules_of_the_reference(places, full, robots, ways, last, total):
+    jobs = retrievals(places, full, robots).jobs
+    assert tuple((jobs.out + jobs.home).tolist()) == ways
+    for objective, value in (("makespan", last), ("completion", total)):
+        found = wb.solve(retrievals(places, full, robots, objective), bound_time=0)
+        assert (found.objective, found.status) == (value, "optimal")
+        assert CHECKERS["retrievals"](retrievals(places, full, robots, objective), {}) <= value
+
+
+@pytest.mark.parametrize(("start", "robots", "last", "optimum"), WHOLE_DAYS)
+def test_whole_days_of_the_reference(start, robots, last, optimum):
+    rules = lane(start, robots)
+    found = wb.solve(OrchardDay(OrchardJobs.of_routes(rules, start)), bound_time=0)
+    assert (found.objective, found.status) == (optimum, "optimal")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_rule_beats_the_optimum_of_a_small_orchard(seed):
+    problem = wb.generate("orchard-day", seed=seed, rows=2, columns=5, robots=2)
+    jobs, best = problem.jobs, wb.solve(problem, bound_time=0).objective
+    from waybound.instances.auctions.orchard_rules import OrchardRules, draw_routes
+    from waybound.instances.generators import Draw
+
+    rules = OrchardRules(jobs.grid, 2, 2, 1)
+    start = draw_routes(rules, Draw(np.random.Generator(np.random.PCG64(seed))))
+    assert OrchardJobs.of_routes(rules, start).digest() == jobs.digest()
+    assert min(play_day(rules, 1, *how, start=start).makespan for how in FOUR) >= best
+
+
+def every_answer(jobs):
+    """All ways to share out and order trips."""
+    brought = [k for k in range(jobs.num_bins) if not jobs.standing[k]]
+    for partners in itertools.product([-1, *range(jobs.num_bins)], repeat=len(brought)):
+        used = [b for b in partners if b >= 0]
+        if len(set(used)) < len(used):
+            continue
+        by = dict(zip(partners, brought, strict=True))
+        all_trips = [(by.get(b, -1), b) for b in range(jobs.num_bins)] + [(a, -1) for a, b in zip(brought, partners, strict=True) if b < 0]
+        for order in itertools.permutations(all_trips):
+            for cuts in itertools.combinations_with_replacement(range(len(order) + 1), jobs.num_robots - 1):
+                ends = (0, *cuts, len(order))
+                yield tuple(order[ends[r] : ends[r + 1]] for r in range(jobs.num_robots))
+
+
+@pytest.mark.parametrize("objective", ["makespan", "completion"])
+def test_the_engine_finds_what_trying_all_answers_finds(objective):
+    rng = np.random.default_rng(11)
+    for _ in range(draws(20)):
+        problem = OrchardDay(random_jobs(rng, robots=2, bins=2), objective)
+        values = [e.values[0] for e in map(problem.evaluate, every_answer(problem.jobs)) if e.feasible]
+        found = wb.solve(problem, bound_time=0)
+        assert (found.objective, found.status, found.faults) == (min(values), "optimal", ())
+        assert CHECKERS["retrievals"](problem, {}) <= min(values)
+        assert problem.evaluate(problem.answer_at_hand()).feasible
+
+
+def test_larger_days_are_optimal_and_judged():
+    rng = np.random.default_rng(5)
+    for _ in range(draws(10)):
+        problem = OrchardDay(random_jobs(rng, robots=3, bins=6))
+        found = wb.solve(problem, time_limit=20, bound_time=0)
+        assert found.certificate.feasible
+        assert CHECKERS["retrievals"](problem, {}) <= found.objective <= problem.evaluate(problem.answer_at_hand()).objective
+
+
+def test_a_timetable_by_hand():
+    problem = OrchardDay(OrchardJobs.of_routes(lane(ONE_ROUTE, 1), ONE_ROUTE))
+    one_by_one = (((1, 0), *((k, k - 1) for k in range(2, 8)), (-1, 7)),)
+    assert problem.evaluate(one_by_one).feasible
+    assert problem.timetable(one_by_one).tolist()[:2] == [
+        3,
+        6,
+    ]  # full at 2, home 3; to cell 2 at 4 and back to 1 at 5, where the next one is full since 4
+    each = (tuple((k if k else -1, k) for k in range(8)),)
+    assert problem.timetable(each).tolist() == [3, 7, 12, 17, 24, 31, 39, 47]
+
+
+def test_what_is_wrong_with_an_answer_is_told():
+    problem = OrchardDay(OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES))
+    good = in_order(problem.jobs, range(8))
+    assert problem.evaluate(good).feasible
+    broken = problem.evaluate((good[0][:-1], good[1]))
+    assert {v.check for v in broken.violations} >= {"fetched"}
+    twice = problem.evaluate((good[0] + good[0][:1], good[1]))
+    assert {v.check for v in twice.violations} >= {"fetched"}
+    deadlock = problem.evaluate((((-1, 1), (1, -1)), ()))
+    assert "waits" in {v.check for v in deadlock.violations}
+    assert "robot 1 waits for a bin that is never full" in {v.message for v in deadlock.violations}
+
+
+@pytest.mark.parametrize("answer", [None, (), ((),), (((0, 9),), ()), (((-1, -1),), ()), ([(0, 0)], ()), (((0, True),), ())])
+def test_what_is_no_answer_is_refused(answer):
+    problem = OrchardDay(OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES))
+    with pytest.raises(InputError, match="trip"):
+        problem.evaluate(answer)
+
+
+def test_answers_go_through_json_and_frames():
+    problem = OrchardDay(OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES))
+    answer = in_order(problem.jobs, range(8))
+    assert problem.answer_from_json(problem.answer_to_json(answer)) == answer
+    frame = problem.answer_to_frame(answer)
+    assert len(frame) == 8
+    assert frame["home"].max() == problem.evaluate(answer).objective
+    for data in ({}, {"kind": "trips", "robots": [1]}, {"kind": "trips", "robots": [[{"bring": 0, "fetch": 1}], []]}):
+        with pytest.raises(InputError):
+            problem.answer_from_json(data)
+
+
+def test_settings_are_checked():
+    jobs = OrchardJobs.of_routes(lane(ONE_ROUTE, 1), ONE_ROUTE)
+    with pytest.raises(UsageError, match="objective must be one of makespan, completion"):
+        OrchardDay(jobs, "cost")
+    with pytest.raises(UsageError, match="made of OrchardJobs"):
+        OrchardDay(LANE)
+    from waybound.formulations.problem import problem_from_instance
+
+    assert problem_from_instance(jobs, objective="completion").objective == "completion"
+    with pytest.raises(UsageError, match="has no setting robots; it takes objective"):
+        problem_from_instance(jobs, robots=3)

@@ -1,0 +1,44 @@
+"""Whether distances keep the triangle inequality."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from waybound.formulations.stop import NEVER, Stop
+from waybound.heuristics.auctions.auction_steps.metric import keeps_triangles
+from waybound.instances.auctions.robot_tasks import RobotTasks
+
+SQUARE = [[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]]
+
+
+def test_rules_of_the_plane_need_no_look_and_matrices_do():
+    assert keeps_triangles(RobotTasks.of_positions([0], [1, 2], "chebyshev"), Stop(0.0)) == ("distances are chebyshev ones of the plane",)
+    assert keeps_triangles(RobotTasks.of_distances([[1, 0, 1]], SQUARE), NEVER) is not None
+    assert keeps_triangles(RobotTasks.of_distances([[1, 0, 1]], SQUARE), Stop(0.0)) is None
+
+
+@pytest.mark.parametrize(
+    ("starts", "between"),
+    [
+        ([1, 0, 1], [[0, 1, 2], [1, 0, 1], [2.1, 1, 0]]),  # one way is longer
+        ([1, 0, 1], [[0, 1, 2.1], [1, 0, 1], [2.1, 1, 0]]),  # by a third task it is shorter
+        ([3, 1, 1], SQUARE),  # from the robot by a task
+        ([0.2, 0.2, 3], SQUARE),  # between tasks by where the robot stands
+    ],
+)
+def test_what_breaks_it_is_found(starts, between):
+    assert keeps_triangles(RobotTasks.of_distances([starts], between), NEVER) is None
+
+
+@pytest.mark.parametrize("scale", [1e-100, 1.0, 1e100])
+def test_the_rounding_of_shortest_paths_is_let_pass_in_any_units(scale):
+    rng = np.random.default_rng(1)
+    made = rng.random((8, 8)) * scale
+    made = np.minimum(made, made.T)
+    np.fill_diagonal(made, 0)
+    for k in range(8):
+        made = np.minimum(made, made[:, [k]] + made[k])
+    assert keeps_triangles(RobotTasks.of_distances(made[:2, 2:], made[2:, 2:]), NEVER) is not None
+    made[2, 3] = made[3, 2] = made[2, 3] * (1 + 1e-6) + 20 * scale
+    assert keeps_triangles(RobotTasks.of_distances(made[:2, 2:], made[2:, 2:]), NEVER) is None

@@ -1,0 +1,79 @@
+"""Bertsekas' auction: worked bids and prices, and what epsilon promises."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bin_assignments import OPTIMA, enumerated, worked
+from draws import draws
+
+import waybound as wb
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.instances.errors import UsageError
+from waybound.reports.ratios.judging import run_heuristic
+
+
+def run(problem: BinAssignment, **options):
+    return run_heuristic(problem, "bertsekas", options, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "epsilon", "cost", "bids", "prices"),
+    [
+        ("A", 0.3, 9, 3, [3.3, 4.6, 6.6]), ("O", 0.45, 4, 3, [3.45, 2.9]), ("O", 1.0, 4, None, [4, 4]), ("O", 5.0, 6, None, None),
+        ("K4", 0.225, 38, 7, None), ("L3", 0.3, 183, 4, None),
+    ],
+)  # fmt: skip
+def test_worked_auctions(name: str, epsilon: float, cost: float, bids: int | None, prices: list[float] | None) -> None:
+    problem = worked(name)
+    found = run(problem, epsilon=epsilon, scaling=False)
+    value = problem.evaluate(found.answer).values[0]
+    assert value == cost and bids in (None, found.statistics["bids"])
+    assert prices is None or found.evidence[0].data["prices"] == pytest.approx(prices, abs=1e-9)
+    assert value - OPTIMA[name] <= problem.num_bins * epsilon
+    assert value - found.evidence[0].value <= problem.num_bins * epsilon + 1e-9
+
+
+def test_prices_rise_step_by_step_where_robots_fight() -> None:
+    war = BinAssignment.from_matrix([[0.0, 0.0, 1000.0]] * 3)
+    bids = [run(war, epsilon=epsilon, scaling=False).statistics["bids"] for epsilon in (1.0, 0.1)]
+    assert bids[0] == 1003 and bids[1] in (10_002, 10_003), "the last bid may be one of rounding"
+    scaled = run(war)
+    assert scaled.statistics["bids"] < 100 and war.evaluate(scaled.answer).values == (1000.0,)
+
+
+def test_no_answer_is_further_from_the_optimum_than_epsilon_allows_and_whole_costs_are_solved() -> None:
+    rng = np.random.default_rng(41)
+    for k in range(draws(300)):
+        n, m = (int(size) for size in rng.integers(1, 6, 2))
+        costs = rng.integers(0, 30, (n, m)).astype(float)
+        problem, best = BinAssignment.from_matrix(costs), enumerated(costs)[1]
+        epsilon = float(rng.choice([0.01, 0.5, 2.0, 10.0]))
+        found = run(problem, epsilon=epsilon, scaling=bool(k % 2))
+        value = problem.evaluate(found.answer).values[0]
+        assert value <= best + max(n, m) * epsilon + 1e-9
+        if epsilon * max(n, m) < 1:
+            assert value == best and found.guarantee is not None and found.guarantee.ratio == 1.0
+        if found.guarantee is not None and best > 0:
+            assert value <= found.guarantee.ratio * best * (1 + 1e-9)
+        exact = run(problem)
+        assert problem.evaluate(exact.answer).values[0] == best == exact.evidence[0].value
+
+
+def test_by_default_other_costs_are_proved_to_nine_digits() -> None:
+    found = wb.solve(BinAssignment.from_matrix(np.random.default_rng(5).random((40, 55))), heuristic="bertsekas", bound_time=0)
+    assert found.status == "optimal" and found.bound_kind == "verified" and found.gap is not None and found.gap < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"epsilon": 0}, "epsilon must be a number above 0, not 0"), ({"epsilon": -1.0}, "epsilon must be a number above 0"),
+        ({"epsilon": float("nan")}, "epsilon must be"), ({"epsilon": "small"}, "epsilon must be"),
+        ({"factor": 1.0}, "factor must be a number above 1"),
+        ({"scaling": 3}, "scaling must be true or false"),
+    ],
+)  # fmt: skip
+def test_options_out_of_range_are_refused(options: dict[str, object], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        run(worked("O"), **options)

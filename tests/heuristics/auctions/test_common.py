@@ -1,0 +1,38 @@
+"""Whether costs are like those of travel, and assignments that are completed."""
+
+from __future__ import annotations
+
+import numpy as np
+from bin_assignments import random_costs
+from draws import draws
+
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.stop import NEVER
+from waybound.heuristics.auctions._common import completed, quadrangle
+
+
+def test_the_quadrangle_inequality_is_told_from_all_four_corners() -> None:
+    rng = np.random.default_rng(51)
+    seen = set()
+    for _ in range(draws(150)):
+        n, m = rng.integers(1, 5, 2)
+        costs = rng.integers(1, 8, (n, m)).astype(float)
+        i, k, j, l = np.ix_(range(n), range(n), range(m), range(m))  # noqa: E741
+        holds = bool((costs[i, j] <= costs[i, l] + costs[k, l] + costs[k, j]).all())
+        assert quadrangle(BinAssignment.from_matrix(costs), NEVER) is holds
+        seen.add(holds)
+    assert seen == {True, False}
+
+
+def test_points_of_a_line_keep_it_in_spite_of_rounding() -> None:
+    points = np.cumsum(np.full(12, 0.1))
+    assert quadrangle(BinAssignment.from_matrix(np.abs(points[::2, None] - points[1::2])), NEVER)
+
+
+def test_as_many_pairs_as_possible_and_few_changes() -> None:
+    rng = np.random.default_rng(52)
+    for _ in range(draws(60)):
+        problem = BinAssignment.from_matrix(random_costs(rng, 6))
+        answer, changed = completed(problem, np.full(problem.num_robots, -1), NEVER)
+        assert problem.evaluate(answer).feasible and changed == problem.pairs
+        assert completed(problem, np.array(answer), NEVER) == (answer, 0)

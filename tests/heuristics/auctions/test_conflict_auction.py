@@ -1,0 +1,139 @@
+"""Conflict auction: worked epochs, the facts that are proved of it, and its worst lines."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from bin_assignments import OPTIMA, worked
+from draws import draws
+
+import waybound as wb
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.heuristics.auctions.conflict_auction import greedy_ratio
+from waybound.instances.errors import UsageError
+from waybound.instances.generating import generate
+from waybound.reports.ratios.assignment_families import greedy_line, serial_line
+from waybound.reports.ratios.judging import run_heuristic
+
+CASES = {
+    "A": (9, (0, 1, 2), 1, 3), "F": (9, (0, 2), 2, 3), "E": (7, (-1, 0, 1), 2, 5), "G": (3, (0, 1), 2, 3), "O": (6, (0, 1), 2, 3),
+    "B": (100, (0, 1), 2, 3), "D": (10, (0, 1, 2), 3, 5), "K4": (39, (1, 0, 2, 3), 4, 9), "L3": (201, (0, 1, 2), 3, 5),
+}  # fmt: skip
+IMMEDIATE = {"A": 9, "F": 9, "E": 7, "G": 3, "O": 6, "B": 100, "D": 15, "K4": 39, "L3": 521}
+
+
+def run(problem: BinAssignment, **options):
+    return run_heuristic(problem, "conflict-auction", options, 1)
+
+
+def value(problem: BinAssignment, **options) -> float:
+    return float(problem.evaluate(run(problem, **options).answer).values[0])
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_worked_epochs(name: str) -> None:
+    problem, (cost, plan, rounds, bids) = worked(name), CASES[name]
+    found = run(problem)
+    assert problem.evaluate(found.answer).values == (cost,) and found.answer == plan
+    assert found.statistics == {"rounds": rounds, "bids": bids}
+    assert value(problem, mode="immediate") == IMMEDIATE[name] and cost >= OPTIMA[name]
+
+
+def cheapest_pairs_first(costs: np.ndarray) -> list[int]:
+    taken, used = [-1] * len(costs), set()
+    for _, i, j in sorted((c, i, j) for (i, j), c in np.ndenumerate(costs) if math.isfinite(c)):
+        if taken[i] < 0 and j not in used:
+            taken[i] = j
+            used.add(j)
+    return taken
+
+
+def test_it_is_the_cheapest_pair_again_and_again_and_nobody_would_rather_change() -> None:
+    rng = np.random.default_rng(21)
+    for _ in range(draws(300)):
+        n, m = rng.integers(1, 8, 2)
+        costs = rng.integers(0, 6, (n, m)).astype(float) if rng.random() < 0.5 else rng.random((n, m))
+        found = run(BinAssignment.from_matrix(costs))
+        assert list(found.answer) == cheapest_pairs_first(costs)
+        holder = {j: i for i, j in enumerate(found.answer) if j >= 0}
+        assert len(holder) == min(n, m)
+        own = [costs[i, j] if j >= 0 else math.inf for i, j in enumerate(found.answer)]
+        assert not any(costs[i, j] < own[i] and (j not in holder or costs[i, j] < own[holder[j]]) for i in range(n) for j in range(m))
+        bids, rounds = found.statistics["bids"], found.statistics["rounds"]
+        assert bids <= (n * (n + 1) // 2 if m >= n else m * (m + 1) // 2 + (n - m) * m)
+        assert m < n or rounds <= 1 + n * (n - 1) // 2
+
+
+def test_robots_in_one_place_are_served_at_the_optimum_and_no_answer_beats_the_least_of_each_row() -> None:
+    rng = np.random.default_rng(22)
+    for _ in range(draws(60)):
+        n = int(rng.integers(1, 6))
+        costs = rng.integers(0, 9, (n, 1)) + rng.integers(0, 9, (1, int(rng.integers(n, 8)))).astype(float)
+        problem = BinAssignment.from_matrix(costs)
+        assert value(problem) == run_optimum(problem) >= costs.min(axis=1).sum()
+
+
+def run_optimum(problem: BinAssignment) -> float:
+    return float(problem.evaluate(run_heuristic(problem, "bertsekas", {}, 1).answer).values[0])
+
+
+def test_a_constant_in_a_row_changes_what_it_does() -> None:
+    problem = BinAssignment.from_matrix([[11.0, 12.0], [2.0, 5.0]])
+    assert run(problem).answer == (1, 0) and value(problem) == 14.0 == run_optimum(problem)
+
+
+def test_its_ratio_is_attained_on_a_line_in_as_many_rounds_as_robots() -> None:
+    ratios = [1.0, 2.0, 3.5, 5.75, 9.125, 14.1875]
+    for doublings, ratio in enumerate(ratios):
+        case = greedy_line(doublings)
+        assert case.optimum is not None and case.optimum.value == pytest.approx(2**doublings) == pytest.approx(run_optimum(case.problem))
+        found = run(case.problem)
+        assert greedy_ratio(2**doublings) == pytest.approx(ratio, rel=1e-12)
+        assert case.problem.evaluate(found.answer).values[0] / case.optimum.value == pytest.approx(ratio, rel=1e-9)
+        assert (
+            found.statistics["rounds"] == 2**doublings
+            and found.guarantee is not None
+            and found.guarantee.ratio == greedy_ratio(2**doublings)
+        )
+    assert [value(greedy_line(k, 1e-7).problem) for k in range(6)] == pytest.approx([1, 4, 14, 46, 146, 454], rel=1e-5)
+    assert all(value(serial_line(n).problem) == 1.0 for n in range(1, 9))
+
+
+def test_the_guarantee_is_given_on_costs_of_travel_only_and_only_where_bids_are_deferred() -> None:
+    line = worked("L3")
+    assert run(line).guarantee is not None and run(line, mode="immediate").guarantee is None
+    assert value(line, mode="immediate") / OPTIMA["L3"] > greedy_ratio(3)
+    assert run(worked("B")).guarantee is None
+    assert run(BinAssignment.from_matrix([[1.0, math.inf], [1.0, 2.0]])).guarantee is None
+    assert run(BinAssignment(generate("assignment", 3, costs="orchard", robots=9, bins=4))).guarantee is not None
+    found = wb.solve(worked("B"), heuristic="conflict-auction")
+    assert "guarantees nothing for this instance" in found.message and found.bound == 2.0
+
+
+def test_pairs_that_it_leaves_out_are_made_and_said() -> None:
+    problem = BinAssignment.from_matrix([[1.0, 9.0], [2.0, math.inf]])
+    found = run(problem)
+    assert found.answer == (1, 0) and found.statistics["changed"] == 2 and "other bins for 2 robots" in found.message
+
+
+def test_average_ratios_are_those_of_simulation() -> None:
+    rng = np.random.default_rng(31)
+    for n, deferred, serial in ((2, 1.065, 1.113), (5, 1.209, 1.304), (10, 1.392, 1.522)):
+        ratios = []
+        for _ in range(draws(500)):
+            problem = BinAssignment.from_matrix(rng.random((n, n)))
+            ratios.append([value(problem) / run_optimum(problem), serial_value(problem) / run_optimum(problem)])
+        assert np.mean(ratios, axis=0) == pytest.approx(
+            [deferred, serial], abs=4.0 * float(np.std(ratios, axis=0).max()) / math.sqrt(len(ratios))
+        )
+
+
+def serial_value(problem: BinAssignment) -> float:
+    return float(problem.evaluate(run_heuristic(problem, "online-greedy", {}, 1).answer).values[0])
+
+
+def test_an_unknown_mode_is_refused() -> None:
+    with pytest.raises(UsageError, match="mode must be one of deferred, immediate, not 'english'"):
+        run(worked("O"), mode="english")

@@ -1,0 +1,58 @@
+"""List schedules, and what they guarantee."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from draws import draws
+from orchard_cases import random_jobs, retrievals
+
+import waybound as wb
+from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound.instances.errors import UsageError
+
+PLACES = ((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8))
+
+
+@pytest.mark.parametrize(
+    ("places", "full", "nearest", "longest", "total"),
+    [(((0, 2), (1, 1), (0, 4)), (0, 0, 0), 9, 6, 15), (PLACES, (0,) * 6, 32, 28, 85)],
+)
+def test_schedules_of_the_reference(places, full, nearest, longest, total):
+    for order, value in (("nearest", nearest), ("longest", longest)):
+        found = wb.solve(retrievals(places, full), heuristic="list-schedule", order=order)
+        assert found.objective == value
+        assert found.certificate.observed_ratio <= found.certificate.guarantee.ratio + 1e-12
+    assert wb.solve(retrievals(places, full, objective="completion"), heuristic="list-schedule").objective == total
+
+
+def test_guarantees_hold():
+    rng = np.random.default_rng(2)
+    for _ in range(draws(40)):
+        count, robots = int(rng.integers(1, 8)), int(rng.integers(1, 4))
+        places = np.column_stack([rng.integers(0, 5, count), rng.integers(1, 9, count)])
+        for objective, orders in (("makespan", ("nearest", "longest")), ("completion", ("nearest",))):
+            problem = retrievals(places, np.zeros(count, int), ((0, 0),) * robots, objective)
+            best = wb.solve(problem, bound_time=0).objective
+            for order in orders:
+                found = wb.solve(problem, heuristic="list-schedule", order=order, bound_time=0)
+                assert found.objective <= found.certificate.guarantee.ratio * best * (1 + 1e-12)
+
+
+def test_two_thirds_more_is_attained():
+    found = wb.solve(retrievals(((0, 2), (1, 1), (0, 4)), (0, 0, 0)), heuristic="list-schedule")
+    assert found.certificate.observed_ratio == pytest.approx(2 - 1 / 2)
+
+
+def test_nothing_is_guaranteed_where_robots_wait_or_bring_bins():
+    assert wb.solve(retrievals(((0, 1), (0, 8)), (5, 0)), heuristic="list-schedule").certificate.guarantee is None
+    rng = np.random.default_rng(9)
+    for _ in range(draws(20)):
+        problem = OrchardDay(random_jobs(rng, robots=2, bins=6))
+        for order in ("nearest", "longest"):
+            assert wb.solve(problem, heuristic="list-schedule", order=order).certificate.feasible
+
+
+def test_an_unknown_order_is_refused():
+    with pytest.raises(UsageError, match="order must be one of nearest, longest"):
+        wb.solve(retrievals(((0, 1),), (0,)), heuristic="list-schedule", order="best")

@@ -1,0 +1,42 @@
+"""Pairs in CSV."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from waybound.instances.auctions.formats.assignment_pairs import read, recognises, write
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.generating import generate
+
+TEXT = "# name: yard\nrobot;bin;cost\nr1;a;2\nr2;a;1.5\nr1;b;-3\n"
+
+
+def test_what_is_read_is_written_and_read_again() -> None:
+    made = read(TEXT, Path("x.csv"))
+    assert (made.name, made.robot_names, made.bin_names) == ("yard", ("r1", "r2"), ("a", "b"))
+    assert made.matrix().tolist() == [[2.0, -3.0], [1.5, float("inf")]]
+    assert recognises(write(made)) and read(write(made), Path("x.csv")).digest() == made.digest()
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("robot,bin,cost\na,b,x\n", 2, "cost must be a finite number"),
+        ("robot,bin,cost\na,b,nan\n", 2, "cost must be a finite number"),
+        ("robot,bin,cost\na,b\n", 2, "wrong length"),
+        ("robot,bin,cost\na,b,1\na,b,2\n", 3, "stands twice, first in line 2"),
+        ("robot,bin,cost\n,b,1\n", 2, "robot must have a name"),
+        ("robot,bin,cost\n", 1, "holds no pairs"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_line(text: str, line: int, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        read(text, Path("x.csv"))
+    assert caught.value.line == line
+
+
+def test_what_the_format_has_no_place_for_is_refused() -> None:
+    with pytest.raises(UsageError, match="no place for"):
+        write(generate("assignment", 1, costs="orchard"))

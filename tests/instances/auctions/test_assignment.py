@@ -1,0 +1,77 @@
+"""Costs of robots and bins."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.sparse as sp
+
+from waybound.instances.auctions.assignment import AssignmentInstance
+from waybound.instances.errors import InputError
+
+INF = np.inf
+
+
+def test_matrix_pairs_sparse_matrix_and_frames_give_the_same_data() -> None:
+    matrix = np.array([[1.0, INF, 0.0], [INF, 3.0, 4.0]])
+    pairs = AssignmentInstance.from_pairs(2, 3, [1, 0, 1, 0], [2, 0, 1, 2], [4.0, 1.0, 3.0, 0.0])
+    sparse = sp.csr_matrix(([1.0, 0.0, 3.0, 4.0], [0, 2, 1, 2], [0, 2, 4]), shape=(2, 3))
+    made = [AssignmentInstance.from_matrix(matrix), pairs, AssignmentInstance.from_matrix(sparse)]
+    made.append(AssignmentInstance.from_frame(pd.DataFrame(matrix, index=["r", "s"], columns=["x", "y", "z"])))
+    made.append(AssignmentInstance.from_frame(made[-1].to_frame()))
+    assert len({instance.digest() for instance in made[:-1]}) == 1
+    assert made[-1].bin_names == ("x", "z", "y")
+    assert made[3].robot_names == ("r", "s") and not made[0].complete
+    np.testing.assert_array_equal(made[1].matrix(), matrix)
+
+
+def test_a_complete_matrix_is_a_view() -> None:
+    made = AssignmentInstance.from_matrix(np.arange(6.0).reshape(2, 3))
+    assert made.complete and np.shares_memory(made.matrix(), made.cost)
+
+
+@pytest.mark.parametrize(
+    ("costs", "message"),
+    [
+        ([[1, 2], [3]], "row 1 of the costs has a wrong length; expected 2; found 1"),
+        ([[1, float("nan")]], "the cost in row 0, column 1 is not a number"),
+        ([[1, -INF]], "the cost of 1 and 2 must be a number of at most 1e"),
+        ([["a", 1]], "costs must hold numbers"),
+        (3.0, "costs must be a matrix"),
+        (np.zeros((0, 2)), "there are no robots; expected one at least"),
+        (np.zeros((2, 0)), "there are no bins"),
+        ([1.0, 2.0], "costs must be a matrix"),
+    ],
+)  # fmt: skip
+def test_what_is_no_matrix_is_refused_in_one_line(costs: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        AssignmentInstance.from_matrix(costs)
+
+
+def test_wrong_pairs_are_refused() -> None:
+    for robots, bins, costs, message in (
+        ([0, 0], [1, 1], [1, 2], "robot 0 and bin 1 stands twice"),
+        ([0], [5], [1], "the bin of pair 0 does not exist"),
+        ([3], [0], [1], "the robot of pair 0 does not exist"),
+        ([0], [0, 1], [1], "one entry a pair"),
+        ([0], [0], [float("nan")], "must be a number"),
+    ):
+        with pytest.raises(InputError, match=message):
+            AssignmentInstance.from_pairs(2, 2, robots, bins, costs)
+    with pytest.raises(InputError, match="stands twice"):
+        AssignmentInstance.from_matrix(sp.csr_matrix(([1.0, 2.0], [0, 0], [0, 2]), shape=(1, 1)))
+    with pytest.raises(InputError, match="must be a pandas frame"):
+        AssignmentInstance.from_frame([[1]])  # type: ignore[arg-type]
+
+
+def test_times_of_being_filled_are_one_a_bin_and_not_negative() -> None:
+    for filled, message in (([1.0], "one time of being filled a bin"), ([1.0, -1.0], "the time until 2 is full")):
+        with pytest.raises(InputError, match=message):
+            AssignmentInstance.from_matrix([[1.0, 2.0]], filled=np.array(filled))
+
+
+def test_facts_tell_sizes_and_ranges() -> None:
+    facts = AssignmentInstance.from_matrix([[1.0, INF], [2.0, 3.5]], filled=np.array([0.0, 2.0])).facts()
+    assert facts["pairs"] == 3 and facts["forbidden"] == 1 and facts["bins_a_robot"] == [1, 2] and facts["costs"] == [1.0, 3.5]
+    assert not facts["whole_costs"] and facts["not_yet_full"] == 1

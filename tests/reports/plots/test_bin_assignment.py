@@ -1,0 +1,25 @@
+"""Pictures of assignments."""
+
+from __future__ import annotations
+
+from bin_assignments import worked
+
+import waybound as wb
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.instances.generating import generate
+from waybound.reports.plots.bin_assignment import places
+
+
+def test_each_pair_is_a_line_between_positions_or_columns() -> None:
+    for problem in (worked("E"), BinAssignment(generate("assignment", 1, robots=3, bins=5, costs="euclidean"))):
+        ax = wb.solve(problem).plot()
+        lines = ax.collections[0].get_segments()
+        assert len(lines) == problem.pairs
+        robots, bins = places(problem)
+        assert all(tuple(a) in set(map(tuple, robots)) and tuple(b) in set(map(tuple, bins)) for a, b in lines)
+        assert any("pairs of" in text.get_text() for text in ax.texts)
+
+
+def test_positions_are_those_of_the_data() -> None:
+    data = generate("assignment", 1, robots=3, bins=5, costs="orchard")
+    assert places(BinAssignment(data)) == (data.robot_positions, data.bin_positions)

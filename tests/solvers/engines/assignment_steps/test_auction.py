@@ -1,0 +1,76 @@
+"""Bertsekas' auction in whole numbers: optimal, with prices that prove it, whoever bids."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bin_assignments import enumerated, random_costs, worked
+from draws import draws
+
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.stop import NEVER, Stop
+from waybound.solvers.engines.assignment_steps import auction as auctions
+from waybound.solvers.engines.assignment_steps.auction import auction
+from waybound.solvers.engines.assignment_steps.sides import sides
+
+
+@pytest.mark.parametrize("few", [auctions.FEW, 0])
+def test_random_assignments_are_optimal_and_proved(few: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(auctions, "FEW", few)  # 0: always with scaling, and columns that are left over are made cheap again
+    rng = np.random.default_rng(1)
+    for _ in range(draws(200)):
+        costs = random_costs(rng, 5)
+        problem = BinAssignment.from_matrix(costs)
+        most, best, _ = enumerated(costs)
+        found = auction(problem, NEVER)
+        judged = problem.evaluate(found.answer)
+        assert found.complete and judged.feasible and judged.quantities["pairs"] == most
+        assert judged.values[0] == pytest.approx(best, abs=1e-9) == found.evidence(problem, "x").value
+        if found.exact and (costs[np.isfinite(costs)] % 1 == 0).all():
+            assert found.evidence(problem, "x").value == best
+
+
+@pytest.mark.parametrize("costs", ["whole", "uniform", "euclidean"])
+@pytest.mark.parametrize(("n", "m"), [(80, 80), (60, 90), (90, 60)])
+def test_larger_ones_agree_with_shortest_augmenting_paths(costs: str, n: int, m: int) -> None:
+    from scipy.optimize import linear_sum_assignment
+
+    from waybound.instances.generating import generate
+
+    problem = BinAssignment(generate("assignment", 4, robots=n, bins=m, costs=costs))
+    found = auction(problem, NEVER)
+    matrix = problem.matrix()
+    best = matrix[linear_sum_assignment(matrix)].sum()
+    assert problem.evaluate(found.answer).values[0] == pytest.approx(best, rel=1e-12)
+    assert found.evidence(problem, "x").value == pytest.approx(best, rel=1e-10)
+    assert found.looks <= found.bids
+
+
+def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> None:
+    """One robot, bins at 5 and 3 whose prices begin at 0 and 10: without repair it takes the first, 2 above the optimum."""
+    from waybound.solvers.engines.assignment_steps.auction_kernels import sparse_phase
+
+    problem = BinAssignment.from_matrix([[5.0, 3.0]])
+    (part,) = sides(problem)
+    cost, unit, _ = auctions.whole_costs(part, 40, finest=True)
+    price, owner, column = np.array([0, round(10 * unit)]), np.full(2, -1), np.full(1, -1)
+    epsilon, counts = round(0.1 * unit), np.zeros(2, np.int64)
+    bid = lambda: sparse_phase(NEVER.flag, part.indptr, part.columns, cost, price, owner, column, epsilon, 0, 1 << 60, counts)  # noqa: E731
+    assert bid() == 0 and column.tolist() == [0]
+    while auctions._outbid(price, owner, column, epsilon):
+        bid()
+    assert column.tolist() == [1]
+
+
+def test_costs_are_counted_exactly_where_they_can_be() -> None:
+    for costs, exact in (([[1.0, 2.0]], True), ([[0.25, 2.0**-20]], True), ([[1e-18, 1.0]], False), ([[1e150, 1.0]], False)):
+        (part,) = sides(BinAssignment.from_matrix(costs))
+        counted, unit, said = auctions.whole_costs(part, auctions.BITS)
+        assert said is exact and (counted % 3 == 0).all()
+        assert np.ptp(counted) / unit == pytest.approx(np.ptp(costs), rel=1e-12)
+
+
+def test_it_ends_when_it_is_asked_to() -> None:
+    stop = Stop()
+    stop.ask()
+    assert not auction(worked("K4"), stop).complete

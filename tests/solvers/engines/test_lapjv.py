@@ -1,0 +1,42 @@
+"""Engine ``lapjv``."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bin_assignments import OPTIMA, enumerated, random_costs, worked
+from draws import draws
+
+import waybound as wb
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.instances.errors import UnsupportedError
+from waybound.instances.generating import generate
+from waybound.solvers.engines import lapjv
+
+
+@pytest.mark.parametrize("name", OPTIMA)
+def test_worked_assignments_are_optimal_by_their_prices(name: str) -> None:
+    found = wb.solve(worked(name))
+    assert (found.solver, found.objective, found.bound, found.bound_kind) == ("lapjv", OPTIMA[name], OPTIMA[name], "verified")
+
+
+@pytest.mark.parametrize("filled", [lapjv.MOST_FILLED, 0])
+def test_forbidden_pairs_and_zero_costs_are_taken_dense_and_sparse(filled: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lapjv, "MOST_FILLED", filled)
+    rng = np.random.default_rng(7)
+    for _ in range(draws(60)):
+        costs = random_costs(rng, 5)
+        found = wb.solve(BinAssignment.from_matrix(costs), "lapjv")
+        most, best, _ = enumerated(costs)
+        assert found.status == "optimal" and found.objective == pytest.approx(best, abs=1e-9) and not found.faults
+        assert most == 0 or (found.bound_kind == "verified" and found.bound == pytest.approx(best, abs=1e-9))
+
+
+def test_sparse_data_agree_with_the_auction() -> None:
+    problem = BinAssignment(generate("assignment", 1, robots=300, bins=300, arcs=8))
+    assert wb.solve(problem, "lapjv").objective == pytest.approx(wb.solve(problem, heuristic="bertsekas").objective, rel=1e-12)
+
+
+def test_bottlenecks_are_refused_by_name() -> None:
+    with pytest.raises(UnsupportedError, match="lapjv cannot take this problem: it lacks objective:bottleneck"):
+        wb.solve(worked("O", objective="bottleneck"), "lapjv")
