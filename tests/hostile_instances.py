@@ -31,8 +31,8 @@ from waybound.formulations.routing.objective import Composable, LongestRoute, Ma
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.errors import InputError
 from waybound.instances.auctions.robot_tasks import RobotTasks
+from waybound.instances.errors import InputError
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
 from waybound.instances.risk.elements import LocaleRisk, MoveRisk
 from waybound.instances.risk.gaussian import Quantities
