@@ -11,6 +11,7 @@ import pytest
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.formats.waybound_json import recognises, write
 from waybound.instances.generating import generate
+from waybound.instances.kinds import KINDS
 
 
 def document(**changes: Any) -> str:
@@ -33,8 +34,7 @@ def test_the_version_stands_first() -> None:
         ({"kind": "drop"}, "the document lacks the key 'kind'"),
         (
             {"kind": "sudoku"},
-            "kind is unknown; expected assignment, max-min, orchard-jobs, risk-allocation, risky-graph, robot-tasks, routing, selection, sensing, "
-            "uncertain-graph",
+            f"kind is unknown; expected {', '.join(KINDS.names())}",
         ),
         ({"waybound": "drop", "answer": None}, "is a solution file, not an instance"),
         ({"colour": "red"}, "the document has an unknown key 'colour'"),
