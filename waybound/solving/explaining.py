@@ -169,7 +169,8 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
 
 def _refuse_restriction(form: str | None, exactness: Exactness) -> None:
     if not exactness.infeasibility_is_valid:
-        raise UsageError(f"form {form} is a {exactness.value}: that it has no point would prove nothing")
+        what = "neither relaxation nor restriction" if exactness is Exactness.NEITHER else f"a {exactness.value}"
+        raise UsageError(f"form {form} is {what}: that it has no point would prove nothing")
 
 
 def _exact_form(problem: Problem) -> bool:
