@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,10 @@ STALLING: dict[str, Any] = {
     "risk": {"total": 0.1},
 }  # fmt: skip
 """max x1 + 3 x2 with x1 + x2 <= 7 and x_i + z(r_i) <= 5: equal risks make all constraints active."""
+
+
+STALLING_TEXT = json.dumps({"waybound": 1, "kind": "risk-allocation", **STALLING})
+"""The same as a file."""
 
 
 def changed(data: dict[str, Any] = STALLING, **changes: Any) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.risk.elements import LengthRisk, LocaleRisk, MoveRisk, RiskElement, TurnRisk
+from waybound.instances.risk.element import RiskElement
+from waybound.instances.risk.elements import LengthRisk, LocaleRisk, MoveRisk, TurnRisk
 from waybound.instances.risk.occupancy import OccupancyGrid
 from waybound.instances.risk.risky_graph import RiskyGraph
 from waybound.instances.risk.traverse_elements import CollectedRisk

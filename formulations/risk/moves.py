@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...instances.arrays import entries_of
 from ...instances.errors import UsageError
-from ...instances.risk.elements import TraverseElement
+from ...instances.risk.element import TraverseElement
 from ...instances.risk.risky_graph import RiskyGraph
 from ..evidence import Evidence
 

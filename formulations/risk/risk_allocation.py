@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -14,14 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.printable import printable
-from ...instances.risk.allocation import RISKS, Risk, RiskAllocationInstance
+from ...instances.risk.allocation import RISKS, RiskAllocationInstance
 from ..evaluation import Evaluation
 from ..evidence import Evidence
 from ..problem import PROBLEMS, Decision, Problem
-from .allocations import Allocation
+from .allocations import Allocation, allocation_from_json
 from .contradictions import contradiction
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
 from .judge import evaluate_allocation, safest_risks
+from .variants import by_allocation, choosing, convex_part, widened
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -234,45 +234,19 @@ class RiskAllocation(Problem):
 
     def widened(self, residual: Mapping[str, float]) -> RiskAllocation:
         """The same with limits wider by so much, by the names of the checks."""
-        made = copy.copy(self)
-        wider = residual.get("constraints", 0.0)
-        made.row_lower, made.row_upper = made.row_lower - wider, made.row_upper + wider
-        made.limits = made.limits + residual.get("chance", 0.0)
-        made.cones = tuple((f, c, g, h + residual.get("cones", 0.0)) for f, c, g, h in made.cones)
-        more = residual.get("budgets", 0.0) + residual.get("joint-risk", 0.0)
-        made.budgets = tuple(replace(b, risk=b.risk + more) for b in made.budgets)
-        made.caps = np.minimum(made.caps + residual.get("risks", 0.0) + more, 0.5)
-        return made
+        return widened(self, residual)
 
     def choosing(self, rows: Ints) -> RiskAllocation:
         """The same with these chance rows alone, ascending, and the constraints that have one."""
-        made = copy.copy(self)
-        kept, constraint = np.unique(self.constraint[rows], return_inverse=True)
-        made.chance, made.limits, made.deviation = self.chance[rows], self.limits[rows], self.deviation[rows]
-        made.covariance, made.constraint, made.open = self.covariance[np.ix_(rows, rows)], constraint, np.ones(len(rows), dtype=bool)
-        made.names, made.caps = tuple(self.names[k] for k in kept.tolist()), self.caps[kept]
-        made.risk = Risk(self.risk.kind, self.risk.total, self.risk.each[kept])
-        made.budgets = tuple(
-            replace(b, constraints=np.nonzero(np.isin(kept, b.constraints))[0]) for b in self.budgets if np.isin(kept, b.constraints).any()
-        )
-        made._joint = (b"", {})
-        return made
+        return choosing(self, rows)
 
     def by_allocation(self) -> RiskAllocation:
         """The same with allocated risk: a restriction where risk is joint."""
-        made = copy.copy(self)
-        made.risk = replace(self.risk, kind="allocated", budgets=())
-        made._joint = (b"", {})
-        return made
+        return by_allocation(self)
 
     def convex_part(self) -> tuple[RiskAllocation, Ints]:
         """A convex relaxation, and the chance rows in it: no undecided alternatives, and joint risk as a limit of each constraint."""
-        left = np.bincount(self.constraint, weights=self.open)
-        rows = np.nonzero(self.open & (left[self.constraint] == 1))[0]
-        made = self.choosing(rows) if self.disjunctive else copy.copy(self)
-        if self.risk.kind == "joint":
-            made.risk, made.budgets = Risk("allocated", None, made.caps), ()
-        return made, rows
+        return convex_part(self)
 
     # -- parts of all answers ----------------------------------------------------------------------------------------
 
@@ -329,10 +303,7 @@ class RiskAllocation(Problem):
         return data if made.risks is None else {**data, "risks": dict(zip(self.names, made.risks.tolist(), strict=True))}
 
     def answer_from_json(self, data: Any) -> Allocation:
-        if not isinstance(data, Mapping) or data.get("kind") != "allocation":
-            raise InputError("not an answer of risk allocation", expected='{"kind": "allocation", "decision": {...}, "risks": {...}}')
-        risks = None if data.get("risks") is None else _named(data["risks"], self.names, "risks")
-        return Allocation(_named(data.get("decision"), self.instance.decision_names, "decision"), risks)
+        return allocation_from_json(data, self.instance.decision_names, self.names)
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """One row a chance constraint: constraint, risk allowed, risk there is."""
@@ -354,14 +325,6 @@ class RiskAllocation(Problem):
 
     def __repr__(self) -> str:
         return f"<RiskAllocation {self.name}: {self.risk.kind}, {len(self.lower)} decisions, {len(self.names)} chance constraints>"
-
-
-def _named(data: Any, names: Sequence[str], what: str) -> Floats:
-    if not isinstance(data, Mapping) or set(data) != set(names):
-        raise InputError(f"the answer's {what} must name each of them", expected=", ".join(names[:4]) + (", ..." if len(names) > 4 else ""))
-    if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data.values()):
-        raise InputError(f"the answer's {what} must be numbers")
-    return np.array([float(data[name]) for name in names])
 
 
 @PROBLEMS.register("risk-allocation")

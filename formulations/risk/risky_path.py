@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
-from ...instances.risk.elements import RiskElement, TraverseElement
+from ...instances.risk.element import RiskElement, TraverseElement
 from ...instances.risk.risky_graph import OBJECTIVES, RiskyGraph
 from ...instances.text import shown
 from ..evaluation import Check, Checklist, Evaluation

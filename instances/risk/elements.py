@@ -9,110 +9,18 @@ Source: Xiao (2019), chapter 3; docs/formulations/risky-path.md#risk-elements.
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..arrays import reals, refuse_outside, whole_numbers
 from ..errors import InputError
+from .element import MemorylessElement, Space, placed, probabilities, rate_of
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-CATEGORIES = ("locale", "action", "traverse")
-
-
-class Space(Protocol):
-    """What elements know of the states."""
-
-    @property
-    def num_states(self) -> int: ...
-    @property
-    def positions(self) -> Floats | None: ...
-
-
-class RiskElement(ABC):
-    """One source of risk.
-
-    Attributes
-    ----------
-    kind : str
-        Its name in files.
-    category : str
-        ``locale``, ``action`` or ``traverse``.
-    label : str
-        Its name for people.
-    """
-
-    kind: ClassVar[str]
-    category: ClassVar[str]
-    label: str
-
-    @abstractmethod
-    def check(self, space: Space) -> None:
-        """Raise InputError where it does not fit the states, or is no probability."""
-
-    @abstractmethod
-    def parts(self) -> tuple[Any, ...]:
-        """All data that risks depend on, for digests."""
-
-    @abstractmethod
-    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
-        """The risk of ``after`` on reaching it from ``state``, reached from ``before``, whatever the path was until then: exact for locale
-        and action elements, a lower bound for others. -1 stands for states that the path does not have."""
-
-
-class MemorylessElement(RiskElement):
-    """Depends on at most the last three states: ``least`` is the risk."""
-
-
-class TraverseElement(RiskElement):
-    """Depends on the whole path, through a memory of it that each move carries on."""
-
-    category: ClassVar[str] = "traverse"
-
-    @abstractmethod
-    def begin(self, space: Space, state: int) -> tuple[Hashable, float]:
-        """Memory and risk at the first state."""
-
-    @abstractmethod
-    def step(self, space: Space, memory: Any, state: int, after: int) -> tuple[Hashable, float]:
-        """Memory and risk after the move from ``state`` to ``after``."""
-
-    def no_worse(self, memory: Any, other: Any) -> bool:
-        """Whether whatever follows is at most as risky with ``memory`` as with ``other``, at every state."""
-        return bool(memory == other)
-
-    def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
-        return np.zeros(len(after))
-
-
-def probabilities(what: str, values: ArrayLike) -> Floats:
-    """``values`` as an array; raises InputError for the first one outside [0, 1]."""
-    made = reals(what, values)
-    wrong = ~((made >= 0.0) & (made <= 1.0))
-    if wrong.any():
-        at = np.argwhere(wrong)[0].tolist()
-        raise InputError(f"{what} must lie in [0, 1]", found=f"{made[tuple(at)]:g} at {', '.join(map(str, at))}")
-    return made
-
-
-def rate_of(what: str, value: float) -> float:
-    """``value`` as a number of at least 0; raises InputError for anything else."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
-        raise InputError(f"{what} must be a number of at least 0", found=str(value)[:40])
-    return float(value)
-
-
-def placed(element: RiskElement, space: Space) -> Floats:
-    """Places of the states; raises InputError where they have none."""
-    if space.positions is None:
-        raise InputError(f"risk element {element.label} needs positions of the states")
-    return space.positions
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from .. import arrays
 from ..errors import InputError
 from ..instance import digest
 from ..text import label, shown
-from .elements import RiskElement, TraverseElement
+from .element import RiskElement, TraverseElement
 from .obstacles import boxes_of
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .elements import Floats, Indices, Space, TraverseElement, placed, probabilities, rate_of
+from .element import Space, TraverseElement, placed, probabilities, rate_of
+from .elements import Floats, Indices
 from .tether import Contacts, Tether
 
 

@@ -35,7 +35,8 @@ class ConvexAllocation(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-        from .convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
+        from .convex_allocation_steps.interval import Interval
+        from .convex_allocation_steps.successive_tangents import SuccessiveTangents
 
         lacking = self.missing(problem)
         if lacking:

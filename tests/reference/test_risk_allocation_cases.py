@@ -130,7 +130,7 @@ def test_routes_of_which_one_needs_all_the_risk() -> None:
 def test_what_boole_leaves_unused_of_equal_independent_risks(total: float) -> None:
     many = 24
     found = any_fails(np.full(many, -ndtri(total / many)), np.eye(many))
-    assert found.low <= 1.0 - (1.0 - total / many) ** many <= found.high
+    assert found.low <= -math.expm1(many * math.log1p(-total / many)) <= found.high
     assert 1.0 - (1.0 - total / 1e6) ** 1e6 == pytest.approx(-math.expm1(-total), rel=1e-5)
     assert found.value < total
 

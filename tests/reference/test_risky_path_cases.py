@@ -170,7 +170,7 @@ def test_waypoints_far_apart_swing_past_a_small_obstacle():
 
 def test_the_ratio_takes_the_plan_that_no_budget_of_three_tenths_allows():
     graph = cases.graph([(0, 1), (0, 2)], [LocaleRisk(np.array([0, 0.3, 0.5]))], rewards=[0, 4, 10])
-    solution = wb.solve(RiskyPath(graph))
+    solution = wb.solve(RiskyPath(graph), bound_time=0)
     assert (solution.answer, solution.objective) == ((0, 2), pytest.approx(20.0))
     for price in (19.9, 20.1):  # a penalty for risk takes the first or the third plan, never the second
         worth = [reward - price * risk for reward, risk in ((0, 0.0), (4, 0.3), (10, 0.5))]

@@ -142,8 +142,8 @@ def reasons_from_data(problem: Problem | Compiled | Program, stopped: Callable[[
 
 
 def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control) -> Explanation:
-    if form is not None and isinstance(problem, Problem):
-        FORMS[form]  # a name that does not exist is refused before anything is tried
+    if form is not None and isinstance(problem, Problem) and not FORMS[form].exactness.infeasibility_is_valid:
+        raise _proves_nothing(form, FORMS[form].exactness)  # as a name that does not exist, before anything is tried
     notes: list[str] = []
     if isinstance(problem, Problem):
         with suppress(WayboundError):
@@ -239,6 +239,11 @@ def in_words(problem: Problem, evidence: Evidence) -> Iterator[str]:
         waiting.append((f"if {problem.in_words(node['branch'], True)}: ", inner, reason))
 
 
+def _proves_nothing(form: str, exactness: Exactness) -> UsageError:
+    what = "neither relaxation nor restriction" if exactness is Exactness.NEITHER else f"a {exactness.value}"
+    return UsageError(f"form {form} is {what}: that it has no point would prove nothing")
+
+
 _FEASIBLE = Explanation("feasible", "the data", message="there is an answer that passes every check")
 
 
@@ -255,7 +260,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
             raise
         return Explanation("undecided", message=f"no rows can be named: {error}")
     if not made.exactness.infeasibility_is_valid:
-        raise UsageError(f"form {made.form} is a {made.exactness.value}: that it has no point would prove nothing")
+        raise _proves_nothing(str(made.form), made.exactness)
     program = made.program.first_level()
     if any(_is_answer(problem, made, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
         return _FEASIBLE

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....instances.errors import InputError
-from ....instances.risk.elements import TraverseElement
+from ....instances.risk.element import TraverseElement
 from ...evidence import CHECKERS
 from ...stop import current_stop
 from .following_moves import FollowingMoves, following_moves

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ....instances.risk.elements import TraverseElement
+from ....instances.risk.element import TraverseElement
 from ...evidence import CHECKERS
 from ...stop import current_stop
 from .following_moves import FollowingMoves, following_moves

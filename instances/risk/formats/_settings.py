@@ -8,7 +8,8 @@ from typing import Any
 from ...errors import InputError
 from ...formats.table import Settings
 from ...text import is_number, shown
-from ..elements import GROWTHS, MEASURES, LengthRisk, RiskElement, TurnRisk
+from ..element import RiskElement
+from ..elements import GROWTHS, MEASURES, LengthRisk, TurnRisk
 from ..risky_graph import OBJECTIVES
 from ..tether import Tether
 from ..traverse_elements import TetherRisk, TravelledRisk

@@ -14,7 +14,8 @@ from ...errors import InputError
 from ...formats import FORMATS, Format
 from ...formats.table import Settings, settings_of
 from ...text import label, shown
-from ..elements import LocaleRisk, RiskElement
+from ..element import RiskElement
+from ..elements import LocaleRisk
 from ..occupancy import OccupancyGrid, classed, faded
 from ..risky_graph import RiskyGraph
 from ..traverse_elements import CollectedRisk

@@ -11,7 +11,8 @@ from ...errors import UsageError
 from ...generators import GENERATORS, Draw, Generator
 from ...generators.settings import Setting
 from ...instance import Instance
-from ..elements import LengthRisk, LocaleRisk, RiskElement, TurnRisk
+from ..element import RiskElement
+from ..elements import LengthRisk, LocaleRisk, TurnRisk
 from ..occupancy import OccupancyGrid, faded
 from ..risky_graph import RiskyGraph
 from ..tether import Tether

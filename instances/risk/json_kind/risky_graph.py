@@ -10,7 +10,8 @@ import numpy as np
 from ...document import array, fields, flags, integer, json_number, json_numbers, kind_of, real, reals, string, strings, wholes
 from ...errors import InputError, UsageError
 from ...kinds import KINDS, Kind
-from ..elements import AccessRisk, LengthRisk, LocaleRisk, MoveRisk, RiskElement, TurnRisk
+from ..element import RiskElement
+from ..elements import AccessRisk, LengthRisk, LocaleRisk, MoveRisk, TurnRisk
 from ..risky_graph import RiskyGraph
 from ..tether import Tether
 from ..traverse_elements import CollectedRisk, TetherRisk, TravelledRisk

@@ -14,7 +14,7 @@ from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
-    from ...engines.convex_allocation_steps.successive_tangents import Interval
+    from ...engines.convex_allocation_steps.interval import Interval
 
 
 def missing(problem: Any) -> frozenset[str]:

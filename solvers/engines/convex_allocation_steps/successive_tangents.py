@@ -11,18 +11,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from ....formulations.evidence import Evidence
 from ....formulations.risk.allocations import Allocation
-from ....formulations.risk.forms._blocks import evidence_of, prices
+from ....formulations.risk.forms._blocks import prices
 from ....formulations.risk.forms._piecewise import density, mean_risk, piece_rows, piecewise_program, points, tangents
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
+from .interval import Interval
 from .session import Solved, open_session
 from .units import Units
 
@@ -56,45 +55,6 @@ STALLED = 8
 
 MOST_NAMED = 60
 """Chance rows of a contradiction that are left out one by one, to see which of them it takes."""
-
-
-@dataclass
-class Interval:
-    """What is known of the optimum.
-
-    Attributes
-    ----------
-    status : str
-        ``optimal`` (closed to what was asked), ``feasible``, ``infeasible``, ``unbounded`` or ``unknown``.
-    bound, value : float
-        In the sense of minimisation: at most and at least the optimum; infinite where nothing is known.
-    answer : Allocation or None
-    evidence : Evidence or None
-        Of the bound, or that there is no answer.
-    rounds : int
-    """
-
-    status: str = "unknown"
-    bound: float = -math.inf
-    value: float = math.inf
-    answer: Allocation | None = None
-    rounds: int = 0
-    prices: dict[str, Floats] | None = None
-
-    @property
-    def gap(self) -> float:
-        """Between bound and value, in parts of the value."""
-        if not (math.isfinite(self.bound) and math.isfinite(self.value)):
-            return math.inf
-        return max(0.0, self.value - self.bound) / max(abs(self.value), 1e-300)
-
-    def evidence(self, sign: float) -> tuple[Evidence, ...]:
-        """What its prices prove; ``sign`` is the problem's."""
-        if self.prices is None:
-            return ()
-        if self.status == "infeasible":
-            return (evidence_of(self.prices, sign * math.inf, "prices that no decision can pay", infeasible=True),)
-        return (evidence_of(self.prices, sign * self.bound, "duals of successive tangents"),)
 
 
 class SuccessiveTangents:
@@ -223,7 +183,7 @@ class SuccessiveTangents:
         return float((self.shares @ own).max(initial=1.0 if len(self.shares) == 0 else 0.0)) - 1.0
 
     def _upper(self, inside: Floats, outside: Floats) -> bool:
-        """Take a decision that keeps the budgets, if it does, or the last that does on the way to one that does not; whether any is known."""
+        """Take a decision that keeps the budgets, or the last that does on the way to one that does not; whether any is known."""
         inside = inside[: self.problem.size]
         if self._excess(self._risks(inside)) > 0.0:
             return False

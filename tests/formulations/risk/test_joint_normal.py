@@ -24,7 +24,7 @@ def test_it_agrees_with_scipy(size: int) -> None:
     rng = np.random.default_rng(size)
     root = rng.normal(size=(size, size))
     covariance, slack = root @ root.T, rng.uniform(1.0, 4.0, size) * 2.0
-    known = 1.0 - multivariate_normal.cdf(slack, cov=covariance, abseps=1e-7, releps=1e-7, maxpts=2_000_000, rng=1)
+    known = 1.0 - multivariate_normal.cdf(slack, cov=covariance, abseps=5e-7, releps=0.0, maxpts=2_000_000, rng=1)
     found = any_fails(slack, covariance)
     assert found.low - 2e-6 <= known <= found.high + 2e-6
     assert found.high - found.low < 0.02 * known

@@ -19,6 +19,8 @@ def test_the_short_study_writes_tables_and_figures(tmp_path, capsys):
     }
     assert names == both | {"walks.png", "summary.md"}
     assert (tmp_path / "made" / "summary.md").read_text() == text
+    pictures = [path.read_bytes() for path in (tmp_path / "made").glob("*.png")]
+    assert len(pictures) == 5 and all(picture.startswith(b"\x89PNG") for picture in pictures)
     walks = pd.read_csv(tmp_path / "made" / "walks_roadmaps.csv")
     assert walks.groupby(["graph", "draw"]).size().tolist() == [len(study.METHODS)] * 6
     assert walks["excess"].min() >= -1e-9

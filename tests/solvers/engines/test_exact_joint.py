@@ -20,7 +20,7 @@ from waybound.solving.solve import solve
     ],
 )
 def test_independent_noise_has_its_known_optimum(p, value: float) -> None:
-    found = run(ExactJoint, p)
+    found = run(ExactJoint, p, gap=1e-5)
     assert found.objective == pytest.approx(value, rel=2e-5)
     assert p.evaluate(found.answer).feasible
     risk = p.joint_risk(found.answer.decision)["total"]

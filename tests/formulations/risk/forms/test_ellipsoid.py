@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
-from risk_problems import problem
+from program_text import expected, written
+from risk_problems import STALLING_TEXT, problem
 from scipy.stats import chi2
 
 import waybound as wb
@@ -31,3 +34,17 @@ def test_many_constraints_in_few_dimensions_are_of_joint_risk_alone() -> None:
     assert not refuses(problem(quantities=walls, chance=chance, risk__kind="joint"))
     budgets = [{"constraints": ["1"], "risk": 0.01}]
     assert refuses(problem(risk__budgets=budgets)) == {"budgets other than the total"}
+
+
+def test_ellipsoid_from_text_to_text(tmp_path: Path) -> None:
+    # 5 less the root of what chi-square of two degrees of freedom exceeds with 0.1
+    assert written(STALLING_TEXT, "ellipsoid", tmp_path, ".json") == expected(
+        """
+        ellipsoid, restriction
+        max x[x1] + 3 x[x2]
+        constraint[1]: x[x1] + x[x2] <= 7
+        chance[1]: x[x1] <= 2.85403
+        chance[2]: x[x2] <= 2.85403
+        x[x1], x[x2] >= 0
+        """
+    )

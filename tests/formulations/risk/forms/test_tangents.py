@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
-from risk_problems import margins, problem
+from program_text import expected, written
+from risk_problems import STALLING_TEXT, margins, problem
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.programs.exactness import Exactness
+from waybound.formulations.risk.forms import tangents
 from waybound.formulations.stop import Stop
 from waybound.solvers.engines.convex_allocation_steps.session import open_session
 
@@ -26,3 +30,27 @@ def test_its_optimum_and_duals_bound_the_problem(p, best) -> None:
 def test_it_says_nothing_of_joint_risk() -> None:
     made = problem(risk__kind="joint").compile("tangents")
     assert made.exactness is Exactness.NEITHER and made.dual_evidence is None
+
+
+def test_tangents_from_text_to_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # risks in twentieths; tangents at risks of 0.1, 2e-5 and 5e-9
+    monkeypatch.setattr(tangents, "POINTS", 3)
+    assert written(STALLING_TEXT, "tangents", tmp_path, ".json") == expected(
+        """
+        tangents, relaxation
+        max x[x1] + 3 x[x2]
+        constraint[1]: x[x1] + x[x2] <= 7
+        chance[1]: x[x1] + z[1] <= 5
+        chance[2]: x[x2] + z[2] <= 5
+        budget-1: risk[1] + risk[2] <= 2
+        piece[1,0]: 3.50997 z[1] + risk[1] >= 6.4982
+        piece[1,1]: 0.00192458 z[1] + risk[1] >= 0.00830262
+        piece[1,2]: 5.89593e-07 z[1] + risk[1] >= 3.4788e-06
+        piece[2,3]: 3.50997 z[2] + risk[2] >= 6.4982
+        piece[2,4]: 0.00192458 z[2] + risk[2] >= 0.00830262
+        piece[2,5]: 5.89593e-07 z[2] + risk[2] >= 3.4788e-06
+        x[x1], x[x2] >= 0
+        z[1], z[2] >= 1.28155
+        0 <= risk[1], risk[2] <= 2
+        """
+    )
