@@ -94,7 +94,8 @@ class _Search:
         self.end = time.perf_counter() + options.time_limit
         self.matrices = [cones.matrix(program.num_variables) for cones in program.cones]
         self.rows: list[Rows] = [_tips(cones) for cones in program.cones]
-        self.best: Floats | None = None if options.start is None else options.start
+        self.start: Floats | None = options.start
+        self.best: Floats | None = None
         self.best_value = math.inf
         self.sign = 1.0 if program.sense == "min" else -1.0
         self.bound: float | None = None
@@ -126,12 +127,12 @@ class _Search:
                 return self._ended(said, said.answer)
             broken = self._cut(points)
             if said.status != "optimal" and said.limit != "gap":
-                return self._ended(said, self._known())
+                return self._ended(said, self.best)
             if not broken:
                 return RawResult("error", message="outer approximation came to a point that its rows do not exclude")
             if self._left() <= 0 or self.control.stopped or self._nodes_left() == 0:
                 limit = "interrupt" if self.control.stopped else "nodes" if self._nodes_left() == 0 else "time"
-                return self._ended(replace(said, limit=limit), self._known())
+                return self._ended(replace(said, limit=limit), self.best)
 
     def _solve(self, *, whole: bool, heard: Control | None = None) -> RawResult:
         """The program with the rows that there are, continuous or ``whole``."""
@@ -139,10 +140,14 @@ class _Search:
         if not whole:
             made = replace(made, variables=tuple(replace(block, integer=False) for block in made.variables))
         options = replace(
-            self.options, time_limit=max(self._left(), 0.0), start=self.best if whole else None,
+            self.options, time_limit=max(self._left(), 0.0), start=self.start if whole else None,
             iterations=self._nodes_left() if whole else None,
         )  # fmt: skip
-        said: RawResult = self.within.run(made, options, heard or _Heard(self.control))
+        heard = heard or _Heard(self.control)
+        said: RawResult = self.within.run(made, options, heard)
+        if said.status == "error" and options.start is not None:  # HiGHS fails on starts that are off by its own tolerance
+            self.start = None
+            said = self.within.run(made, replace(options, start=None), heard)
         self.rounds += 1
         self.nodes += int(said.statistics.get("nodes", 0)) if whole else 0
         return said
@@ -170,11 +175,8 @@ class _Search:
                     raised[matrix.indices[row]] += short[k] / matrix.data[row]
         value = self.sign * self.program.value(raised)
         if self.program.residual(raised) <= BROKEN and value < self.best_value:
-            self.best, self.best_value = raised, value
+            self.best, self.best_value, self.start = raised, value, raised
             self.control.publish(raised, self.sign * value, self.bound)
-
-    def _known(self) -> Floats | None:
-        return self.best if self.best_value < math.inf else None
 
     def _cut(self, points: Iterable[Floats]) -> bool:
         """Write the rows that touch the cones where points break them; whether there were any."""

@@ -7,6 +7,7 @@ import json
 import math
 import re
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -320,3 +321,13 @@ def test_what_evidence_says_without_a_tree():
 def test_a_long_tree_is_not_told():
     nodes = [{"branch": {"arc": ["1", "2"]}}] * 8 + [{}] * 9
     assert list(in_words(wb.read("demo-tiny"), Evidence("branching-tree", "", np.inf, {"nodes": nodes}))) == []
+
+
+def test_a_form_with_cones_is_told_by_an_answer_and_none_of_its_rows_is_named(monkeypatch) -> None:
+    made = wb.generate("random", customers=9, capacity=0, deviation=0.3, seed=1, **{"max-duration": 300.0})
+    problem = replace(made, fleet=(replace(made.fleet[0], risk=0.05),))
+    assert problem.forms() == ["three-index-cones"]
+    assert explain(problem, time_limit=20.0).verdict == "feasible"
+    monkeypatch.setattr(explaining, "_has_answer", lambda *given: False)
+    found = explain(problem, time_limit=5.0)
+    assert found.verdict == "undecided" and found.message.startswith("no rows can be named, for highs takes none of the form's cones")

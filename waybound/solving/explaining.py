@@ -277,10 +277,12 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
         test = _Tester(relaxation, end, inner)
         if test(np.ones(plain.num_rows, dtype=bool)) is True:
             return _from_rows(relaxation, *deletion_filter(relaxation, test, stop))
-        if isinstance(problem, Problem):
-            slow = [name for name in HEURISTICS if name not in _QUICK and not HEURISTICS[name].missing(problem)]
-            if _has_answer(problem, [*slow, None], (end - time.perf_counter()) / 4.0, notes):
-                return _FEASIBLE
+    if isinstance(problem, Problem) and (relaxation is not None or program.cones):
+        slow = [name for name in HEURISTICS if name not in _QUICK and not HEURISTICS[name].missing(problem)]
+        if _has_answer(problem, [*slow, None], (end - time.perf_counter()) / 4.0, notes):
+            return _FEASIBLE
+    if program.cones and form is None and isinstance(problem, Problem):
+        return Explanation("undecided", form=made.form, message=f"no rows can be named, for {FILTER_SOLVER} takes none of the form's cones")
     test = _Tester(plain, end, inner)
     whole = test(np.ones(plain.num_rows, dtype=bool))
     if whole is True:

@@ -107,6 +107,11 @@ def test_it_agrees_with_enumeration_whatever_else_the_data_hold(solver: str) -> 
             assert judged.feasible and judged.values == pytest.approx([float(v) for v in best], rel=1e-6, abs=1e-9)
 
 
+def test_a_start_on_the_edge_of_a_level_does_not_end_the_search() -> None:
+    """The first level holds to 1e-6; its answer, as a start of the second level, made HiGHS fail."""
+    assert answered(risky(1, 291), "outer-approximation")[0] == "optimal"
+
+
 @pytest.mark.parametrize("exponent", [-20, 3, 30])
 def test_times_in_other_units_have_the_squares_for_variances_and_the_same_routes(exponent: int) -> None:
     scaled = line(0.06, 2.0**exponent)
