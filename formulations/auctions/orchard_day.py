@@ -184,7 +184,8 @@ class OrchardDay(Problem):
             for r, trips in enumerate(answer)
             for k, (a, b) in enumerate(trips)
         ]
-        return pd.DataFrame(rows, columns=["robot", "trip", "bring", "fetch", "home"])
+        frame = pd.DataFrame(rows, columns=["robot", "trip", "bring", "fetch", "home"])
+        return frame.astype("Int64")  # nothing where there is no such bin
 
     def __repr__(self) -> str:
         return f"<OrchardDay {self.name}: {self.jobs.num_robots} robots, {self.jobs.num_bins} bins, {self.objective}>"
