@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from ...instances.generators.settings import Setting
 from ...instances.instance import digest
 from ..evaluation import Checklist, Evaluation
 from ..problem import PROBLEMS, Problem
+from ..stop import NEVER, Stop
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,6 +26,9 @@ Trip = tuple[int, int]
 
 Trips = tuple[tuple[Trip, ...], ...]
 """Each robot's trips, in their order."""
+
+_EACH = 500
+"""Bins between two looks at the clock."""
 
 OBJECTIVE = Setting(
     "makespan",
@@ -180,7 +184,8 @@ class OrchardDay(Problem):
             for r, trips in enumerate(answer)
             for k, (a, b) in enumerate(trips)
         ]
-        return pd.DataFrame(rows, columns=["robot", "trip", "bring", "fetch", "home"])
+        frame = pd.DataFrame(rows, columns=["robot", "trip", "bring", "fetch", "home"])
+        return frame.astype("Int64")  # nothing where there is no such bin
 
     def __repr__(self) -> str:
         return f"<OrchardDay {self.name}: {self.jobs.num_robots} robots, {self.jobs.num_bins} bins, {self.objective}>"
@@ -193,52 +198,64 @@ def _times(count: Any) -> str:
 def _timetable(jobs: OrchardJobs, answer: Trips) -> tuple[Integers, set[int]]:
     """Step at which each bin comes home, -1 for never, and the robots that wait for ever; of bins brought or fetched again the first
     counts."""
-    grid = jobs.grid
+    grid, after, work = jobs.grid, jobs.after.tolist(), jobs.work.tolist()
+    following = {before: k for k, before in enumerate(after) if before >= 0}
     stood = [0 if there else -1 for there in jobs.standing]
     full, home = [-1] * jobs.num_bins, [-1] * jobs.num_bins
     here, clock, done = jobs.robot_cells.tolist(), jobs.robot_free.tolist(), [0] * jobs.num_robots
-    waiting = [False] * jobs.num_robots  # at the cell of the bin that it fetches
-    moved = True
-    while moved:
-        moved = False
-        for k, before in enumerate(jobs.after.tolist()):
-            if full[k] < 0 and stood[k] >= 0 and (before < 0 or full[before] >= 0):
-                full[k], moved = max(stood[k], full[before] if before >= 0 else 0) + int(jobs.work[k]), True
-        for robot, trips in enumerate(answer):
-            while done[robot] < len(trips):
-                bring, fetch = trips[done[robot]]
-                if bring >= 0 and not waiting[robot]:
-                    clock[robot] += int(grid.empty_times[here[robot], grid.home])
-                    here[robot] = int(jobs.bin_cells[bring])
-                    clock[robot] += int(grid.empty_times[grid.home, here[robot]])
-                    if stood[bring] < 0:
-                        stood[bring] = clock[robot]
-                    moved = True
-                if not waiting[robot] and fetch >= 0:
+    waiting: dict[int, list[int]] = {}  # robots at bins that are not full
+    going = list(range(jobs.num_robots))
+
+    def stands(k: int) -> None:
+        """Fill a bin that stands now, and those after it that only waited for it."""
+        while k >= 0 and stood[k] >= 0 and (after[k] < 0 or full[after[k]] >= 0):
+            full[k] = max(stood[k], full[after[k]] if after[k] >= 0 else 0) + work[k]
+            going.extend(waiting.pop(k, ()))
+            k = following.get(k, -1)
+
+    for k in np.nonzero(jobs.standing)[0].tolist():
+        if full[k] < 0:
+            stands(k)
+    arrived = [False] * jobs.num_robots  # at the bin of the trip that it makes
+    while going:
+        robot = going.pop()
+        while done[robot] < len(answer[robot]):
+            bring, fetch = answer[robot][done[robot]]
+            if bring >= 0 and not arrived[robot]:
+                clock[robot] += int(grid.empty_times[here[robot], grid.home])
+                here[robot] = int(jobs.bin_cells[bring])
+                clock[robot] += int(grid.empty_times[grid.home, here[robot]])
+                if stood[bring] < 0:
+                    stood[bring] = clock[robot]
+                    stands(bring)
+            if fetch >= 0:
+                if not arrived[robot]:
                     clock[robot] += int(grid.empty_times[here[robot], jobs.bin_cells[fetch]])
-                    here[robot], waiting[robot], moved = int(jobs.bin_cells[fetch]), True, True
-                if fetch >= 0:
-                    if full[fetch] < 0:
-                        break
-                    clock[robot] = max(clock[robot], full[fetch]) + int(grid.full_times[here[robot], grid.home])
-                    here[robot] = grid.home
-                    if home[fetch] < 0:
-                        home[fetch] = clock[robot]
-                waiting[robot], moved = False, True
-                done[robot] += 1
+                    here[robot], arrived[robot] = int(jobs.bin_cells[fetch]), True
+                if full[fetch] < 0:
+                    waiting.setdefault(fetch, []).append(robot)
+                    break
+                clock[robot] = max(clock[robot], full[fetch]) + int(grid.full_times[here[robot], grid.home])
+                here[robot] = grid.home
+                if home[fetch] < 0:
+                    home[fetch] = clock[robot]
+            arrived[robot] = False
+            done[robot] += 1
     return np.array(home), {robot for robot, trips in enumerate(answer) if done[robot] < len(trips)}
 
 
-def in_order(jobs: OrchardJobs, order: Any) -> Trips:
+def in_order(jobs: OrchardJobs, order: Iterable[int], stop: Stop = NEVER) -> Trips:
     """Bins fetched in an order, each by the robot that would have it home the soonest; one that has to be brought is, by the same trip.
 
-    ``order`` names a bin after those that its group fills before. It is the timetable of a list schedule, where no bin is to be brought.
+    ``order`` names a bin after those that its group fills before. Raises Stopped where ``stop`` ends it.
     """
     grid = jobs.grid
     here, clock = jobs.robot_cells.copy(), jobs.robot_free.copy()
     full = np.zeros(jobs.num_bins, np.int64)
     trips: list[list[Trip]] = [[] for _ in range(jobs.num_robots)]
-    for k in order:
+    for number, k in enumerate(order):
+        if number % _EACH == 0:
+            stop.check()
         cell, before = jobs.bin_cells[k], jobs.after[k]
         if jobs.standing[k]:
             reached, stood = clock + grid.empty_times[here, cell], np.zeros(jobs.num_robots, np.int64)

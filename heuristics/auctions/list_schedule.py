@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import heapq
+
 from ...formulations.auctions.orchard_day import OrchardDay, in_order
 from ...formulations.evidence import Guarantee
+from ...formulations.stop import Stopped
 from ...instances.auctions.orchard_jobs import OrchardJobs
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
@@ -29,16 +32,20 @@ def list_schedule(problem: OrchardDay, context: Context, *, order: str = "neares
     jobs = problem.jobs
     length = (jobs.out + jobs.home).tolist()
     following = {int(before): k for k, before in enumerate(jobs.after.tolist()) if before >= 0}
-    ready = [k for k, before in enumerate(jobs.after.tolist()) if before < 0]
     sign = 1 if order == "nearest" else -1
+    ready = [(sign * length[k], k) for k, before in enumerate(jobs.after.tolist()) if before < 0]
+    heapq.heapify(ready)
     listed: list[int] = []
     while ready:
-        k = min(ready, key=lambda k: (sign * length[k], k))
-        ready.remove(k)
+        k = heapq.heappop(ready)[1]
         listed.append(k)
         if k in following:
-            ready.append(following[k])
-    return Outcome(in_order(jobs, listed), _guarantee(problem, order))
+            heapq.heappush(ready, (sign * length[following[k]], following[k]))
+    stop = context.begin()
+    try:
+        return Outcome(in_order(jobs, listed, stop), _guarantee(problem, order))
+    except Stopped:
+        return Outcome(None, limit=stop.reached())
 
 
 def is_ready(jobs: OrchardJobs) -> bool:

@@ -103,7 +103,8 @@ class AssignmentInstance:
             matrix.sum_duplicates()
             if matrix.nnz != stored:
                 raise InputError("a pair of robot and bin stands twice in the sparse matrix")
-            return cls(*matrix.shape, matrix.indptr, matrix.indices, matrix.data, **further)
+            n, m = matrix.shape
+            return cls(n, m, matrix.indptr, matrix.indices, matrix.data, **further)
         try:
             made = np.asarray(costs, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
@@ -119,7 +120,8 @@ class AssignmentInstance:
             )
         indptr = np.zeros(len(made) + 1, dtype=np.int64)
         np.cumsum(kept.sum(axis=1), out=indptr[1:])
-        return cls(*made.shape, indptr, np.nonzero(kept)[1], made[kept], **further)  # type: ignore[arg-type]
+        n, m = made.shape
+        return cls(n, m, indptr, np.nonzero(kept)[1], made[kept], **further)  # type: ignore[arg-type]
 
     @classmethod
     def from_pairs(
@@ -159,7 +161,9 @@ class AssignmentInstance:
             if np.isnan(values).any():
                 row = int(np.argmax(np.isnan(values)))
                 raise InputError(f"the cost in row {row} is not a number", expected="a number, or infinity for a forbidden pair")
-            return cls.from_pairs(len(robots), len(bins), *ends, values, robot_names=tuple(robots), bin_names=tuple(bins), **further)
+            return cls.from_pairs(
+                len(robots), len(bins), ends[0], ends[1], values, robot_names=tuple(robots), bin_names=tuple(bins), **further
+            )
         names = {"robot_names": tuple(map(str, costs.index)), "bin_names": tuple(map(str, costs.columns))}
         return cls.from_matrix(costs.to_numpy(), **{**names, **further})
 

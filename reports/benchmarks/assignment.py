@@ -19,6 +19,7 @@ import numpy as np
 from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
+from ...formulations.problem import problem_from_instance
 from ...formulations.stop import NEVER
 from ...formulations.tolerance import same
 from ...instances.generating import generate
@@ -85,20 +86,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(arguments)
     sizes, many, alone = ([int(k) for k in text.split(",") if k] for text in (asked.sizes, asked.sparse, asked.alone))
     for arcs in (0, 2):  # compiles dense and sparse loops
-        proved(BinAssignment(generate("assignment", 1, robots=30, bins=30, arcs=arcs)))
-        proved(BinAssignment(generate("assignment", 1, robots=30, bins=40, arcs=arcs)))
+        proved(_made(robots=30, bins=30, arcs=arcs))
+        proved(_made(robots=30, bins=40, arcs=arcs))
     good = True
     for n in sizes:
         for kind, costs in (("whole", {"largest": 999}), ("uniform", {}), ("euclidean", {})):
-            problem = BinAssignment(generate("assignment", 1, robots=n, bins=n, costs=kind, **costs))
+            problem = _made(robots=n, bins=n, costs=kind, **costs)
             good &= compare(f"{n} x {n} {kind}", problem, dense, asked.repeats)
     for n in many + alone:
         for kind in ("whole", "uniform"):
-            problem = BinAssignment(generate("assignment", 1, robots=n, bins=n, costs=kind, arcs=ARCS))
+            problem = _made(robots=n, bins=n, costs=kind, arcs=ARCS)
             if kind == "whole":  # a stored 0 is no pair to scipy
                 problem = BinAssignment.from_matrix(_shifted(problem))
             good &= compare(f"{n} sparse x {ARCS} {kind}", problem, None if n in alone else sparse, 1)
     return 0 if good else 1
+
+
+def _made(**settings: Any) -> BinAssignment:
+    problem = problem_from_instance(generate("assignment", 1, **settings))
+    assert isinstance(problem, BinAssignment)
+    return problem
 
 
 def _shifted(problem: BinAssignment) -> Any:

@@ -14,6 +14,7 @@ import pytest
 from programs import AnsweredBy
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.auctions.orchard_day import OrchardDay
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.risk.risk_allocation import RiskAllocation
@@ -23,6 +24,8 @@ from waybound.formulations.selection.submodular_selection import SubmodularSelec
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
+from waybound.instances.auctions.orchard_grid import OrchardGrid
+from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.errors import WayboundError
 from waybound.instances.generating import generate
 from waybound.instances.routing.instance import Sites, VehicleType
@@ -136,6 +139,12 @@ def large(kind: str, part: int = 1) -> Problem:
             return problem_from_instance(generate("robot-tasks", 1, robots=4, tasks=of(4_000)))
         case "parts":
             return problem_from_instance(generate("robot-tasks", 1, robots=4, tasks=of(2_000), problem="balanced-partition"))
+        case "orchard":
+            rng, count = np.random.default_rng(1), of(200_000)
+            grid = OrchardGrid(20, 20)
+            cells, robots = rng.choice(grid.harvested, count), np.full(of(2_000), grid.home)
+            ones = np.ones(count, dtype=bool)
+            return OrchardDay(OrchardJobs(grid, robots, 0 * robots, cells, np.full(count, -1), ones, np.zeros(count, dtype=int)))
         case "roadmap":
             return problem_from_instance(generate("prm-graph", 1, vertices=of(3_000)))
         case _:
@@ -171,6 +180,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("least-mean", "roadmap", {}),
     ("knapsack-greedy", "user-knapsack", {}),
     ("lazy-greedy", "winner-takes-all", {}),
+    ("list-schedule", "orchard", {}),
     ("local", "bottleneck-lp", {"h": 1000}),
     ("local", "bottleneck", {"h": 100, "search": "step", "step": 1e-6}),
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),

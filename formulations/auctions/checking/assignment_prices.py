@@ -58,7 +58,7 @@ def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
     if problem.objective != "sum":
         return -math.inf
     given, level = data.get("prices"), data.get("level", 0.0)
-    if not isinstance(given, list) or len(given) != problem.num_bins or not all(map(_finite, given)) or not _finite(level):
+    if not isinstance(given, list) or len(given) != problem.num_bins or not _all_finite(given) or not _finite(level):
         raise InputError("evidence needs a list of prices, one finite number a bin", expected=str(problem.num_bins))
     prices, asked = np.array(given, dtype=np.float64), problem.pairs
     if asked != problem.num_bins:
@@ -69,6 +69,12 @@ def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
     served = least[least < level].tolist()
     levels = [math.copysign(level, (asked - len(served)) * level)] * abs(asked - len(served))
     return _sum_below([*levels, *served, *(-prices).tolist()])
+
+
+def _all_finite(values: list[object]) -> bool:
+    if set(map(type, values)) <= {float}:
+        return bool((np.abs(np.array(values, dtype=np.float64)) < _LARGEST).all())
+    return all(map(_finite, values))
 
 
 def _finite(value: object) -> bool:

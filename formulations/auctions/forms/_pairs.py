@@ -50,7 +50,7 @@ def decoded(problem: BinAssignment, vector: Floats) -> Assignment:
 
 def encoded(problem: BinAssignment, answer: Any) -> Floats:
     """The binaries of an answer."""
-    chosen = np.array(answer)[problem.robots] == problem.bins
+    chosen: NDArray[np.bool_] = np.array(answer)[problem.robots] == problem.bins
     if int(chosen.sum()) != sum(j >= 0 for j in answer):
         raise InputError("the assignment has a pair that is not allowed")
-    return chosen.astype(np.float64)
+    return np.asarray(chosen, dtype=np.float64)

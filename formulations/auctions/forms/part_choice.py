@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -27,15 +28,16 @@ def build(problem: BalancedPartition) -> Compiled:
         least[k]        sum_v w_v y_vk + sum_ab d_ab z_abk >= s             min-difference alone, as are
         first[a,b,k]    z_abk <= y_ak,    second[a,b,k]  z_abk <= y_bk
 
-    t and s count in parts of the largest weight or distance. Source: Zhang (2015), (4.3) and (4.4), as a program;
-    docs/formulations/balanced-partition.md#form.
+    Then z is whole by itself, and declared so for solvers that count. t and s count in a power of two near the largest weight or
+    distance. Source: Zhang (2015), (4.3) and (4.4), as a program; docs/formulations/balanced-partition.md#form.
     """
     instance, spread = problem.instance, problem.objective == "min-difference"
     parts, tasks, weights = instance.num_robots, instance.num_tasks, problem.weights
     between = np.asarray(instance.between)
     a, b = np.nonzero(np.triu(between, 1) > 0) if problem.edges == "clique" else (np.zeros(0, np.int64),) * 2
     pairs, distance = len(a), between[a, b]
-    unit = max(float(np.abs(weights).max()), float(distance.max(initial=0.0))) or 1.0
+    most = max(float(np.abs(weights).max()), float(distance.max(initial=0.0)))
+    unit = 2.0 ** (math.frexp(most)[1] - 1) if most > 0.0 else 1.0  # fits all solvers' tolerances, and leaves whole numbers countable
     v, k = (index.ravel() for index in np.divmod(np.arange(tasks * parts), parts))
     pair, part = np.divmod(np.arange(pairs * parts), parts)
     robots = [instance.robot_name(r) for r in range(parts)]
@@ -46,7 +48,7 @@ def build(problem: BalancedPartition) -> Compiled:
     labels = (names, names, robots)
     variables = [
         Variables("y", (v, k), (names, robots), np.zeros(y), np.ones(y), np.zeros(y), integer=True),
-        Variables("z", (a[pair], b[pair], part), labels, np.zeros(len(pair)), np.ones(len(pair)), np.zeros(len(pair))),
+        Variables("z", (a[pair], b[pair], part), labels, np.zeros(len(pair)), np.ones(len(pair)), np.zeros(len(pair)), integer=spread),
         Variables("t", (), (), np.full(1, low), np.full(1, high), np.full(1, unit)),
     ]
     chosen, together, every = np.arange(y), y + np.arange(len(pair)), np.arange(len(pair))

@@ -34,14 +34,15 @@ def build(problem: TaskAllocation) -> Compiled:
         reach[i,j]    g_ij <= G x_ij
         longest[r]    sum_j g_rj <= z                                   robots r
 
-    g and z count in parts of the longest arc. Source: Gavish and Graves (1978) for the flow;
+    g and z count in a power of two near the longest arc. Source: Gavish and Graves (1978) for the flow;
     docs/formulations/task-allocation.md#form.
     """
     instance, longest = problem.instance, problem.objective == "mini-max"
     robots, tasks, d = instance.num_robots, instance.num_tasks, np.asarray(instance.distances)
     tail, head = np.nonzero(np.arange(robots + tasks)[:, None] != robots + np.arange(tasks))
     length = d[tail, head]
-    unit = float(d.max())  # lengths are counted in parts of the longest arc, which all solvers' tolerances fit
+    # About the longest arc, which fits all solvers' tolerances; a power of two leaves whole numbers countable.
+    unit = 2.0 ** (math.frexp(float(d.max()))[1] - 1) if d.any() else 1.0
     arcs, every, ones = np.arange(len(tail)), np.arange(tasks), np.ones(len(tail))
     names = [instance.row_name(k) for k in range(robots + tasks)]
     labels = (names, names[robots:])
@@ -70,9 +71,9 @@ def build(problem: TaskAllocation) -> Compiled:
         rows("link", size, [(arcs, size + arcs, 1.0), (arcs, arcs, -most)], upper=0.0, keys=(tail, head), labels=labels),
     ]
     far = float(d.max(axis=0).sum())
-    scaled = length / unit if unit > 0 else length
+    scaled = length / unit
     if longest:
-        reach = far / unit if unit > 0 else 0.0
+        reach = far / unit
         variables += [
             Variables("g", (tail, head), labels, 0.0 * ones, reach * ones, 0.0 * ones),
             Variables("z", (), (), np.zeros(1), np.full(1, reach), np.full(1, unit)),
@@ -116,10 +117,10 @@ def build(problem: TaskAllocation) -> Compiled:
                 arc = place[at, task]
                 vector[arc], vector[size + arc] = 1.0, len(path) - k
                 if longest:
-                    vector[2 * size + arc] = math.fsum(legs[k:]) / unit if unit > 0 else 0.0
+                    vector[2 * size + arc] = math.fsum(legs[k:]) / unit
                 at = robots + task
         if longest:
-            vector[3 * size] = judged.values[0] / unit if unit > 0 else 0.0
+            vector[3 * size] = judged.values[0] / unit
         return vector
 
     return Compiled(Program("path-flow", "min", tuple(variables), tuple(blocks)), problem, decode, encode)

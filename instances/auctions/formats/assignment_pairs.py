@@ -40,7 +40,7 @@ def read(text: str, path: Path) -> AssignmentInstance:
     numbers = [{name: k for k, name in enumerate(own)} for own in names]
     ends = [[own[cell] for cell in cells[title]] for own, title in zip(numbers, COLUMNS[:2], strict=True)]
     return AssignmentInstance.from_pairs(
-        len(names[0]), len(names[1]), *ends, costs, robot_names=tuple(names[0]), bin_names=tuple(names[1]),
+        len(names[0]), len(names[1]), ends[0], ends[1], costs, robot_names=tuple(names[0]), bin_names=tuple(names[1]),
         name=label(settings["name"][1] if "name" in settings else path.stem), format="assignment-pairs",
     )  # fmt: skip
 

@@ -54,6 +54,7 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> AssignmentInstance:
     if n * (arcs or m) > MOST_PAIRS:
         raise UsageError(f"{n} robots x {arcs or m} bins are more than {MOST_PAIRS:,} pairs; set arcs")
     name = settings["name"] or f"assignment-{kind}-{n}x{m}{f'-a{arcs}' * bool(arcs)}-s{settings['seed']}"
+    places: list[NDArray[Any]] = []
     further: dict[str, Any] = {"name": name, "format": "generated"}
     if kind == "orchard":
         lanes, columns = settings["rows"], settings["columns"]

@@ -67,7 +67,7 @@ def decode(data: dict[str, Any]) -> AssignmentInstance:
     pairs = fields(data["pairs"], "pairs", PAIR_KEYS, PAIR_KEYS)
     robots = wholes(pairs["robot"], "pairs.robot")
     bins, costs = wholes(pairs["bin"], "pairs.bin", len(robots)), reals(pairs["cost"], "pairs.cost", len(robots))
-    return AssignmentInstance.from_pairs(*counts, robots, bins, costs, **further)
+    return AssignmentInstance.from_pairs(counts[0], counts[1], robots, bins, costs, **further)
 
 
 KINDS.add("assignment", Kind("assignment", encode, decode))

@@ -29,6 +29,9 @@ FEWER = 8
 FEW = 200
 """Bids a row in an auction without scaling, which is over much sooner where there are more columns than rows, or never."""
 
+SETTLED, TRIED = 1.5, 10
+"""Bids a row of a phase after which prices hardly change, so that the last one is tried at once; bids a row that it may take then."""
+
 MANY = 1 << 62
 
 
@@ -156,22 +159,32 @@ def _phases(
     price, owner, column = np.zeros(m, np.int64), np.full(m, -1, np.int64), np.full(n, -1, np.int64)
     span, counts = int(cost.max(initial=0)), np.zeros(2, np.int64)
     dense = part.complete and m > kernels.KEPT
-    kept = np.zeros((n, kernels.KEPT), np.int32) if dense else None
-    memory = (kept, np.zeros((n, kernels.KEPT), np.int64), np.full(n, -1, np.int64)) if dense else ()
-    ended = 0
+    many = kernels.KEPT if dense else kernels.KEPT_SPARSE if len(part.columns) > kernels.MANY_PAIRS * n else 0
+    memory = np.zeros((n, many), np.int32), np.zeros((n, many), np.int64), np.full(n, -1, np.int64)
+    state = price, owner, column
+    ended, waiting = 0, 0
     while True:
         owner[:], column[:] = -1, -1
         made.phases += 1
+        began, cap = int(counts[0]), most if not waiting else min(most, int(counts[0]) + TRIED * n)
         while True:
+            limits = epsilon, span, cap
             if dense:
-                ended = kernels.dense_phase(stop.flag, cost.reshape(n, m), price, owner, column, epsilon, span, most, *memory, counts)
+                ended = kernels.dense_phase(stop.flag, cost.reshape(n, m), *state, *limits, *memory, counts)
+            elif many:
+                ended = kernels.remembering_phase(stop.flag, part.indptr, part.columns, cost, *state, *limits, *memory, counts)
             else:
-                ended = kernels.sparse_phase(stop.flag, part.indptr, part.columns, cost, price, owner, column, epsilon, span, most, counts)
+                ended = kernels.sparse_phase(stop.flag, part.indptr, part.columns, cost, *state, *limits, counts)
             if ended or not _outbid(price, owner, column, epsilon):
                 break
+        if waiting and ended == 3 and cap < most:  # not as settled as it seemed
+            ended, epsilon, waiting = 0, waiting, 0
+            continue
         if ended or epsilon <= least:
             break
-        epsilon = max(least, int(epsilon / factor))
+        waiting, epsilon = 0, max(least, int(epsilon / factor))
+        if counts[0] - began <= SETTLED * n and epsilon > least:
+            waiting, epsilon = epsilon, least
     made.bids += int(counts[0])
     made.looks += int(counts[1])
     return int(ended), column, price

@@ -13,6 +13,12 @@ NONE = 1 << 61
 KEPT = 24
 """Columns that a row of a dense matrix remembers, the cheapest when it last looked at all."""
 
+KEPT_SPARSE = 8
+"""Pairs that a row of a sparse matrix remembers."""
+
+MANY_PAIRS = 12
+"""Pairs of a row, in the mean, from which on remembering is worth it."""
+
 
 @kernel()
 def dense_phase(flag, cost, price, owner, column, epsilon, span, most, kept, kept_cost, limit, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
@@ -94,6 +100,76 @@ def dense_phase(flag, cost, price, owner, column, epsilon, span, most, kept, kep
             for k in range(size, many):
                 values[k] = NONE
                 kept[i, k] = 0
+        counts[0] += 1
+        price[best] += (second - first if second < NONE else span) + epsilon
+        if price[best] > NONE // 2:
+            return 2
+        if counts[0] > most:
+            return 3
+        before = owner[best]
+        owner[best] = i
+        column[i] = best
+        if before >= 0:
+            column[before] = -1
+            stack[top] = before
+            top += 1
+    return 0
+
+
+@kernel()
+def remembering_phase(flag, indptr, columns, cost, price, owner, column, epsilon, span, most, kept, kept_cost, limit, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """``dense_phase`` for the pairs of a CSR matrix, of which a row remembers as many as ``kept`` has columns."""
+    rows = len(indptr) - 1
+    many = kept.shape[1]
+    stack = np.empty(rows, np.int64)
+    top = 0
+    for i in range(rows - 1, -1, -1):
+        if column[i] < 0:
+            stack[top] = i
+            top += 1
+    while top > 0:
+        if asked(flag):
+            return 1
+        top -= 1
+        i = stack[top]
+        best, first, second = -1, NONE, NONE
+        if limit[i] >= 0:
+            for k in range(many):
+                value = kept_cost[i, k] + price[kept[i, k]]
+                if value < second:
+                    if value < first:
+                        best, first, second = kept[i, k], value, first
+                    else:
+                        second = value
+        if limit[i] < 0 or second > limit[i]:
+            counts[1] += 1
+            size, worst = 0, NONE
+            values = kept_cost[i]
+            for k in range(indptr[i], indptr[i + 1]):
+                j = columns[k]
+                value = cost[k] + price[j]
+                if value < worst:
+                    at = size if size < many else many - 1
+                    if size < many:
+                        size += 1
+                    while at > 0 and values[at - 1] > value:
+                        values[at] = values[at - 1]
+                        kept[i, at] = kept[i, at - 1]
+                        at -= 1
+                    values[at] = value
+                    kept[i, at] = k
+                    if size == many:
+                        worst = values[many - 1]
+            limit[i] = worst
+            first = values[0]
+            second = values[1] if size > 1 else NONE
+            for k in range(size):
+                values[k] = cost[kept[i, k]]
+                kept[i, k] = columns[kept[i, k]]
+            for k in range(size, many):
+                values[k] = NONE
+                kept[i, k] = 0
+            best = kept[i, 0]
         counts[0] += 1
         price[best] += (second - first if second < NONE else span) + epsilon
         if price[best] > NONE // 2:

@@ -71,8 +71,7 @@ def test_part_choice_from_text_to_text(tmp_path: Path) -> None:
         first[a,b,s]: - y[a,s] + z[a,b,s] <= 0
         second[a,b,r]: - y[b,r] + z[a,b,r] <= 0
         second[a,b,s]: - y[b,s] + z[a,b,s] <= 0
-        y[a,r], y[a,s], y[b,r], y[b,s] binary
-        0 <= z[a,b,r], z[a,b,s] <= 1
+        y[a,r], y[a,s], y[b,r], y[b,s], z[a,b,r], z[a,b,s] binary
         -0.25 <= t, s <= 1.5
         """
     )
