@@ -20,7 +20,9 @@ def solution():
 
 
 def test_every_family_with_pictures_is_registered():
-    assert PLOTS.names() == ["max-min", "risk-allocation", "risky-path", "routing", "selection", "uncertain-path"]
+    assert PLOTS.names() == [
+        "balanced-partition", "max-min", "risk-allocation", "risky-path", "routing", "selection", "task-allocation", "uncertain-path",
+    ]  # fmt: skip
 
 
 def test_the_plot_of_a_new_family_is_taken_with_all_its_options(registered, solution):
