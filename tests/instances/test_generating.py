@@ -18,6 +18,10 @@ from waybound.instances.routing.reach import refuse_unreachable
 
 def test_the_recipes_are_known() -> None:
     assert set(GENERATORS) >= {"coverage", "random", "risk-allocation", "robot-tasks", "sata", "solomon", "uchoa"}
+    assert set(GENERATORS) == {
+        "coverage", "prm-graph", "random", "raster-graph", "risk-allocation", "risky-grid", "robot-tasks", "sata", "sensing-geometric",
+        "sensing-regular", "sensing-ring", "solomon", "uchoa",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", sorted(GENERATORS))

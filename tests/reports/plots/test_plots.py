@@ -23,6 +23,7 @@ def test_every_family_with_pictures_is_registered():
     assert PLOTS.names() == [
         "balanced-partition", "bin-assignment", "max-min", "orchard-day", "risk-allocation", "risky-path", "routing", "selection",
         "task-allocation", "uncertain-path",
+        "balanced-partition", "max-min", "risk-allocation", "risky-path", "routing", "selection", "task-allocation", "uncertain-path",
     ]  # fmt: skip
 
 
