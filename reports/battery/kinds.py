@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -112,6 +113,18 @@ def equal_distances(rng: Generator) -> Problem:
         due[1:] = ready[1:] + 100.0 * rng.integers(0, 4, size - 1)
     demand = np.r_[0.0, np.ones(size - 1)]
     return _routing(matrix, demand, ready, due, [VehicleType(int(rng.integers(1, 4)), float(rng.integers(2, size)))])
+
+
+def risky_routes(rng: Generator) -> Problem:
+    """Uncertain durations, and routes that may take too long with a probability of some hundredths, or of a millionth."""
+    size = int(rng.integers(3, 6))
+    matrix, demand = whole(rng, (size, size), 10, 99), np.r_[0.0, whole(rng, size - 1, 1, 5)]
+    variances = whole(rng, (size, size), 0, 40) * (1.0 - np.eye(size))
+    longest = float(rng.integers(100, 300)) + 0.5  # no sum of whole numbers is so long
+    risk = float(rng.choice([0.01, 0.05, 0.2, 1e-6]))
+    vehicle = VehicleType(int(rng.integers(1, 3)), float(rng.integers(5, 15)), max_duration=longest, risk=risk)
+    found = _routing(matrix, demand, np.zeros(size), np.full(size, math.inf), [vehicle])
+    return replace(found, travel=replace(found.travel, variances=variances))
 
 
 def tight_windows(rng: Generator) -> Problem:
@@ -386,6 +399,7 @@ KINDS: dict[str, Draw] = {
     for draw in (
         time_windows, linear, bottleneck, selection, tight_windows, mixed_integer, huge_times, products, equal_distances, packing_covering,
         fleets, integer, no_routes, winner_takes_all, tiny_times, unbounded, unlimited_limits, bottleneck_shares, squares, risky_paths,
+        risky_routes,
         task_paths, task_parts,
     )
 }  # fmt: skip

@@ -11,7 +11,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from statistics import NormalDist
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...formulations.arrays.problem import ArrayProblem
 from ...formulations.auctions.balanced_partition import BalancedPartition
@@ -27,6 +31,8 @@ from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.routing.instance import VehicleType
 from ...instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
 from .rational_simplex import ONE, ZERO, Region, Vector, minimised
+
+Floats = NDArray[np.float64]
 
 BOX = 4
 """Values tried of a whole variable without a bound, where a program is unbounded if it has a point at all."""
@@ -104,13 +110,15 @@ def _routes(problem: RoutingProblem, vehicle: VehicleType) -> dict[frozenset[int
     distance, duration = _fractions(problem.travel.distances.tolist()), _fractions(problem.travel.durations.tolist())
     demand, ready, due, service = (_fractions(a.tolist()) for a in (sites.demand, sites.ready, sites.due, sites.service))
     depot, found = vehicle.start, dict[frozenset[int], Fraction]()
+    spread = np.zeros(problem.travel.distances.shape) if problem.travel.variances is None else problem.travel.variances
     begun: list[tuple[tuple[int, ...], Fraction, Fraction, Fraction]] = [((), ready[depot], ZERO, ZERO)]
     while begun:
         visits, clock, length, load = begun.pop()
         at = visits[-1] if visits else depot
         leaves = clock + (service[at] if visits else ZERO)
         back = length + distance[at][depot]
-        if visits and leaves + duration[at][depot] <= due[depot] and back <= vehicle.max_distance:
+        returns = leaves + duration[at][depot]
+        if visits and returns <= due[depot] and back <= vehicle.max_distance and _in_time(vehicle, spread, visits, returns - ready[depot]):
             cost = Fraction(vehicle.fixed_cost) + Fraction(vehicle.unit_cost) * back
             found[frozenset(visits)] = min(found.get(frozenset(visits), cost), cost)
         for to in problem.customers.tolist():
@@ -118,6 +126,14 @@ def _routes(problem: RoutingProblem, vehicle: VehicleType) -> dict[frozenset[int
             if to not in visits and arrives <= due[to] and longer <= vehicle.max_distance and heavier <= vehicle.capacity:
                 begun.append(((*visits, to), max(arrives, ready[to]), longer, heavier))
     return found
+
+
+def _in_time(vehicle: VehicleType, variances: Floats, visits: tuple[int, ...], takes: Fraction) -> bool:
+    """Whether a route of mean duration ``takes``, on which nobody waits, overruns no more likely than it may."""
+    moves = itertools.pairwise((vehicle.start, *visits, vehicle.end))
+    variance = math.fsum(float(variances[move]) for move in moves)
+    margin = NormalDist().inv_cdf(1.0 - vehicle.risk) * math.sqrt(variance) if vehicle.risk is not None else 0.0
+    return float(takes) + margin <= vehicle.max_duration
 
 
 # -- selection and max-min -------------------------------------------------------------------------------------------

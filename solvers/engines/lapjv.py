@@ -32,7 +32,8 @@ class LapjvEngine(Engine):
     package = "scipy"
     modules = ("scipy",)
     summary = "optimal assignments by shortest augmenting paths, with prices that prove it"
-    interrupts = "scipy cannot be stopped: an assignment that is not found in time is left behind"
+    interrupts = "is ended without an answer: scipy cannot be stopped, and its sparse method holds Python's global lock"
+    needs_process = True
     honours = frozenset()
     one_thread = bounds_itself = True
     order = 10

@@ -91,7 +91,7 @@ def test_routes_are_by_any_engine_that_takes_what_is_left() -> None:
     problem = line(0.06)
     answer = run_heuristic(problem, NAME, {"engine": "ortools", "rounds": 2, "splits": 1, "steps": 20}, 1).answer
     assert problem.evaluate(answer).feasible and problem.evaluate(answer).values == (36.0,)
-    asked = replace(problem, objective=Objective.of(Reward()))
+    asked = replace(problem, objective=Objective.of(TotalCost() - Reward()))
     with pytest.raises(UnsupportedError, match=r"engine vroom cannot take this problem: it lacks .*objective:reward"):
         run_heuristic(asked, NAME, {"engine": "vroom"}, 1)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from waybound.reports.benchmarks.routing_variants import CHANGES, CUSTOMERS, drawn, features_of
+from waybound.reports.benchmarks.routing_variants import CHANGES, CUSTOMERS, TURNS, drawn, features_of
 from waybound.reports.tables.routing_features import ROWS
 
 
 def test_each_has_the_feature_whose_turn_it_is() -> None:
-    for number, feature in enumerate(CHANGES):
+    for number, feature in enumerate(TURNS):
         problem = drawn(3, number)
         assert feature in features_of(problem) and problem.name == f"{feature}-{number}"
         assert 1 <= len(problem.customers) <= max(CUSTOMERS)
