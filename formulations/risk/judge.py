@@ -93,16 +93,16 @@ def _judge_cones(p: RiskAllocation, x: Floats) -> Judged:
 
 
 def _judge_chance(p: RiskAllocation, x: Floats, risks: Floats) -> Judged:
-    """Whether each constraint has a row that keeps its limit with its quantile added."""
+    """Whether each constraint fails no more likely than its risk: however far its limit is, deviations are what counts."""
     quantile = -ndtri(np.maximum(risks, SMALLEST_RISK))[p.constraint]
     margin = np.where(p.deviation == 0.0, 0.0, p.deviation * quantile)
     excess = np.where(np.isnan(margin), math.inf, p.chance @ x + margin - p.limits)
     best, size, own = np.full(len(p.names), math.inf), np.zeros(len(p.names)), safest_risks(p, x)
     np.minimum.at(best, p.constraint, excess)
     np.maximum.at(size, p.constraint, np.maximum(_row_sizes(p, x), np.abs(margin)))
-    best = np.where(best <= 4.0 * ROUNDING * size, np.minimum(best, 0.0), best)
+    over = np.where(best <= 4.0 * ROUNDING * size, np.minimum(own - risks, 0.0), np.where(np.isnan(risks), math.inf, own - risks))
     return judge(
-        "chance", best, lambda k: f"chance constraint {p.names[k]} has the risk {own[k]:.9g}, allowed {risks[k]:.9g}", VECTOR * size
+        "chance", over, lambda k: f"chance constraint {p.names[k]} has the risk {own[k]:.9g}, allowed {risks[k]:.9g}", VECTOR * risks
     )
 
 

@@ -43,6 +43,18 @@ def test_violations_are_named(decision: list[float], risks: list[float] | None, 
     assert any(said in v.message for v in judged.violations)
 
 
+@pytest.mark.parametrize("limit", [1.0, 1e7])
+def test_however_far_a_limit_is_deviations_count(limit: float) -> None:
+    p = problem(
+        decisions=1, upper=2.0 * limit, constraints=None, cost={"decisions": [1.0]}, quantities={"map": [[1.0]], "covariance": [1.0]},
+        chance={"quantities": [[1.0]], "limits": [limit]}, risk={"total": 0.001},
+    )  # fmt: skip
+    most = limit + float(ndtri(0.001))
+    assert p.evaluate(Allocation.of([most], [0.001])).feasible or most < 0.0
+    assert not p.evaluate(Allocation.of([limit + 6.0], [0.001])).feasible
+    assert not p.evaluate(Allocation.of([limit - 3.08], [0.001])).feasible  # a risk of 0.001035
+
+
 def test_nothing_is_known_of_a_decision_without_numbers() -> None:
     judged = problem().evaluate(Allocation.of([np.nan, 1.0]))
     assert not judged.feasible and np.isnan(judged.values[0])
