@@ -48,3 +48,28 @@ def lower_labels(flag, indptr, columns, cost, column, price, most):  # type: ign
         if not changed:
             return True
     return False
+
+
+@kernel()
+def raise_labels(flag, indptr, columns, cost, column, price, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Raise prices from 0 until no row has a column that is better than its own: the least ones; arguments as of ``lower_labels``."""
+    rows = len(column)
+    for sweep in range(most):
+        changed = False
+        for turn in range(rows):
+            if turn & 127 == 0 and asked(flag):
+                return False
+            i = turn if sweep % 2 == 0 else rows - 1 - turn
+            own = column[i]
+            paid = price[own]
+            for k in range(indptr[i], indptr[i + 1]):
+                if columns[k] == own:
+                    paid = cost[k] + price[own]
+            for k in range(indptr[i], indptr[i + 1]):
+                j = columns[k]
+                if j != own and cost[k] + price[j] < paid:
+                    price[j] = paid - cost[k]
+                    changed = True
+        if not changed:
+            return True
+    return False

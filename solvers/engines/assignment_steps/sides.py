@@ -134,14 +134,17 @@ def proof(problem: BinAssignment, parts: list[Side], prices: list[Floats], answe
     value, size = math.fsum(costs), math.fsum(np.abs(costs))
     if same(value, made.value, size) or not same(value, made.value, float(np.abs(problem.cost).max(initial=0.0)) * len(costs)):
         return made
-    from .price_kernels import lower_labels
+    from .price_kernels import lower_labels, raise_labels
 
-    polished = []
-    for part, column, own in zip(parts, split(problem, parts, answer), prices, strict=True):
-        price = own.copy()
-        lower_labels(stop.flag, part.indptr, part.columns, part.cost, column.astype(np.int64), price, POLISHING)
-        polished.append(np.maximum(price, 0.0))
-    return max(made, price_evidence(problem, parts, polished, source), key=lambda evidence: evidence.value)
+    found = [made]
+    for labels, scale in ((lower_labels, 1.0), (raise_labels, 0.0)):  # the least prices lose fewest digits beside tiny costs
+        polished = []
+        for part, column, own in zip(parts, split(problem, parts, answer), prices, strict=True):
+            price = own * scale
+            labels(stop.flag, part.indptr, part.columns, part.cost, column.astype(np.int64), price, POLISHING)
+            polished.append(np.maximum(price, 0.0))
+        found.append(price_evidence(problem, parts, polished, source))
+    return max(found, key=lambda evidence: evidence.value)
 
 
 def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Floats], source: str) -> Evidence:

@@ -25,3 +25,20 @@ def test_an_optimal_assignment_is_proved_so() -> None:
 def test_of_another_one_less_is_proved() -> None:
     assert recovered_prices(worked("O"), (0, 1), "x", NEVER).value <= 4.0
     assert recovered_prices(worked("O"), (1, 0), "x", NEVER).value == 4.0
+
+
+@pytest.mark.parametrize(
+    "costs",
+    [
+        [[2.19e-8], [np.inf], [4439700.535], [37582421.2748]],
+        [[np.inf, 1e-11, 8.0, 10.0], [2e-12, 4.0, 1e-11, 9.0]],
+        [[3.55e-10, np.inf], [963804213232.2109, 4.371e-07], [595450330557.8839, 27410017469.41327]],
+        [[0.0, np.inf, 13.69, 6.66]],
+    ],
+)
+def test_tiny_optima_beside_large_costs_are_proved_too(costs: list[list[float]]) -> None:
+    problem = BinAssignment.from_matrix(costs)
+    found = auction(problem, NEVER)
+    value = problem.evaluate(found.answer).values[0]
+    for evidence in (found.evidence(problem, "x"), recovered_prices(problem, found.answer, "x", NEVER)):
+        assert evidence.value == pytest.approx(value, rel=1e-9, abs=0.0)
