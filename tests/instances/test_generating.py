@@ -18,8 +18,8 @@ from waybound.instances.routing.reach import refuse_unreachable
 
 def test_the_recipes_are_known() -> None:
     assert set(GENERATORS) == {
-        "assignment", "coverage", "orchard-day", "prm-graph", "random", "raster-graph", "risk-allocation", "risky-grid", "robot-tasks", "sata",
-        "sensing-geometric", "sensing-regular", "sensing-ring", "solomon", "uchoa",
+        "assignment", "coverage", "orchard-day", "prm-graph", "random", "raster-graph", "risk-allocation", "risky-grid", "robot-tasks",
+        "sata", "sensing-geometric", "sensing-regular", "sensing-ring", "solomon", "uchoa",
     }  # fmt: skip
 
 

@@ -33,8 +33,8 @@ def test_the_version_stands_first() -> None:
         ({"kind": "drop"}, "the document lacks the key 'kind'"),
         (
             {"kind": "sudoku"},
-            "kind is unknown; expected assignment, max-min, orchard-jobs, risk-allocation, risky-graph, robot-tasks, routing, selection, sensing, "
-            "uncertain-graph",
+            "kind is unknown; expected assignment, max-min, orchard-jobs, risk-allocation, risky-graph, robot-tasks, routing, "
+            "selection, sensing, uncertain-graph",
         ),
         ({"waybound": "drop", "answer": None}, "is a solution file, not an instance"),
         ({"colour": "red"}, "the document has an unknown key 'colour'"),
