@@ -50,6 +50,9 @@ class IntervalScheduling(Engine):
             raise UnsupportedError(self.name, lacking)
         assert isinstance(problem, OrchardDay)
         self.converted(options)
+        known = problem.answer_at_hand()
+        value = problem.value(problem.timetable(known))
+        control.publish(known, value)
         made = _Intervals(problem)
         solver, over = cp_model.CpSolver(), threading.Event()
         p = solver.parameters
@@ -82,6 +85,10 @@ class IntervalScheduling(Engine):
         found = status in ("optimal", "feasible")
         if status == "optimal" and options.gap > 0.0 and solver.best_objective_bound < solver.objective_value:
             status, limit = "feasible", "gap"
+        if status == "unknown":
+            return RawResult(
+                "feasible", limit, known, value, message="CP-SAT found no answer in time: bins are fetched as they are numbered"
+            )
         return RawResult(
             status, limit, made.trips(solver.value) if found else None, float(solver.objective_value) if found else None,
             float(solver.best_objective_bound) if found else None,

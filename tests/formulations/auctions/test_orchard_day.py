@@ -45,7 +45,7 @@ def test_whole_days_of_the_reference(start, robots, last, optimum):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_no_rule_beats_the_optimum_of_a_small_orchard(seed):
-    problem = wb.generate("orchard-day", seed=seed, rows=2, columns=5, robots=2)
+    problem = wb.generate("orchard-day", seed=seed, rows=2, columns=4, robots=2)
     jobs, best = problem.jobs, wb.solve(problem, bound_time=0).objective
     from waybound.instances.auctions.orchard_rules import OrchardRules, draw_routes
     from waybound.instances.generators import Draw
