@@ -21,13 +21,14 @@ def answer_tables(problem: Problem, answer: Any) -> list[Table]:
 
 
 def frame_table(problem: Problem, answer: Any) -> Table:
-    """The first rows of an answer, as its frame has them."""
+    """The first rows of an answer, as its frame has them; nothing where it has nothing."""
     frame = problem.answer_to_frame(answer)
     numeric = [frame[title].dtype.kind in "iuf" for title in frame.columns]
     columns = tuple(Column(str(title), right=right) for title, right in zip(frame.columns, numeric, strict=True))
+    first = frame.head(SHOWN_ROWS)
     rows = [
-        tuple(short(float(v)) if right else str(v) for v, right in zip(row, numeric, strict=True))
-        for row in frame.head(SHOWN_ROWS).itertuples(index=False)
+        tuple("" if lacks else short(float(v)) if right else str(v) for v, lacks, right in zip(row, lacking, numeric, strict=True))
+        for row, lacking in zip(first.itertuples(index=False), first.isna().itertuples(index=False), strict=True)
     ]
     left = len(frame) - len(rows)
     if left > 0:

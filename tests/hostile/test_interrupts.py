@@ -52,6 +52,11 @@ FILES = {
     "roadmap.json": ("prm-graph", "vertices=3000"),
     "pairs.json": ("assignment", "robots=2000", "bins=2000", "costs=euclidean"),
     "largest.json": ("assignment", "robots=2000", "bins=2000"),
+    "tasks.json": ("robot-tasks", "robots=5", "tasks=16"),
+    "shares.json": ("robot-tasks", "robots=5", "tasks=16", "weight=20"),
+    "many-tasks.json": ("robot-tasks", "robots=30", "tasks=2000"),
+    "many-shares.json": ("robot-tasks", "robots=30", "tasks=2000", "weight=20"),
+    "day.json": ("orchard-day", "rows=5", "columns=10", "robots=4", "groups=4"),
     "plan.json": ("risk-allocation", "family=corridor", "steps=100", "constraints=4"),
     "joint-plan.json": ("risk-allocation", "family=corridor", "steps=15", "constraints=4", "risk=joint"),
     "obstacles.json": ("risk-allocation", "family=obstacles", "steps=12"),
@@ -70,6 +75,7 @@ CHANGED = {
     "even.json": lambda instance: replace(instance, objective=("longest-route",)), "outing.json": outing,
     "risks.json": lambda instance: replace(instance, team_risk=0.05),
     "careful.json": lambda instance: replace(instance, fleet=(replace(instance.fleet[0], risk=0.05),)),
+    **dict.fromkeys(("shares.json", "many-shares.json"), lambda instance: replace(instance, problem="balanced-partition")),
     "largest.json": lambda instance: replace(instance, problem="bottleneck-assignment"),
 }  # fmt: skip
 
@@ -83,9 +89,12 @@ SOLVED = {
     "non-dominated-paths": "roadmap.json", "supported-paths": "roadmap.json",
     "outer-approximation": "careful.json",
     "lapjv": "pairs.json", "min-cost-flow": "pairs.json", "threshold-matching": "largest.json",
+    "interval-scheduling": "day.json", "part-subsets": "shares.json", "task-subsets": "tasks.json",
 }  # fmt: skip
 
 APPROXIMATED = {
+    "consensus-bundle": "many-tasks.json", "distributed-sampling": "many-shares.json", "fixed-order-auction": "many-tasks.json",
+    "list-schedule": "day.json", "parallel-auction": "many-tasks.json", "sequential-single-item": "many-tasks.json",
     "bertsekas": "pairs.json", "conflict-auction": "pairs.json", "online-greedy": "pairs.json",
     "additive-risk": "map.json", "cvar": "joint-plan.json", "iterative": "plan.json", "least-mean": "roadmap.json", "look-back": "map.json",
     "rags": "roadmap.json", "scenario": "joint-plan.json", "two-stage": "rewards.json",

@@ -37,7 +37,7 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
-from .. import random_sensing, risk_problems, risky_cases, sata_cases, selection_problems, task_problems
+from .. import orchard_cases, random_sensing, risk_problems, risky_cases, sata_cases, selection_problems, small_routing, task_problems
 from ..bin_assignments import worked
 from ..programs import program
 from ..small_routing import small
@@ -206,6 +206,23 @@ def _risky() -> list[Case]:
     return cases
 
 
+def _late() -> list[Case]:
+    """Routes that may take too long with some probability, each by itself or any of them."""
+    cases = []
+    for feature in ("route-risk", "team-risk"):
+        made = (small_routing.varied(feature, seed) for seed in range(60))
+        asked = (p for p in made if any(piece.kind == "deviation-chord" for piece in find_bounds(p, 0.3)))
+        problem, truth = next((p, best) for p in asked if (best := best_values(p)) is not None)
+        cases += _cases_of(problem, truth[0], [wb.Routes.of([[c] for c in problem.customers.tolist()])])
+    return cases
+
+
+def _orchard() -> list[Case]:
+    """One robot, one bin beside the repository: a step there, and one back."""
+    day = orchard_cases.retrievals([(0, 1)], [0], [(0, 0)])
+    return _cases_of(day, 2.0, [day.answer_at_hand()])
+
+
 def _tasks() -> list[Case]:
     cases = []
     for objective in task_problems.OBJECTIVES:
@@ -219,7 +236,7 @@ def _tasks() -> list[Case]:
 @cache
 def pool() -> list[Case]:
     of_risk = [*_uncertain_paths(), *_allocations(), *_risky()]
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *of_risk, *_bins(), *_tasks()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *of_risk, *_bins(), *_tasks(), *_late(), *_orchard()]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name

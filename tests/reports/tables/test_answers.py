@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
+import pytest
 
 import waybound as wb
 from waybound.reports.tables.answers import answer_tables
@@ -13,6 +15,15 @@ def test_an_answer_is_told_row_by_row():
     assert [c.name for c in table.columns] == ["robot", "action", "share", "targets"]
     assert [c.right for c in table.columns] == [False, False, True, True]
     assert table.rows[1] == ("r2", "p3", "1", "2")
+
+
+def test_what_a_row_has_not_is_left_blank():
+    problem = wb.read("figure-3-3")
+    told = lambda answer: pd.DataFrame({"trip": [1, 2], "bring": pd.array([3, None], dtype="Int64"), "to": ["a", None]})  # noqa: E731
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(type(problem), "answer_to_frame", lambda self, answer: told(answer))
+        (table,) = answer_tables(problem, wb.Selection.of([0]))
+    assert table.rows == (("1", "3", "a"), ("2", "", ""))
 
 
 def test_a_long_answer_is_cut_and_says_so():
