@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from draws import draws
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oracles import agrees, routing
+from program_text import expected, written
 
 from waybound.formulations.routing.overrun import quantile
 from waybound.formulations.routing.problem import RoutingProblem
@@ -129,3 +131,47 @@ def test_without_variances_nothing_is_written_and_the_form_refuses() -> None:
         certain.compile(FORM)
     with pytest.raises(UnsupportedError, match="team-risk"):
         replace(line(None), team_risk=0.1).compile(FORM)
+
+
+TWO_SITES = """
+    {"waybound": 1, "kind": "routing", "name": "tiny", "problem": "min-cost-vrp",
+     "sites": {"id": ["o", "a", "b"], "service": [0, 2, 1]},
+     "travel": {"metric": "EXPLICIT", "matrix": [[0, 3, 5], [3, 0, 4], [5, 4, 0]], "variances": [[0, 1, 0], [9, 0, 4], [16, 0, 0]]},
+     "fleet": [{"count": 1, "max_duration": 20, "energy": {"capacity": 30, "rate": 2}, "risk": 0.1}]}
+"""
+
+
+def test_three_index_cones_from_text_to_text(tmp_path: Path) -> None:
+    """Phi^-1(0.9) is 1.28155. Two moves are certain, and no terms of the cone; no route deviates by more than sqrt(1 + 9 + 16).
+
+    All is over by 17: the longest ways out of o, a and b take 5, 2 + 4 and 1 + 5.
+    """
+    assert written(TWO_SITES, "three-index-cones", tmp_path, ".json") == expected(
+        """
+        three-index-cones, exact
+        min 3 x[o,a,1] + 5 x[o,b,1] + 4 x[a,b,1] + 3 x[a,o,1] + 4 x[b,a,1] + 5 x[b,o,1]
+        visit[a]: x[a,b,1] + x[a,o,1] = 1
+        visit[b]: x[b,a,1] + x[b,o,1] = 1
+        fleet: x[o,a,1] + x[o,b,1] >= 1
+        depart[1]: x[o,a,1] + x[o,b,1] + x[o,o,1] = 1
+        flow[a,1]: x[o,a,1] - x[a,b,1] - x[a,o,1] + x[b,a,1] = 0
+        flow[b,1]: x[o,b,1] + x[a,b,1] - x[b,a,1] - x[b,o,1] = 0
+        duration[1]: - departure[1] + return[1] <= 20
+        energy[1]: 6 x[o,a,1] + 10 x[o,b,1] + 8 x[a,b,1] + 6 x[a,o,1] + 8 x[b,a,1] + 10 x[b,o,1] <= 30
+        time[o,a,1]: 9 x[o,a,1] + departure[1] - t[a,1] <= 6
+        time[o,b,1]: 9 x[o,b,1] + departure[1] - t[b,1] <= 4
+        time[a,b,1]: 13 x[a,b,1] + t[a,1] - t[b,1] <= 7
+        time[a,o,1]: 17 x[a,o,1] + t[a,1] - return[1] <= 12
+        time[b,a,1]: 13 x[b,a,1] - t[a,1] + t[b,1] <= 8
+        time[b,o,1]: 17 x[b,o,1] + t[b,1] - return[1] <= 11
+        safe[1]: 3 x[o,a,1] + 5 x[o,b,1] + 6 x[a,b,1] + 5 x[a,o,1] + 5 x[b,a,1] + 6 x[b,o,1] + 1.28155 deviation[1] <= 20
+        lasting[1]: 6 x[o,a,1] + 10 x[o,b,1] + 8 x[a,b,1] + 6 x[a,o,1] + 8 x[b,a,1] + 10 x[b,o,1] + 2.5631 deviation[1] <= 30
+        deviation: |(x[o,a,1], 2 x[a,b,1], 3 x[a,o,1], 4 x[b,o,1])| <= deviation[1]
+        x[o,a,1], x[o,b,1], x[o,o,1], x[a,b,1], x[a,o,1], x[b,a,1], x[b,o,1] binary
+        0 <= departure[1] <= 9
+        3 <= t[a,1] <= 12
+        5 <= t[b,1] <= 11
+        0 <= return[1] <= 17
+        0 <= deviation[1] <= 5.09902
+        """
+    )
