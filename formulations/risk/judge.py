@@ -62,6 +62,13 @@ def safest_risks(p: RiskAllocation, x: Floats) -> Floats:
     return made
 
 
+def judged_slack(p: RiskAllocation, x: Floats) -> Floats:
+    """What each chance row leaves; none, not less, where one without noise is broken by no more than is let pass."""
+    slack = p.limits - p.chance @ x
+    passed = (p.deviation == 0.0) & (slack >= -VECTOR * _row_sizes(p, x))
+    return np.where(passed, np.maximum(slack, 0.0), slack)
+
+
 def _row_sizes(p: RiskAllocation, x: Floats) -> Floats:
     """Of each chance row the largest number in it."""
     return np.asarray(np.maximum(np.abs(p.limits), np.abs(p.chance * x).max(axis=1, initial=0.0)))

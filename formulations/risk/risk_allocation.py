@@ -20,7 +20,7 @@ from ..problem import PROBLEMS, Decision, Problem
 from .allocations import Allocation, allocation_from_json
 from .contradictions import contradiction
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
-from .judge import evaluate_allocation, safest_risks
+from .judge import evaluate_allocation, judged_slack, safest_risks
 from .variants import by_allocation, choosing, convex_part, widened
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ class RiskAllocation(Problem):
         """For each budget, the total first, the probability that any of its constraints fails at the decision x."""
         key = x.tobytes()
         if self._joint[0] != key:
-            slack, made = self.limits - self.chance @ x, {}
+            slack, made = judged_slack(self, x), {}
             points = MORE_POINTS if self.risk.kind == "joint" else POINTS
             every = [(b.name, b.constraints) for b in self.budgets]
             if self.risk.total is None:

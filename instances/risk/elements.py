@@ -221,7 +221,7 @@ class MoveRisk(MemorylessElement):
         return (self.kind, self.before, self.state, self.after, self.risk)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
-        survives = np.ones(len(after))
+        made = np.zeros(len(after))
         width = space.num_states + 1
         for whole in (True, False):  # a pair of moves may have a risk of its own beside that of its second move
             chosen = (self.before >= 0) == whole
@@ -232,5 +232,5 @@ class MoveRisk(MemorylessElement):
             order = np.argsort(known, kind="stable")
             at = np.minimum(np.searchsorted(known[order], asked), len(known) - 1)
             found = known[order][at] == asked
-            survives *= np.where(found, 1.0 - self.risk[chosen][order][at], 1.0)
-        return 1.0 - survives
+            made += np.where(found, self.risk[chosen][order][at], 0.0) * (1.0 - made)  # no 1 - (1 - r), which loses small risks
+        return made

@@ -140,7 +140,7 @@ class TetherRisk(TraverseElement):
         if contacts is None:
             return 1.0
         long = min(1.0, self.length_rate * self.tether.length(contacts, at))
-        return 1.0 - (1.0 - long) * (1.0 - min(1.0, self.contact_rate * (len(contacts) - 1)))
+        return long + min(1.0, self.contact_rate * (len(contacts) - 1)) * (1.0 - long)
 
     def begin(self, space: Space, state: int) -> tuple[Contacts | None, float]:
         at = placed(self, space)[state].tolist()

@@ -85,7 +85,7 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     if ray:
         with np.errstate(over="ignore", invalid="ignore"):
             duals /= max(float(np.abs(duals).max(initial=0.0)), _VANISHING)
-    bound = least_value(program, np.zeros(program.num_variables) if ray else sign * program.cost, duals if ray else sign * duals)
+    bound, _ = least_value(program, np.zeros(program.num_variables) if ray else sign * program.cost, duals if ray else sign * duals)
     if ray:
         ends = [v[np.isfinite(v)] for v in (program.lower, program.upper, program.row_lower, program.row_upper)]
         lost = _VANISHING * (1.0 + max(float(np.abs(v).max(initial=0.0)) for v in ends))
@@ -101,8 +101,12 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     return bound - sign * 4 * _EPS * abs(bound) if offset else bound
 
 
-def least_value(program: Any, cost: Floats, duals: Floats) -> float:
-    """At most the least ``cost x`` within rows and bounds, by the duals of its minimisation; no number or minus infinity is no bound."""
+def least_value(program: Any, cost: Floats, duals: Floats) -> tuple[float, Floats]:
+    """At most the least ``cost x`` within rows and bounds, by the duals of its minimisation; no number or minus infinity is no bound.
+
+    And the duals that it took, which may have been moved far from the given ones: whoever prices more than the rows prices it at these.
+    Where they are fractions, they are rounded towards 0.
+    """
     arrays = _Arrays(
         cost, program.lower, program.upper, program.row_lower, program.row_upper,
         np.repeat(np.arange(program.num_rows), np.diff(program.indptr)), program.indices, program.data,
@@ -125,7 +129,7 @@ class _Arrays:
     value: Floats
 
 
-def _bound(p: _Arrays, y: Floats) -> float:
+def _bound(p: _Arrays, y: Floats) -> tuple[float, Floats]:
     y = _one_sided(p, y)
     low, high = _reduced_costs(p, y)
     lower, upper = p.lower, p.upper
@@ -149,15 +153,15 @@ def _bound(p: _Arrays, y: Floats) -> float:
     error = 4 * _EPS * (float(np.abs(rows).sum()) + float(np.abs(least).sum()))
     error += _SMALLEST * float(_vanishing(y, sides).sum() + np.logical_or.reduce([_vanishing(a, x) for a, x in corners]).sum())
     if not math.isfinite(error):
-        return -math.inf
-    return math.fsum(rows) + math.fsum(least) - error
+        return -math.inf, y
+    return math.fsum(rows) + math.fsum(least) - error, y
 
 
-def _in_fractions(p: _Arrays, y: Floats) -> float:
+def _in_fractions(p: _Arrays, y: Floats) -> tuple[float, Floats]:
     """The bound in fractions, at duals near ``y`` whose reduced costs are 0 wherever they would drive a variable to infinity."""
     columns: list[list[tuple[int, Fraction]]] = [[] for _ in p.cost]
     if len(p.value) > MOST_FRACTIONS:
-        return -math.inf
+        return -math.inf, y
     for i, j, a in zip(p.row.tolist(), p.column.tolist(), p.value.tolist(), strict=True):
         columns[j].append((i, Fraction(a)))
     given = [Fraction(v) for v in y.tolist()]
@@ -165,7 +169,7 @@ def _in_fractions(p: _Arrays, y: Floats) -> float:
     for _ in range(_PASSES):
         duals = _moved(columns, given, p.cost.tolist(), sorted(free))
         if duals is None:
-            return -math.inf
+            return -math.inf, y
         reduced = [
             Fraction(c) - sum((a * duals[i] for i, a in entries), Fraction(0)) for c, entries in zip(p.cost.tolist(), columns, strict=True)
         ]
@@ -175,15 +179,21 @@ def _in_fractions(p: _Arrays, y: Floats) -> float:
             ends += zip(duals, p.row_lower.tolist(), p.row_upper.tolist(), strict=True)
             sides = [(d, low if d > 0 else high) for d, low, high in ends if d]
             if any(math.isinf(side) for _, side in sides):
-                return -math.inf
+                return -math.inf, y
             exact = sum((d * Fraction(side) for d, side in sides), Fraction(0))
             try:
-                bound = float(exact)
+                bound, taken = float(exact), np.array([_towards_zero(d) for d in duals])
             except OverflowError:
-                return -math.inf
-            return bound if bound <= exact else math.nextafter(bound, -math.inf)
+                return -math.inf, y
+            return bound if bound <= exact else math.nextafter(bound, -math.inf), taken
         free |= wrong
-    return -math.inf
+    return -math.inf, y
+
+
+def _towards_zero(number: Fraction) -> float:
+    """The double nearest to a number of those that are not farther from 0."""
+    made = float(number)
+    return made if abs(Fraction(made)) <= abs(number) else math.nextafter(made, 0.0)
 
 
 def _moved(columns: list[list[tuple[int, Fraction]]], duals: list[Fraction], cost: list[float], free: list[int]) -> list[Fraction] | None:

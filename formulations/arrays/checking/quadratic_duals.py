@@ -95,7 +95,7 @@ def check_quadratic_duals(problem: Any, data: Mapping[str, Any]) -> float:
             if math.isinf(furthest):
                 return nothing
             lost += doubt * Fraction(furthest)
-    bound = least_value(program, cost, sign * duals)
+    bound, _ = least_value(program, cost, sign * duals)
     if not math.isfinite(bound):
         return nothing
     exact = Fraction(bound) + constant - lost

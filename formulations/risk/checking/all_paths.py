@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 MOST_PATHS = 30_000
 """Beginnings of paths that are walked."""
 
+CANCELLED = 1e-3
+"""Part of all rewards under which what is left of them is added up anew, not found by subtraction."""
+
 _EPS = float(np.finfo(np.float64).eps)
 
 
@@ -64,8 +67,7 @@ def _walked(problem: RiskyPath, own: FollowingMoves, best: float) -> float | Non
         risk = -math.expm1(-hazard) / slack
         if risk > 0.0 and (not ends or path[-1] in ends):
             best = max(best, reward / risk)
-        rest = total - math.fsum(rewards[state] for state in path)
-        if risk > 0.0 and len(path) > 1 and (reward + max(rest, 0.0)) / risk <= best:
+        if risk > 0.0 and len(path) > 1 and (reward + _rest(rewards, total, path)) * slack / risk <= best:
             continue
         for later, more in after.get(move, ()):
             state = head[later]
@@ -74,3 +76,12 @@ def _walked(problem: RiskyPath, own: FollowingMoves, best: float) -> float | Non
                 kept = graph.discount * reward if len(path) > 1 else 0.0
                 ahead.append(((*path, state), hazard + more + extra, kept + rewards[state], then, later))
     return best
+
+
+def _rest(rewards: list[float], total: float, path: tuple[int, ...]) -> float:
+    """At least the rewards of the states that are not on ``path``, but for a rounding in proportion."""
+    rest = total - math.fsum(rewards[state] for state in path)
+    if rest > CANCELLED * total:
+        return rest + 2.0 * _EPS * total
+    behind = set(path)
+    return math.fsum(reward for state, reward in enumerate(rewards) if state not in behind)

@@ -85,7 +85,9 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     # Definitions p = F x + f carry the same number as price and as cost of p, so that their reduced costs are 0 exactly.
     cost = np.concatenate([np.zeros(len(problem.linear)) if infeasible else problem.sign * problem.linear, terms, -cones])
     with np.errstate(over="ignore", invalid="ignore"):
-        parts = [least_value(program, cost, np.concatenate([rows, -chance, terms, -cones])), constant]
+        least, duals = least_value(program, cost, np.concatenate([rows, -chance, terms, -cones]))
+        chance = np.maximum(-duals[len(rows) : len(rows) + len(chance)], 0.0)  # it may have moved them: the margins cost what the rows do
+        parts = [least, constant]
         parts += _least_margins(problem, chance, budgets)
         spent = [-price * budget.risk for price, budget in zip(budgets.tolist(), problem.budgets, strict=True)]
         parts += spent

@@ -88,6 +88,14 @@ def test_risks_of_margins_beside_their_uniform_split() -> None:
     assert p.evaluate(Allocation.of(norm.isf([0.05, 0.05]), [0.05, 0.05])).values[0] == pytest.approx(6.579415, abs=1e-6)
 
 
+@pytest.mark.parametrize(("over", "feasible"), [(1e-9, True), (1e-3, False)])
+@pytest.mark.parametrize("kind", ["allocated", "joint"])
+def test_rows_without_noise_are_let_pass_alike_in_either_kind(kind: str, over: float, feasible: bool) -> None:
+    p = problem(quantities__covariance=[0.0, 1.0], risk__kind=kind)
+    assert p.evaluate([5.0 * (1.0 + over), 1.0]).feasible == feasible
+    assert p.evaluate([5.0, 1.0]).quantities["joint_risk"] == pytest.approx(norm.sf(4.0))
+
+
 def test_budgets_of_parts_are_kept_in_either_kind() -> None:
     budgets = [{"name": "second", "constraints": ["2"], "risk": 0.01}]
     x = [3.4, 5.0 + ndtri(0.02)]

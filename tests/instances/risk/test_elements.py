@@ -57,6 +57,12 @@ def test_a_table_knows_moves_and_pairs_of_moves():
     assert risks(table) == pytest.approx([0, 0, 1 - 0.9 * 0.5, 0, 0])
 
 
+def test_a_table_keeps_small_risks():
+    assert risks(MoveRisk([-1, -1], [0, 1], [1, 2], [1e-12, 5e-17])) == [0, 1e-12, 5e-17, 0, 0]
+    assert risks(MoveRisk([-1, 0], [1, 1], [2, 2], [1e-17, 2e-17]))[2] == pytest.approx(3e-17, rel=1e-15, abs=0.0)
+    assert risks(MoveRisk([-1, 0], [1, 1], [2, 2], [1.0, 0.3]))[2] == 1.0
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -95,6 +95,16 @@ def test_no_prices_prove_too_much(seed: int) -> None:
         assert check_risk_allocation_duals(p, {key: v.tolist() for key, v in near.items()}) >= found.objective
 
 
+@pytest.mark.parametrize("price", [0.999, 2.0, 1000.0])
+@pytest.mark.parametrize("columns", [1, 2])
+def test_margins_cost_what_the_rows_do_where_a_decision_has_no_bound(price: float, columns: int) -> None:
+    p = margins([1.0] * columns, 0.05)
+    optimum = run(ConvexAllocation, p).objective
+    data = {"rows": [], "chance": [price] * columns, "budgets": [0.0], "terms": [], "cones": []}
+    assert check_risk_allocation_duals(p, data) <= optimum
+    assert check_risk_allocation_duals(p, {**data, "infeasible": True}) == -math.inf
+
+
 def _dense(p: RiskAllocation, data: dict[str, Any]) -> dict[str, np.ndarray]:
     sizes = {"rows": len(p.row_lower), "chance": len(p.limits), "budgets": len(p.budgets), "terms": 0, "cones": 0}
     made = {}
