@@ -89,7 +89,7 @@ class UnsupportedError(WayboundError):
     missing : collection of str
         The features it lacks, in the problem's words.
     others : sequence of str, optional
-        Installed alternatives that have them all.
+        Installed alternatives that have them all; heuristics, where ``nearest`` is given.
     nearest : str, optional
         Where ``who`` is none of several: the one that lacks the fewest.
     """
@@ -102,7 +102,8 @@ class UnsupportedError(WayboundError):
         self.others = tuple(str(item) for item in others)  # type: ignore[attr-defined]
         lacking = ", ".join(self.missing)
         if nearest:
-            super().__init__(f"{who} can take this problem: the nearest, {nearest}, lacks {lacking}")
+            approximated = f"; heuristics that can: {', '.join(self.others)}" if self.others else ""
+            super().__init__(f"{who} can take this problem: the nearest, {nearest}, lacks {lacking}{approximated}")
             return
         rest = f"can take it: {', '.join(self.others)}" if self.others else "no installed alternative has them all"
         super().__init__(f"{who} cannot take this problem: it lacks {lacking}; {rest}")

@@ -137,6 +137,15 @@ def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
         wb.solve(asking(Reward() + LongestRoute(), **charged))
 
 
+def test_where_no_solver_takes_a_problem_the_heuristics_that_do_are_named() -> None:
+    problem = asking(TotalCost(), max_duration=60.0)
+    many = Sites.of(range(31), demand=1)
+    xy = np.random.default_rng(1).uniform(0, 9, (31, 2))
+    spread = Travel("euclidean", xy, variances=np.ones((31, 31)) - np.eye(31))
+    with pytest.raises(UnsupportedError, match=r"lacks .*team-risk; heuristics that can: safety-margins$"):
+        wb.solve(replace(problem, sites=many, travel=spread, team_risk=0.05))
+
+
 def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:
     xy = np.random.default_rng(1).uniform(0, 9, (13, 2))
     sites = Sites.of(range(13), windows={1: [(0, 20), (30, 50)]})

@@ -7,6 +7,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import CIRCUITS, INTEGERS, LINEAR, Program, described
+from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import UnsupportedError, UsageError
 from ..solvers.backend import BACKENDS
 from ..solvers.program_backend import ProgramBackend
@@ -38,7 +39,8 @@ def default_solver(problem: Problem, given: Program | None, form: str | None, re
     if meant is None and problem.forms():
         default_form(problem)  # says so where all of them are inexact
     nearest = min(lacking, key=lambda name: (f"{problem.family} problems" in lacking[name], len(lacking[name])))
-    raise UnsupportedError("no installed solver", lacking[nearest], nearest=nearest)
+    able = [name for name in HEURISTICS if not HEURISTICS[name].missing(problem)] if meant is None else []
+    raise UnsupportedError("no installed solver", lacking[nearest], able, nearest=nearest)
 
 
 def able_solvers(problem: Problem) -> list[str]:
