@@ -17,7 +17,7 @@ made.set_costs_matrix("car", (d["distance"] * d["unit"][0]).astype(np.uint32))
 made.set_durations_matrix("car", (d["duration"] if d["timed"] else np.zeros_like(d["duration"])).astype(np.uint32))
 limited = bool((d["max_distance"] < 2**32).any())
 if limited:
-    made.set_distances_matrix("car", d["distance"].astype(np.uint32))
+    made.set_distances_matrix("car", d["spanned"].astype(np.uint32))
 carried = int(d["demand"].sum() + d["pickup"].sum() + d["shipped"].sum())
 
 
@@ -48,6 +48,7 @@ made.add_vehicle(
             number, start=int(d["start"][k]), end=int(d["end"][k]), profile="car", costs=vroom.VehicleCosts(fixed=int(d["fixed"][k])),
             capacity=[int(min(d["capacity"][k], carried))], time_window=window(d["opens"][k], d["closes"][k]) if d["timed"] else None,
             **({"max_distance": int(min(d["max_distance"][k], 2**32 - 1))} if limited else {}),
+            **({"max_travel_time": int(d["max_duration"][k])} if d["max_duration"][k] < 2**32 and not d["service"].any() else {}),
         )
         for number, k in enumerate(np.repeat(np.arange(len(d["vehicles"])), d["vehicles"]))
     ]

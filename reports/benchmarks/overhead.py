@@ -121,7 +121,7 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
         data = ortools_model.short_ways(problem, data)
     loads = load_factor(data) if engine == "pyvrp" else 1
     column: Callable[[Any], Any] = lambda values: loads * (values[:, 0] if values.shape[1] else np.zeros(len(values), np.int64))  # noqa: E731
-    limited = bool((data.max_distance != UNLIMITED).any())
+    limited = bool((data.max_distance != UNLIMITED).any()) and engine != "vroom"  # which has a matrix for costs, and one for limits
     moves = data.moves[0]
     spanned = data.service[:, None] + moves.duration if data.maxima[0] else moves.distance_up
     return {
