@@ -17,6 +17,7 @@ import numpy as np
 from exact_simplex import Tableau, bounded
 
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
@@ -47,6 +48,8 @@ def truth(problem: Problem) -> Truth:
         return TaskTruth(problem)
     if isinstance(problem, BalancedPartition):
         return PartTruth(problem)
+    if isinstance(problem, BinAssignment):
+        return PairTruth(problem)
     return ProgramTruth(problem)
 
 
@@ -210,6 +213,48 @@ class PartTruth(Truth):
 
     def value(self, answer: Any) -> Values | None:
         return self.worth(answer) if sorted(t for part in answer for t in part) == list(range(self.tasks)) else None
+
+
+class PairTruth(Truth):
+    """All ways to line up bins behind some of the robots, the most robots first."""
+
+    def __init__(self, problem: BinAssignment) -> None:
+        super().__init__(("min",))
+        self.objective, self.shape = problem.objective, (problem.num_robots, problem.num_bins)
+        self.price = _prices(problem)
+        self.mixed = min(self.price.values(), default=0) < 0 < max(self.price.values(), default=0)
+        robots, bins = map(range, self.shape)
+        least = {"most": 0, "robots": len(robots), "bins": len(bins)}[problem.match]
+        for size in range(least or min(self.shape), least - 1, -1):
+            self.pairs = size
+            for used in itertools.combinations(robots, size):
+                for line in itertools.permutations(bins, size):
+                    if all(pair in self.price for pair in zip(used, line, strict=True)):
+                        own = dict(zip(used, line, strict=True))
+                        self.meet(self.worth(own), True, tuple(own.get(robot, -1) for robot in robots))
+            if self.best is not None:
+                break
+
+    def worth(self, own: dict[int, int]) -> Values:
+        costs = [self.price[pair] for pair in own.items()]
+        return (sum(costs, Fraction(0)) if self.objective == "sum" else max(costs, default=Fraction(0)),)
+
+    def value(self, answer: Any) -> Values | None:
+        own = {robot: at for robot, at in enumerate(answer) if at >= 0}
+        fits = len(answer) == self.shape[0] and len(set(own.values())) == len(own) == self.pairs and self.price.keys() >= set(own.items())
+        return self.worth(own) if fits else None
+
+
+def _prices(problem: BinAssignment) -> dict[tuple[int, int], Fraction]:
+    """Of every pair that is allowed: travel, and waiting for a bin that is not full."""
+    data, found = problem.instance, {}
+    robots = np.repeat(np.arange(data.num_robots), np.diff(data.indptr))
+    for robot, at, cost in zip(robots.tolist(), data.bins.tolist(), data.cost.tolist(), strict=True):
+        until = None if data.filled is None else float(data.filled[at])
+        if until is None or until < math.inf:
+            both = [Fraction(cost), *([] if until is None else [Fraction(until)])]
+            found[robot, at] = max(both) if problem.waiting == "max" else sum(both, Fraction(0))
+    return found
 
 
 class BottleneckTruth(Truth):

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from ...formulations.arrays.problem import ArrayProblem
 from ...formulations.auctions.balanced_partition import OBJECTIVES as PARTS
 from ...formulations.auctions.balanced_partition import BalancedPartition
+from ...formulations.auctions.bin_assignment import MATCH, WAITING, BinAssignment
+from ...formulations.auctions.bin_assignment import OBJECTIVE as PAIRED
 from ...formulations.auctions.task_allocation import OBJECTIVES as PATHS
 from ...formulations.auctions.task_allocation import TaskAllocation
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
@@ -26,6 +28,7 @@ from ...formulations.risk.risky_path import RiskyPath
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...instances.auctions.assignment import AssignmentInstance
 from ...instances.auctions.robot_tasks import RobotTasks
 from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.risk.risky_graph import RiskyGraph
@@ -394,13 +397,28 @@ def task_parts(rng: Generator) -> Problem:
     return BalancedPartition(_team(rng), PARTS[int(rng.integers(len(PARTS)))], "clique" if rng.random() < 0.7 else "none")
 
 
+def bin_pairs(rng: Generator) -> Problem:
+    """Robots to bins, as many of them or fewer or more, at the least sum or largest cost, with pairs forbidden and bins still being filled.
+
+    As many pairs as there can be are asked for, or all robots or all bins, which may be more.
+    """
+    robots, bins = (int(v) for v in rng.integers(1, 5, 2))
+    costs = weights(rng, (robots, bins)) * float(rng.choice([1.0, 1.0, 1.0, -1.0]))
+    costs[rng.random(costs.shape) < rng.choice([0.0, 0.0, 0.3, 0.6])] = math.inf
+    filled = None
+    if rng.random() < 0.25:
+        filled = np.where(rng.random(bins) < 0.2, math.inf, whole(rng, bins, 0, 9) * float(rng.choice([1.0, TINY, HUGE])))
+    match = "most" if rng.random() < 0.7 else str(rng.choice(MATCH.choices))
+    asked = {"objective": str(rng.choice(PAIRED.choices)), "match": match, "waiting": str(rng.choice(WAITING.choices))}
+    return BinAssignment(AssignmentInstance.from_matrix(costs, filled=filled, name="battery"), **asked)
+
+
 KINDS: dict[str, Draw] = {
     draw.__name__.replace("_", "-"): draw
     for draw in (
         time_windows, linear, bottleneck, selection, tight_windows, mixed_integer, huge_times, products, equal_distances, packing_covering,
         fleets, integer, no_routes, winner_takes_all, tiny_times, unbounded, unlimited_limits, bottleneck_shares, squares, risky_paths,
-        risky_routes,
-        task_paths, task_parts,
+        risky_routes, task_paths, task_parts, bin_pairs,
     )
 }  # fmt: skip
 """By name, in the order in which they take turns."""

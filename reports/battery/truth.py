@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ...formulations.arrays.problem import ArrayProblem
 from ...formulations.auctions.balanced_partition import BalancedPartition
+from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.auctions.task_allocation import TaskAllocation
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
@@ -65,6 +66,8 @@ def truth(problem: Problem) -> Truth:
         return _best("min", path_values(problem))
     if isinstance(problem, BalancedPartition):
         return _best("min", part_values(problem))
+    if isinstance(problem, BinAssignment):
+        return _best("min", pair_values(problem))
     if isinstance(problem, ArrayProblem):
         return program_truth(problem.program)
     raise NotImplementedError(f"nothing enumerates {problem.problem} problems")
@@ -275,6 +278,27 @@ def part_values(problem: BalancedPartition) -> Iterator[Fraction]:
             if problem.edges == "clique":
                 costs[owner] += sum((away[a][b] for b in range(a) if owners[b] == owner), ZERO)
         yield max(costs) - (min(costs) if problem.objective == "min-difference" else ZERO)
+
+
+def pair_values(problem: BinAssignment) -> Iterator[Fraction]:
+    """Objective of every assignment of as many pairs as are asked for: each robot takes a bin that is left, or none."""
+    data = problem.instance
+    robots, bins = data.num_robots, data.num_bins
+    price: list[dict[int, Fraction]] = [{} for _ in range(robots)]
+    filled = [0.0] * bins if data.filled is None else data.filled.tolist()
+    for robot in range(robots):
+        for entry in range(int(data.indptr[robot]), int(data.indptr[robot + 1])):
+            at, travel = int(data.bins[entry]), Fraction(float(data.cost[entry]))
+            if not math.isinf(filled[at]):
+                until = Fraction(filled[at])
+                price[robot][at] = travel if data.filled is None else max(travel, until) if problem.waiting == "max" else travel + until
+    found: dict[int, list[Fraction]] = {}
+    for taken in itertools.product(*([None, *own] for own in price)):
+        costs = [own[at] for own, at in zip(price, taken, strict=True) if at is not None]
+        if len({at for at in taken if at is not None}) == len(costs):
+            value = sum(costs, ZERO) if problem.objective == "sum" else max(costs, default=ZERO)
+            found.setdefault(len(costs), []).append(value)
+    yield from found.get({"most": max(found), "robots": robots, "bins": bins}[problem.match], [])
 
 
 # -- programs --------------------------------------------------------------------------------------------------------

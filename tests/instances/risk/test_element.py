@@ -64,7 +64,8 @@ def test_probabilities_keep_their_shape_and_both_ends():
 
 
 @pytest.mark.parametrize(
-    ("values", "found"), [([0.5, -1e-9, 2.0], "-1e-09 at 1"), ([0.0, math.nextafter(1.0, 2.0)], "1 at 1"), ([[0.0, 0.1], [0.2, 3.0]], "3 at 1, 1")]
+    ("values", "found"),
+    [([0.5, -1e-9, 2.0], "-1e-09 at 1"), ([0.0, math.nextafter(1.0, 2.0)], "1 at 1"), ([[0.0, 0.1], [0.2, 3.0]], "3 at 1, 1")],
 )
 def test_the_first_number_that_is_no_probability_is_named_with_its_place(values, found):
     with pytest.raises(InputError, match=rf"^risks must lie in \[0, 1\]; found {found}$"):
@@ -75,7 +76,7 @@ def test_a_rate_is_a_finite_number_of_at_least_0():
     assert (rate_of("the rate", 0), rate_of("the rate", 2), rate_of("the rate", 1e300)) == (0.0, 2.0, 1e300)
     assert isinstance(rate_of("the rate", 2), float)
     for wrong in (-1e-300, math.inf, math.nan, True, "1", None):
-        with pytest.raises(InputError, match="^the rate must be a number of at least 0; found "):
+        with pytest.raises(InputError, match=r"^the rate must be a number of at least 0; found "):
             rate_of("the rate", wrong)
 
 
@@ -83,5 +84,5 @@ def test_places_are_those_of_the_states_and_missed_where_there_are_none():
     element = Visited()
     assert placed(element, SPACE) is SPACE.positions
     element.check(SPACE)
-    with pytest.raises(InputError, match="^risk element visited needs positions of the states$"):
+    with pytest.raises(InputError, match=r"^risk element visited needs positions of the states$"):
         element.check(SimpleNamespace(num_states=4, positions=None))
