@@ -9,6 +9,8 @@ from orchard_cases import random_jobs, retrievals
 
 import waybound as wb
 from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound.instances.auctions.orchard_grid import OrchardGrid
+from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.errors import UsageError
 
 PLACES = ((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8))
@@ -37,6 +39,23 @@ def test_guarantees_hold():
             for order in orders:
                 found = wb.solve(problem, heuristic="list-schedule", order=order, bound_time=0)
                 assert found.objective <= found.certificate.guarantee.ratio * best * (1 + 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("robots", "cells", "objective", "order", "best"),
+    [
+        (1, (10, 1), "completion", "nearest", 19.0), (2, (1, 1, 1, 1, 1, 10), "makespan", "longest", 15.0),
+        (2, (1, 1, 1, 1, 1, 10), "makespan", "nearest", 15.0),
+    ],
+)  # fmt: skip
+def test_guarantees_hold_where_full_bins_were_filled_one_after_the_other(robots, cells, objective, order, best):
+    grid, count = OrchardGrid(1, 12), len(cells)
+    jobs = OrchardJobs(
+        grid, np.full(robots, grid.home), np.zeros(robots, int), np.array(cells), np.arange(-1, count - 1), np.ones(count, bool),
+        np.zeros(count, int),
+    )  # fmt: skip
+    found = wb.solve(OrchardDay(jobs, objective), heuristic="list-schedule", order=order, bound_time=0)
+    assert best <= found.objective <= found.certificate.guarantee.ratio * best
 
 
 def test_two_thirds_more_is_attained():

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import permutations
+
 import numpy as np
 import pytest
-from orchard_cases import retrievals
+from draws import draws
+from orchard_cases import random_jobs, retrievals
 
 import waybound as wb
-from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound.formulations.auctions.orchard_day import OrchardDay, in_order
 from waybound.formulations.evidence import CHECKERS
+from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.errors import InputError
 
@@ -35,6 +40,31 @@ def test_a_robot_that_is_busy_for_long_shares_nothing():
 def test_a_robot_in_the_field_saves_a_way_once():
     assert check(retrievals(((0, 6), (0, 6)), (0, 0), ((0, 6),)), {}) == 15.0  # 6 + 9, not 9 + 9
     assert wb.solve(retrievals(((0, 6), (0, 6)), (0, 0), ((0, 6),)), bound_time=0).objective == 15.0
+
+
+@pytest.mark.parametrize(("objective", "best"), [("makespan", 10.0), ("completion", 13.0)])
+def test_robots_that_are_faster_with_a_full_bin_fetch_one_on_the_way(objective, best):
+    grid = OrchardGrid(1, 8, 0, 1, 3)
+    jobs = OrchardJobs(grid, np.array([5]), np.array([0]), np.array([3, 5]), np.array([-1, -1]), np.array([True, False]), np.array([0, 0]))
+    problem = OrchardDay(jobs, objective)
+    day = problem.evaluate((((-1, 0), (1, 1)),))
+    assert day.feasible and day.values == (best,) and check(problem, {}) <= best
+
+
+def test_no_day_is_over_sooner_whichever_speed_is_the_higher():
+    rng = np.random.default_rng(8)
+    for _ in range(draws(60)):
+        jobs = random_jobs(rng, robots=2, bins=4)
+        grid = OrchardGrid(jobs.grid.rows, jobs.grid.columns, 0, int(rng.integers(1, 4)), int(rng.integers(1, 5)))
+        jobs = replace(jobs, grid=grid)
+        days = [in_order(jobs, order) for order in permutations(range(4)) if all(order.index(k) > order.index(b) for k, b in chained(jobs))]
+        for objective in ("makespan", "completion"):
+            problem = OrchardDay(jobs, objective)
+            assert check(problem, {}) <= min(problem.evaluate(day).values[0] for day in days)
+
+
+def chained(jobs):
+    return [(k, before) for k, before in enumerate(jobs.after.tolist()) if before >= 0]
 
 
 def test_data_and_other_problems_are_refused():
