@@ -52,6 +52,24 @@ def test_one_alternative_that_holds_is_enough() -> None:
     assert found.low < both < found.high < found.low + 0.01
 
 
+def test_rows_without_variance_have_no_noise_among_alternatives() -> None:
+    root = np.random.default_rng(3).normal(size=(5, 4)) * np.array([1.0, 1e-3, 0.0, 10.0, 1.0])[:, None]
+    slack, constraint = np.array([2.0, 2e-3, 0.0, 9.0, 2.0]), np.array([2, 2, 0, 2, 1])
+    rest = np.array([0, 1, 3, 4])
+    covariance = root @ root.T
+    known = any_fails(slack[rest], covariance[np.ix_(rest, rest)], constraint[rest]).value
+    assert any_fails(slack, covariance, constraint).value == known
+    slack[2] = -1e-9
+    assert any_fails(slack, covariance, constraint).value == 1.0
+
+
+def test_a_variance_that_rounds_below_zero_is_none() -> None:
+    covariance = np.diag([-1.5e-17, 1.0])
+    assert any_fails(np.array([-9.0, 3.0]), covariance).value == 1.0
+    assert any_fails(np.array([9.0, 3.0]), covariance).value == norm.sf(3.0)
+    assert any_fails(np.array([-9.0, 3.0, 4.0]), np.diag([-1.5e-17, 1.0, 1.0]), np.array([0, 1, 1])).value == 1.0
+
+
 def test_the_gradient_is_that_of_finite_differences() -> None:
     rng = np.random.default_rng(4)
     root = rng.normal(size=(4, 4))
