@@ -18,7 +18,7 @@ READY = ("all bins are full at the start", "no bin is to be brought", "all robot
 
 
 def list_schedule(problem: OrchardDay, context: Context, *, order: str = "nearest") -> Outcome:
-    """Bins by their way home, the shortest or the longest first, those that a group fills before a bin always before it.
+    """Bins by their way home, the shortest or the longest first; those that a group fills before a bin come before it, unless all are full.
 
     Parameters
     ----------
@@ -31,9 +31,10 @@ def list_schedule(problem: OrchardDay, context: Context, *, order: str = "neares
         raise UsageError(f"list-schedule: order must be one of {', '.join(ORDERS)}, not {order!r}")
     jobs = problem.jobs
     length = (jobs.out + jobs.home).tolist()
-    following = {int(before): k for k, before in enumerate(jobs.after.tolist()) if before >= 0}
+    after = [-1] * jobs.num_bins if is_ready(jobs) else jobs.after.tolist()  # full bins wait for none
+    following = {before: k for k, before in enumerate(after) if before >= 0}
     sign = 1 if order == "nearest" else -1
-    ready = [(sign * length[k], k) for k, before in enumerate(jobs.after.tolist()) if before < 0]
+    ready = [(sign * length[k], k) for k, before in enumerate(after) if before < 0]
     heapq.heapify(ready)
     listed: list[int] = []
     while ready:

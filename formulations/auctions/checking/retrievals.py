@@ -7,7 +7,8 @@ the last step C has
     sum over robots of max(0, C - free_r)  >=  sum_b p_b - (what first trips save),
 
 and the sum of all bins' steps is at least that of the shortest first on as many machines (Conway, Maxwell and Miller 1967). A bin is home
-no sooner than it can be full, the bins before it included, and than a robot can have reached it. All numbers are whole.
+no sooner than it can be full, the bins before it included, and than a robot can have reached it: straight, or by the repository, which it
+reaches at the faster of both speeds at best. All numbers are whole.
 """
 
 from __future__ import annotations
@@ -54,14 +55,19 @@ def check_retrievals(problem: Any, data: Mapping[str, Any]) -> float:
     robots = [(int(cell), int(free)) for cell, free in zip(jobs.robot_cells, jobs.robot_free, strict=True)]
     cells = [int(cell) for cell in jobs.bin_cells]
     back = [way(cell, home, full) for cell in cells]
-    from_home = min(free + way(cell, home, empty) for cell, free in robots)
+    from_home = min(free + way(cell, home, max(empty, full)) for cell, free in robots)  # with a full bin, robots may be faster
+
+    def reached(cell: int) -> int:
+        straight = min(free + way(at, cell, empty) for at, free in robots)
+        return min(straight, from_home + way(home, cell, empty))
+
     ready: list[int] = []
     soonest: list[int] = []
     for k, cell in enumerate(cells):
         before = ready[int(jobs.after[k])] if jobs.after[k] >= 0 else 0
         stood = 0 if jobs.standing[k] else from_home + way(home, cell, empty)
         ready.append(max(before, stood) + int(jobs.work[k]))
-        soonest.append(max(ready[k], min(free + way(at, cell, empty) for at, free in robots)) + back[k])
+        soonest.append(max(ready[k], reached(cell)) + back[k])
     away = [at for at, _ in robots if at != home]
     if problem.objective == "completion":
         least = sorted(min(way(at, cell, empty) for at in (home, *away)) + b for cell, b in zip(cells, back, strict=True))
