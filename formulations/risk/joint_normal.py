@@ -55,7 +55,7 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
     ----------
     slack : array of shape (rows,)
     covariance : array of shape (rows, rows)
-        Positive semidefinite.
+        Positive semidefinite. Rows without variance hold for certain, or fail.
     constraint : array of shape (rows,), optional
         The constraint of each row: one fails where all of its rows do. By default each row is one.
     seed : int
@@ -63,7 +63,7 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
     points : int
         Of the lattice, at most.
     """
-    deviation = np.sqrt(np.diag(covariance))
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))  # which rounding may leave below 0
     if constraint is not None and len(np.unique(constraint)) < len(constraint):
         return _sampled(slack, covariance, constraint, seed)
     if (slack[deviation == 0.0] < 0.0).any():
@@ -185,19 +185,21 @@ def _sampled(slack: Floats, covariance: Floats, constraint: Ints, seed: int) -> 
     """By samples, with the interval of Clopper and Pearson (1934)."""
     from scipy.stats import beta
 
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    noisy, z = deviation > 0.0, np.where(slack >= 0.0, math.inf, -math.inf)
+    z[noisy] = slack[noisy] / deviation[noisy]
+    root = np.zeros((len(slack), int(noisy.sum())))  # rows without variance have no noise, not that of its rounding
+    values, vectors = np.linalg.eigh(covariance[np.ix_(noisy, noisy)] / np.outer(deviation[noisy], deviation[noisy]))
+    root[noisy] = vectors * np.sqrt(np.maximum(values, 0.0))
     rng, failed = np.random.default_rng(seed), 0
     order = np.argsort(constraint, kind="stable")
     starts = np.nonzero(np.diff(constraint[order], prepend=-1))[0]
     portion = max(1, min(SAMPLES, int(2e7 // max(1, len(slack)))))
     for begin in range(0, SAMPLES, portion):
-        noise = rng.standard_normal((min(portion, SAMPLES - begin), len(slack))) @ root.T
-        beyond = (noise > slack)[:, order]
+        noise = rng.standard_normal((min(portion, SAMPLES - begin), root.shape[1])) @ root.T
+        beyond = (noise > z)[:, order]
         failed += int(np.logical_and.reduceat(beyond, starts, axis=1).any(axis=1).sum())
     low = 0.0 if failed == 0 else float(beta.ppf((1.0 - CONFIDENCE) / 2.0, failed, SAMPLES - failed + 1))
     high = 1.0 if failed == SAMPLES else float(beta.ppf((1.0 + CONFIDENCE) / 2.0, failed + 1, SAMPLES - failed))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        z = np.where(np.diag(covariance) > 0.0, slack / np.sqrt(np.diag(covariance)), np.where(slack >= 0.0, math.inf, -math.inf))
     most = min(1.0, float(np.minimum.reduceat(ndtr(-z)[order], starts).sum()))  # Boole
     return Probability(min(failed / SAMPLES, most), min(low, most), min(high, most))

@@ -22,21 +22,23 @@ PORTION = 2_000_000
 """Numbers that are drawn at a time."""
 
 
-def enough_samples(risk: float, confidence: float, support: int) -> int:
+def enough_samples(risk: float, confidence: float, support: int) -> int | None:
     """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``.
 
-    The least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
+    None where it is above ``MOST_SAMPLES``. The least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
     Source: Campi and Garatti (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
     """
     from scipy.stats import binom
 
     low, high = support, support
     while binom.cdf(support - 1, high, risk) > 1.0 - confidence:
-        low, high = high, 2 * high
+        if high >= MOST_SAMPLES:
+            return None
+        low, high = high, min(2 * high, MOST_SAMPLES)
     while low < high:
         middle = (low + high) // 2
         low, high = (low, middle) if binom.cdf(support - 1, middle, risk) <= 1.0 - confidence else (middle + 1, high)
-    return high
+    return high if high <= MOST_SAMPLES else None
 
 
 def root(covariance: Floats) -> Floats:
@@ -81,8 +83,9 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
     support = min(problem.size, len(problem.limits))
     needed = enough_samples(problem.risk.total, confidence, support)
     many = samples or needed
-    if many > MOST_SAMPLES:
-        raise UsageError(f"scenario: {many} samples are needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
+    if many is None or many > MOST_SAMPLES:
+        told = "more samples are" if many is None else f"{many} samples are"
+        raise UsageError(f"scenario: {told} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
     stop, noise = context.begin(), root(problem.covariance)
     worst = np.full(len(problem.limits), -math.inf)
     portion = max(1, PORTION // max(1, len(worst)))
@@ -92,7 +95,7 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
         drawn = context.rng.standard_normal((min(portion, many - begin), len(worst))) @ noise.T
         worst = np.maximum(worst, drawn.max(axis=0))
     made = open_session(fixed_margins_program(problem, "scenario", worst), context.linear.seed).solve(stop)
-    known = confidence if many >= needed else math.nan
+    known = confidence if needed is not None and many >= needed else math.nan
     statistics: dict[str, Any] = {"samples": many, "confidence": known, "support": support}
     if made.status != "optimal":
         message = f"the program of {many} samples is {made.status}"

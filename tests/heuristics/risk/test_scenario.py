@@ -37,7 +37,11 @@ def test_fewer_samples_promise_nothing() -> None:
 def test_what_it_cannot_do_is_said() -> None:
     with pytest.raises(UsageError, match="confidence must lie between 0 and 1"):
         scenario(problem(risk__kind="joint"), context(), confidence=1.0)
-    with pytest.raises(UsageError, match="samples are needed"):
-        scenario(problem(risk={"kind": "joint", "total": 1e-6}), context())
+    for total in (1e-6, 1e-100):
+        with pytest.raises(UsageError, match="more samples are needed, and at most 5000000 are drawn"):
+            scenario(problem(risk={"kind": "joint", "total": total}), context())
+    with pytest.raises(UsageError, match="6000000 samples are needed"):
+        scenario(problem(risk__kind="joint"), context(), samples=6_000_000)
+    assert math.isnan(scenario(problem(risk={"kind": "joint", "total": 1e-100}), context(), samples=9).statistics["confidence"])
     assert HEURISTICS["scenario"].missing(problem()) == {"allocated-risk"}
     assert HEURISTICS["cvar"].missing(problem(risk={"kind": "joint", "each": 0.1})) == {"budgets other than the total"}
