@@ -68,9 +68,9 @@ def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "d
 
 
 HEURISTICS.add(
-    "conflict-auction",
+    "auction",
     Heuristic(
-        "conflict-auction", ("bin-assignment",), frozenset({"objective:sum", "objective:bottleneck"}), conflict_auction,
+        "auction", ("bin-assignment",), frozenset({"objective:sum", "objective:bottleneck"}), conflict_auction,
         "robots bid for their cheapest bins, the lowest cost wins",
         "2 n^0.585 - 1 for n pairs whose costs keep the quadrangle inequality, where later bids may win (deferred)",
     ),

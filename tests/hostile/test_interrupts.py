@@ -95,7 +95,7 @@ SOLVED = {
 APPROXIMATED = {
     "consensus-bundle": "many-tasks.json", "distributed-sampling": "many-shares.json", "fixed-order-auction": "many-tasks.json",
     "list-schedule": "day.json", "parallel-auction": "many-tasks.json", "sequential-single-item": "many-tasks.json",
-    "bertsekas": "pairs.json", "conflict-auction": "pairs.json", "online-greedy": "pairs.json",
+    "bertsekas": "pairs.json", "auction": "pairs.json", "online-greedy": "pairs.json",
     "additive-risk": "map.json", "cvar": "joint-plan.json", "iterative": "plan.json", "least-mean": "roadmap.json", "look-back": "map.json",
     "rags": "roadmap.json", "scenario": "joint-plan.json", "two-stage": "rewards.json",
     "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",

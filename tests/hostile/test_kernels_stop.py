@@ -154,7 +154,7 @@ def large(kind: str, part: int = 1) -> Problem:
 LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("additive-risk", "map", {}),
     ("bertsekas", "pairs", {"epsilon": 1e-6, "scaling": False}),
-    ("conflict-auction", "pairs", {}),
+    ("auction", "pairs", {}),
     ("online-greedy", "pairs", {}),
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),

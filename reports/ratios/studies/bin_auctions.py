@@ -20,8 +20,8 @@ def _serial(problem: Any) -> float:
 
 
 guarantee_study(
-    "conflict-auction", "the cheapest bid wins a bin, stated 2 n^(log2 3/2) - 1 on costs of travel", 2000,
-    [Configuration("deferred", "conflict-auction", families.greedy_bound)],
+    "auction", "the cheapest bid wins a bin, stated 2 n^(log2 3/2) - 1 on costs of travel", 2000,
+    [Configuration("deferred", "auction", families.greedy_bound)],
     [families.travel(), families.serial_lines(), families.greedy_lines()],
 )  # fmt: skip
 guarantee_study(

@@ -25,7 +25,7 @@ IMMEDIATE = {"A": 9, "F": 9, "E": 7, "G": 3, "O": 6, "B": 100, "D": 15, "K4": 39
 
 
 def run(problem: BinAssignment, **options):
-    return run_heuristic(problem, "conflict-auction", options, 1)
+    return run_heuristic(problem, "auction", options, 1)
 
 
 def value(problem: BinAssignment, **options) -> float:
@@ -108,7 +108,7 @@ def test_the_guarantee_is_given_on_costs_of_travel_only_and_only_where_bids_are_
     assert run(worked("B")).guarantee is None
     assert run(BinAssignment.from_matrix([[1.0, math.inf], [1.0, 2.0]])).guarantee is None
     assert run(BinAssignment(generate("assignment", 3, costs="orchard", robots=9, bins=4))).guarantee is not None
-    found = wb.solve(worked("B"), heuristic="conflict-auction")
+    found = wb.solve(worked("B"), heuristic="auction")
     assert "guarantees nothing for this instance" in found.message and found.bound == 2.0
 
 

@@ -32,12 +32,12 @@ def test_policies_play_the_compiled_day(policy, delivery):
 
 @pytest.mark.parametrize(("mode", "policy"), [("deferred", "auction"), ("immediate", "auction-immediate")])
 def test_the_auction_as_a_heuristic_is_the_rule_of_its_name(mode, policy):
-    log = wb.run("orchard", heuristic="conflict-auction", options={"mode": mode}, steps=40, seed=2, **SMALL)
+    log = wb.run("orchard", heuristic="auction", options={"mode": mode}, steps=40, seed=2, **SMALL)
     assert log["returned"].tolist() == wb.run("orchard", policy=policy, steps=40, seed=2, **SMALL)["returned"].tolist()
 
 
 def test_measures_tell_what_an_assignment_would_cost():
-    auction = wb.run("orchard", heuristic="conflict-auction", steps=60, seed=3, **{**SMALL, "robots": 6})
+    auction = wb.run("orchard", heuristic="auction", steps=60, seed=3, **{**SMALL, "robots": 6})
     held = auction.dropna(subset=["least"])
     assert len(held)
     assert (held["objective"] >= held["least"] - 1e-9).all()
