@@ -26,6 +26,9 @@ BITS = 56
 
 FEWER = 8
 
+FINEST = 900
+"""Steps are no smaller than 2^-900: their number in a unit stays a double."""
+
 FEW = 200
 """Bids a row in an auction without scaling, which is over much sooner where there are more columns than rows, or never."""
 
@@ -106,12 +109,12 @@ def whole_costs(part: Side, bits: int, finest: bool = False) -> tuple[Wholes, fl
     Whole costs are counted as they are, unless the ``finest`` steps are asked for.
     """
     low, high = float(part.cost.min(initial=0.0)), float(part.cost.max(initial=0.0))
-    span, many = max(high - low, abs(high), abs(low), 1e-300), part.num_columns + 1
-    most = bits - math.ceil(math.log2(many)) - math.frexp(span)[1]
+    span, many = max(high - low, abs(high), abs(low)), part.num_columns + 1
+    most = min(FINEST, bits - math.ceil(math.log2(many)) - math.frexp(span)[1])
     power = 0 if most >= 0 and not finest and bool((np.floor(part.cost) == part.cost).all()) else most
     steps = np.ldexp(part.cost, power)
     whole = np.rint(steps)
-    exact = bool((whole == steps).all())
+    exact = bool((np.ldexp(whole, -power) == part.cost).all())  # steps may have vanished
     counted = whole.astype(np.int64)
     counted -= counted.min(initial=np.iinfo(np.int64).max) if len(counted) else 0
     counted *= many

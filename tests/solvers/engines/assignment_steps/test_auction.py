@@ -63,11 +63,19 @@ def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> 
 
 
 def test_costs_are_counted_exactly_where_they_can_be() -> None:
-    for costs, exact in (([[1.0, 2.0]], True), ([[0.25, 2.0**-20]], True), ([[1e-18, 1.0]], False), ([[1e150, 1.0]], False)):
+    for costs, exact in (([[1.0, 2.0]], True), ([[0.25, 2.0**-20]], True), ([[1e-18, 1.0]], False), ([[1e150, 1.0]], False), ([[0.0, 0.0]], True)):
         (part,) = sides(BinAssignment.from_matrix(costs))
         counted, unit, said = auctions.whole_costs(part, auctions.BITS)
         assert said is exact and (counted % 3 == 0).all()
         assert np.ptp(counted) / unit == pytest.approx(np.ptp(costs), rel=1e-12)
+
+
+@pytest.mark.parametrize("costs", [[[2e-200, 1e-200, 1e150]], [[1e-300, 2e-300], [3e-300, 1e-300]], [[5e-324, 0.0]]])
+def test_costs_that_vanish_beside_others_or_below_the_finest_step_are_not_counted_exactly(costs: list[list[float]]) -> None:
+    for finest in (False, True):
+        (part,) = sides(BinAssignment.from_matrix(costs))
+        _, unit, exact = auctions.whole_costs(part, auctions.BITS, finest=finest)
+        assert not exact and 0.0 < unit < np.inf
 
 
 def test_it_ends_when_it_is_asked_to() -> None:
