@@ -198,12 +198,13 @@ class RiskyPath(Problem):
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
         """That no goal can be reached, with potentials that prove it."""
         g = self.graph
-        if not g.goals or g.start in g.goals or np.isfinite(self.moves.to_states()[list(g.goals)]).any():
+        if not g.goals or np.isfinite(self.moves.to_states()[list(g.goals)]).any():
             return
         evidence = self.moves.evidence(math.inf)
         names = ", ".join(g.state_name(goal) for goal in g.goals[:5])
         cut = np.isinf(self.moves.with_any_risk().to_states()[list(g.goals)]).all()
-        why = "no moves lead there" if cut else "a risk of 1 is on every way"
+        lost = "the start has a risk of 1 itself" if self.moves.start_hazard == math.inf else "a risk of 1 is on every way"
+        why = "no moves lead there" if cut else lost
         yield Reason("goal", names, f"{names} cannot be reached from {g.state_name(g.start)}: {why}", evidence)
 
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:

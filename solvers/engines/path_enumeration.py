@@ -74,7 +74,7 @@ def _enumerate(problem: RiskyPath, stop: Stop, most: int | None, control: Contro
             return best, value, paths, limit
         if most is not None and paths > most:
             return best, value, paths - 1, "iterations"
-        if not ends or path[-1] in ends:
+        if hazard < math.inf and (not ends or path[-1] in ends):
             risk = -math.expm1(-hazard)
             worth = (reward / risk if risk > 0.0 else -math.inf) if ratio else hazard if problem.objective == "hazard" else risk
             if worth > value if ratio else worth < value:

@@ -79,7 +79,7 @@ def least_hazard(
     """
     moves, graph = problem.moves, problem.graph
     if graph.start in goals:
-        return Found((graph.start,), moves.start_hazard, 0)
+        return Found((graph.start,) if moves.start_hazard < math.inf else None, moves.start_hazard, 0)
     left = moves.from_moves(goals).tolist()
     if not graph.traverse:
         walks = [walk for goal in goals if (walk := moves.walk(goal)) is not None]

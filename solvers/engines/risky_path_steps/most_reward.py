@@ -43,18 +43,27 @@ class _Search:
             self.ends[:] = False
             self.ends[list(self.graph.goals)] = True
         self.best: Path | None = None
-        self.value, self.grown = 0.0, 0
+        self.value, self.grown, self.unsure = 0.0, 0, False
 
-    def offer(self, path: Path) -> None:
-        """Keep ``path`` if it is the best so far."""
+    def offer(self, path: Path) -> bool:
+        """Keep ``path`` if it is the best so far; whether it is an answer."""
         verdict = self.problem.evaluate(path)
         if verdict.feasible and (self.best is None or verdict.values[0] > self.value):
             self.best, self.value = path, verdict.values[0]
             self.control.publish(path, self.value)
+        return bool(verdict.feasible)
+
+    def offer_walks(self) -> None:
+        """The least risky way to each end, where it is a path."""
+        for state in np.nonzero(np.isfinite(self.reach) & self.ends)[0].tolist():
+            walk = self.moves.walk(state)
+            if walk is not None and len(set(walk)) == len(walk):
+                self.offer(walk)
 
     def by_ends(self) -> RawResult:
         """The last reward over the risk of the least risky path to it, the most promising ends first."""
-        rewards = self.problem.rewards
+        self.offer_walks()
+        rewards, free = self.problem.rewards, False
         able = np.nonzero(self.ends & (rewards > 0.0) & np.isfinite(self.reach))[0]
         able = able[able != self.graph.start]
         with np.errstate(divide="ignore"):
@@ -68,18 +77,15 @@ class _Search:
             found = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, left)
             self.grown += found.labels
             if found.path is not None:
-                self.offer(found.path)
+                free |= not self.offer(found.path)  # without risk: riskier ones have a ratio, and are not looked for
             elif found.limit != "none":
                 return self._result(found.limit, max(float(hopes[k]), self.value))
             bound = self.value
-        return self._result("none", max(bound, self.value))
+        return self._result("none", math.inf if free else max(bound, self.value))
 
     def by_paths(self) -> RawResult:
         """All paths that may earn more than the best one so far."""
-        for state in np.nonzero(np.isfinite(self.reach) & self.ends)[0].tolist():
-            walk = self.moves.walk(state)
-            if walk is not None and len(set(walk)) == len(walk):
-                self.offer(walk)
+        self.offer_walks()
         limit, bound = self._grow()
         return self._result(limit, max(bound, self.value))
 
@@ -120,13 +126,32 @@ class _Search:
         return "none", self.value
 
     def _result(self, limit: str, bound: float) -> RawResult:
+        if self.best is None and limit == "none":
+            limit = self._without_reward()
         statistics = {"labels": self.grown}
         if self.best is None:
             if limit != "none":
                 return RawResult("unknown", limit, statistics=statistics)
+            if self.unsure:
+                return RawResult(
+                    "unknown", statistics=statistics, message="the least risky paths have no risk, and no other was looked for"
+                )
             return RawResult("infeasible", statistics=statistics, message="no path may end where it has a risk between 0 and 1")
-        status = "optimal" if limit == "none" else "feasible"
+        status = "optimal" if limit == "none" and math.isfinite(bound) else "feasible"
         return RawResult(status, limit, self.best, self.value, bound if math.isfinite(bound) else None, statistics=statistics)
+
+    def _without_reward(self) -> str:
+        """Offer a least risky path to each end until one is an answer, though none earns anything; what cut it short."""
+        for state in np.nonzero(np.isfinite(self.reach) & self.ends)[0].tolist():
+            left = None if self.budget is None else max(self.budget - self.grown, 0)
+            found = least_hazard(self.problem, (state,), self.stop, self.memories, labels=left)
+            self.grown += found.labels
+            if found.path is None and found.limit != "none":
+                return found.limit
+            if found.path is not None and self.offer(found.path):
+                return "none"
+            self.unsure |= found.path is not None
+        return "none"
 
 
 class _Hopes:

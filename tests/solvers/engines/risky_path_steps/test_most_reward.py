@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 import risky_cases as cases
 
+from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.stop import NEVER
+from waybound.instances.risk.elements import LocaleRisk
+from waybound.instances.risk.traverse_elements import CollectedRisk
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.risky_path_steps.most_reward import most_reward
 
@@ -21,12 +24,39 @@ def test_the_best_of_all_paths_is_found(seed, discount, goals):
     if goals:
         from dataclasses import replace
 
-        from waybound.formulations.risk.risky_path import RiskyPath
-
         problem = RiskyPath(replace(problem.graph, goals=goals))
     result = most_reward(problem, NEVER, Options(), Control())
     assert result.status == "optimal" and result.limit == "none"
     assert problem.evaluate(result.answer).values[0] == pytest.approx(cases.best(problem)) == pytest.approx(result.bound)
+
+
+@pytest.mark.parametrize("discount", [0.0, 1.0])
+def test_a_ratio_of_zero_is_an_answer(discount):
+    given = {"goals": (1,), "rewards": [0.0, 0.0, 1.0], "discount": discount, "objective": "reward-per-risk"}
+    near = RiskyPath(cases.graph([(0, 1)], [LocaleRisk([0.0, 0.5, 0.0])], states=3, **given))
+    result = most_reward(near, NEVER, Options(), Control())
+    assert (result.status, result.answer, result.objective, result.bound) == ("optimal", (0, 1), 0.0, 0.0)
+
+
+@pytest.mark.parametrize("discount", [0.0, 1.0])
+def test_a_ratio_of_zero_is_found_where_the_least_risky_walk_comes_to_a_state_twice(discount):
+    before = cases.loop()
+    rewards = np.eye(len(before.rewards) + 1)[-1]
+    graph = cases.graph(
+        list(zip(before.graph.tail.tolist(), before.graph.head.tolist(), strict=True)), before.graph.elements,
+        states=len(rewards), goals=before.graph.goals, rewards=rewards, discount=discount, objective="reward-per-risk",
+    )  # fmt: skip
+    result = most_reward(RiskyPath(graph), NEVER, Options(), Control())
+    assert (result.status, result.answer, result.bound) == ("optimal", (0, 1, 2), 0.0)
+
+
+@pytest.mark.parametrize("last", [0.0, 1.0])
+def test_what_has_no_ratio_is_no_proof_that_there_is_none(last):
+    risk = CollectedRisk([False, True, False, False], [[0.0] * 4, [0.0, 0.0, 0.0, 0.2]])  # at the end, for those who came by 1
+    arcs = [(0, 3), (0, 1), (1, 3)]
+    graph = cases.graph(arcs, [risk], states=4, goals=(3,), rewards=[0.0, 0.0, 1.0, last], discount=0.0, objective="reward-per-risk")
+    result = most_reward(RiskyPath(graph), NEVER, Options(), Control())
+    assert (result.status, result.bound) == ("unknown", None)
 
 
 def test_a_limit_leaves_the_best_so_far_and_a_bound():
