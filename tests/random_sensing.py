@@ -44,6 +44,7 @@ def optimum(graph: SensingGraph) -> float:
     owned = sp.csr_matrix((np.ones(n), (graph.robot_of_action, np.arange(n))), shape=(graph.num_robots, n))
     rows = sp.vstack([sp.hstack([-seen, np.ones((m, 1))]), sp.hstack([owned, np.zeros((graph.num_robots, 1))])])
     right = np.concatenate([np.zeros(m), np.ones(graph.num_robots)])
-    found = linprog(np.append(np.zeros(n), -1.0), A_ub=rows, b_ub=right, bounds=(0, None), method="highs")
+    finest = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10, "presolve": False}  # or 1e-5 may be lost
+    found = linprog(np.append(np.zeros(n), -1.0), A_ub=rows, b_ub=right, bounds=(0, None), method="highs", options=finest)
     assert found.status == 0, found.message
     return float(-found.fun)
