@@ -293,6 +293,10 @@ class Engine(Backend):
             return frozenset({f"{problem.family} problems"})
         return problem.features() - self.features
 
+    def apart(self, problem: Problem) -> bool:
+        """Whether the search can only be stopped in a process of its own: for all problems, or for this one."""
+        return self.needs_process
+
     @abstractmethod
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """Search. ``RawResult.answer`` is the problem's answer; ``options.start`` is one too."""

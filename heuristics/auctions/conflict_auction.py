@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.evidence import Guarantee
+from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ._common import QUADRANGLE, completed, quadrangle, told
 
 MODES = ("deferred", "immediate")
+
+BLOCK = 500_000
+"""Pairs that are put in order at once, between two looks at the clock."""
 
 SOURCE = "Reingold and Tarjan (1981), On a greedy heuristic for complete matching"
 
@@ -49,7 +55,9 @@ def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "d
     if mode not in MODES:
         raise UsageError(f"mode must be one of {', '.join(MODES)}, not {mode!r}")
     stop = context.begin()
-    order = np.lexsort((problem.bins, problem.cost, problem.robots))
+    order = _by_cost(problem, stop)
+    if order is None:
+        return Outcome(None, limit=stop.reached() or "time")
     indptr = problem.indptr.astype(np.int64)
     taken, rounds, bids, whole = conflict_rounds(
         stop.flag, indptr, problem.bins[order].astype(np.int64), problem.cost[order], problem.num_bins, mode == "immediate"
@@ -65,6 +73,18 @@ def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "d
         statement = f"cost <= (2 n^(log2 3/2) - 1) OPT, that is {ratio:.4g} OPT for n = {pairs} pairs"
         guarantee = Guarantee(ratio, statement, (QUADRANGLE,), SOURCE)
     return Outcome(answer, guarantee, (), {**statistics, **({"changed": changed} if changed else {})}, told(changed))
+
+
+def _by_cost(problem: BinAssignment, stop: Stop) -> NDArray[np.int64] | None:
+    """Pairs of each robot from the cheapest on, equal ones by their bin; None where there was no time for it."""
+    indptr, order = problem.indptr, np.empty(len(problem.cost), dtype=np.int64)
+    blocks = np.searchsorted(indptr, np.arange(0, len(order), BLOCK), side="left").tolist()
+    for first, last in itertools.pairwise([*dict.fromkeys([0, *blocks]), len(indptr) - 1]):
+        if stop.reached():
+            return None
+        part = slice(int(indptr[first]), int(indptr[last]))
+        order[part] = part.start + np.lexsort((problem.bins[part], problem.cost[part], problem.robots[part]))
+    return order
 
 
 HEURISTICS.add(

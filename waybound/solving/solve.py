@@ -218,7 +218,7 @@ def _solver_run(
     options = backend.converted(options)
     versions = {backend.package: backend.version()}
     notes: list[str] = []
-    isolate = isolate or backend.needs_process
+    isolate = isolate or (backend.apart(problem) if isinstance(backend, Engine) else backend.needs_process)
 
     if isinstance(backend, Engine):
         if form is not None or relax or given is not None:

@@ -112,6 +112,13 @@ def test_the_guarantee_is_given_on_costs_of_travel_only_and_only_where_bids_are_
     assert "guarantees nothing for this instance" in found.message and found.bound == 2.0
 
 
+def test_pairs_are_put_in_order_block_by_block(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = BinAssignment(generate("assignment", 5, robots=7, bins=9, arcs=4))
+    whole = run(problem).answer
+    monkeypatch.setattr("waybound.heuristics.auctions.conflict_auction.BLOCK", 5)
+    assert run(problem).answer == whole
+
+
 def test_pairs_that_it_leaves_out_are_made_and_said() -> None:
     problem = BinAssignment.from_matrix([[1.0, 9.0], [2.0, math.inf]])
     found = run(problem)
