@@ -81,7 +81,7 @@ class OrchardGrid:
         row, column = np.divmod(np.arange(self.size), self.columns)
         together = column[:, None] + column[None, :]
         around = np.minimum(together, 2 * (self.columns - 1) - together) + np.abs(row[:, None] - row[None, :])
-        return np.where(row[:, None] == row[None, :], np.abs(column[:, None] - column[None, :]), around)
+        return np.asarray(np.where(row[:, None] == row[None, :], np.abs(column[:, None] - column[None, :]), around))
 
     @cached_property
     def empty_times(self) -> Integers:
