@@ -118,7 +118,11 @@ class RobotShares(Problem):
     def check_start(self, answer: Any) -> None:
         """See ``Problem.check_start``."""
         known = isinstance(answer, tuple) and all(isinstance(share, tuple) for share in answer)
-        if not known or len(answer) != self.num_robots or any(not 0 <= t < self.num_tasks for share in answer for t in share):
+        if (
+            not known
+            or len(answer) != self.num_robots
+            or any(type(t) is not int or not 0 <= t < self.num_tasks for share in answer for t in share)
+        ):
             raise UsageError(f"the start is no answer of {self.name}: it has {self.num_robots} robots and {self.num_tasks} tasks")
 
 

@@ -7,7 +7,7 @@ import math
 from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.evidence import Guarantee
 from ...instances.errors import UsageError
-from ...solvers.engines.assignment_steps.auction import FACTOR, auction
+from ...solvers.engines.assignment_steps.auction import FACTOR, Auction, auction
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 SOURCE = "Bertsekas (1979), A distributed algorithm for the assignment problem; Bertsekas and Castañon (1992)"
@@ -24,7 +24,7 @@ def bertsekas(
     context : Context
     epsilon : float, optional
         Above 0, in the unit of the costs: the answer costs at most n epsilon more than the optimum, n being the larger of the numbers of
-        robots and bins. By default below one n-th of the step in which costs are counted: optimal for whole costs, and to about 10
+        robots and bins. No more is used than the range of the costs, and no less than the finest step. By default below one n-th of the step in which costs are counted: optimal for whole costs, and to about 10
         digits for others.
     scaling : bool
         Whether epsilon falls to that value from a part of the largest cost. Without, prices may rise in very many bids.
@@ -57,28 +57,33 @@ def bertsekas(
     statistics = {"bids": found.bids, "phases": found.phases, "epsilon": found.epsilon}
     if not found.complete:
         why = "prices grew beyond all bounds" if not stop.reached() else "cut short"
-        return Outcome(found.answer, statistics=statistics, message=f"{why}: not all are matched", limit=stop.reached() or "none")
+        message = f"{why}: the answer is any of the most pairs"
+        return Outcome(problem.answer_at_hand(), statistics=statistics, message=message, limit=stop.reached() or "none")
     if problem.pairs > int((problem.largest >= 0).sum()):
         return Outcome(found.answer, statistics=statistics)
-    value = problem.evaluate(found.answer).quantities["sum"]
-    return Outcome(
-        found.answer,
-        _guarantee(problem, value, found.epsilon, found.exact, epsilon),
-        (found.evidence(problem, "auction prices"),),
-        statistics,
-    )
+    value, evidence = problem.evaluate(found.answer).quantities["sum"], found.evidence(problem, "auction prices")
+    return Outcome(found.answer, _guarantee(problem, value, evidence.value, found), (evidence,), statistics)
 
 
-def _guarantee(problem: BinAssignment, value: float, epsilon: float, exact: bool, given: float | None) -> Guarantee | None:
-    """1 where the costs are counted exactly and epsilon is small enough, else what n epsilon come to in parts of this answer."""
-    n = max(problem.num_robots, problem.num_bins)
-    step = 1.0 if bool((problem.cost == problem.cost.round()).all()) else 0.0
-    if exact and (given is None or (step and given * n < step)):
+def _guarantee(problem: BinAssignment, value: float, proved: float, found: Auction) -> Guarantee | None:
+    """For costs that are counted exactly 1, or what n epsilon comes to in parts of this answer; for others what its prices prove."""
+    if found.optimal:
         return Guarantee(1.0, "cost = OPT", ("costs are whole multiples of a step, and epsilon is below one n-th of it",), SOURCE)
-    more = n * epsilon * (2.0 if not exact else 1.0)
-    if value <= more:
-        return None
-    return Guarantee(value / (value - more), f"cost <= OPT + n epsilon = OPT + {more:.3g}", (f"n = {n}, epsilon = {epsilon:.3g}",), SOURCE)
+    if not found.exact:
+        return _ratio(
+            value, proved, "cost <= ratio * what the prices of this answer prove", "costs are rounded to steps for the bids alone"
+        )
+    n, epsilon = max(problem.num_robots, problem.num_bins), found.epsilon
+    more = math.nextafter(n * math.nextafter(epsilon, math.inf), math.inf)
+    statement = f"cost <= OPT + n epsilon = OPT + {more:.3g}"
+    return _ratio(value, math.nextafter(value, -math.inf) - more, statement, f"n = {n}, epsilon = {epsilon:.3g}")
+
+
+def _ratio(value: float, least: float, statement: str, assumption: str) -> Guarantee | None:
+    """Of the answer to what no answer is less than, which has to be above 0."""
+    least = math.nextafter(least, -math.inf)
+    ratio = math.nextafter(value / least, math.inf) if least > 0.0 else math.inf
+    return Guarantee(max(1.0, ratio), statement, (assumption,), SOURCE) if ratio < math.inf else None
 
 
 HEURISTICS.add(
@@ -86,6 +91,6 @@ HEURISTICS.add(
     Heuristic(
         "bertsekas", ("bin-assignment",), frozenset({"objective:sum"}), bertsekas,
         "bids raise prices, with epsilon scaling: optimal assignments, and prices that prove it",
-        "1 for whole costs; for others and for a given epsilon, n epsilon more than the optimum",
+        "1 for whole costs; n epsilon more than the optimum for a given epsilon; for others what the prices of the answer prove",
     ),
 )  # fmt: skip

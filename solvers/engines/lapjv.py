@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...formulations.problem import Problem
 from ...formulations.stop import Stop
+from ...formulations.tolerance import same
 from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 
@@ -25,7 +26,8 @@ class LapjvEngine(Engine):
     """Shortest augmenting paths (Jonker and Volgenant 1987; Crouse 2016): ``scipy.optimize.linear_sum_assignment``.
 
     Large sparse data go to ``scipy.sparse.csgraph.min_weight_full_bipartite_matching``. Neither returns prices: they are found from the
-    assignment by shortest paths.
+    assignment by shortest paths. Both add costs in floating point, so that beside large costs they may take the wrong one of two small
+    ones: an optimum is claimed only where the prices prove it.
     """
 
     name = "lapjv"
@@ -56,10 +58,14 @@ class LapjvEngine(Engine):
         control.on_stop(stop.ask)
         parts = sides(asked)
         answer = joined(asked, parts, [_columns(part) for part in parts])
-        value = asked.evaluate(answer).values[0]
+        judged = asked.evaluate(answer)
+        value = judged.values[0]
         control.publish(answer, value)
         evidence = recovered_prices(asked, answer, "prices of the assignment, by shortest paths", stop)
-        return RawResult("optimal", answer=answer, objective=value, bound=value, evidence=(evidence,))
+        if same(value, evidence.value, judged.size):
+            return RawResult("optimal", answer=answer, objective=value, bound=value, evidence=(evidence,))
+        why = "" if stop.reached() else "the assignment was found in rounded sums, and its prices do not prove it optimal"
+        return RawResult("feasible", stop.reached() or "none", answer, value, evidence=(evidence,), message=why)
 
 
 def _columns(part: Side) -> NDArray[np.int64]:

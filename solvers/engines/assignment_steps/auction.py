@@ -54,6 +54,8 @@ class Auction:
         The least, in the unit of the costs.
     exact : bool
         Whether the whole numbers stand for the costs exactly.
+    optimal : bool
+        Whether they do, and n epsilon is below the step of the costs.
     """
 
     answer: tuple[int, ...]
@@ -63,6 +65,7 @@ class Auction:
     looks: int = 0
     epsilon: float = 0.0
     exact: bool = True
+    optimal: bool = True
     parts: list[Side] = field(default_factory=list)
     prices: list[Floats] = field(default_factory=list)
 
@@ -125,19 +128,21 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
     bits = BITS
     while True:
         cost, unit, exact = whole_costs(part, bits, finest=epsilon > 0.0)
-        least = max(1, round(epsilon * unit)) if epsilon * unit < 2.0**59 else 1 << 59
+        span = int(cost.max(initial=0))
+        least = max(1, round(epsilon * unit) if epsilon * unit < span else span)
         ended, column, price = 3, np.zeros(0, np.int64), np.zeros(0, np.int64)
         if not scaling or part.num_columns > part.num_rows:  # rows seldom meet: prices from 0 need no repair
             ended, column, price = _phases(part, cost, stop, least, least, factor, made, FEW * part.num_rows if scaling else MANY)
         if ended == 3 and scaling:
-            ended, column, price = _phases(part, cost, stop, least, max(least, int(cost.max(initial=0)) // START), factor, made, MANY)
+            ended, column, price = _phases(part, cost, stop, least, max(least, span // START), factor, made, MANY)
         if ended != 2 or bits <= 4 * FEWER:
             break
         bits -= FEWER  # prices are many times the costs: count in larger steps
     whole = ended == 0
     made.complete &= whole
     made.exact &= exact
-    made.epsilon = max(made.epsilon, epsilon or least / unit)
+    made.optimal &= whole and exact and least * part.num_columns < unit * _step(part, unit)
+    made.epsilon = max(made.epsilon, least / unit)
     if not whole:
         return column, np.zeros(part.num_columns)
     if least == 1:
@@ -150,6 +155,11 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
     held[column] = True
     floor = 0 if held.all() else int(price[held].min())
     return column, np.where(held, price - floor, 0) / unit
+
+
+def _step(part: Side, unit: float) -> float:
+    """What all costs are multiples of where they are counted exactly."""
+    return max((part.num_columns + 1) / unit, float(bool((np.floor(part.cost) == part.cost).all())))
 
 
 def _phases(

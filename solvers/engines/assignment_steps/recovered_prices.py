@@ -14,7 +14,7 @@ from .sides import Floats, Side, Wholes, proof, sides, split
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
 
-BITS = 40
+BITS = 56
 """Of the range of the costs in whole numbers."""
 
 UNREACHED = 1 << 60

@@ -123,7 +123,7 @@ def least_paid(part: Side, prices: Floats) -> Floats:
     return np.asarray(np.minimum.reduceat(paid, part.indptr[:-1]))
 
 
-POLISHING = 20
+POLISHING = 200
 """Sweeps that take the rounding of costs to whole numbers out of prices, where nothing else is between them and a proof."""
 
 

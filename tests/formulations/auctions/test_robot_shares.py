@@ -60,7 +60,7 @@ def test_every_task_is_done_once():
 
 
 def test_a_start_of_another_team_is_refused():
-    for start in (((0, 1, 2),), ((0,), (7,)), [[0], [1]]):
+    for start in (((0, 1, 2),), ((0,), (7,)), [[0], [1]], (("0", "1"), ("2",)), ((0.0, 1), (2,)), ((True,), (0, 2))):
         with pytest.raises(UsageError, match="the start is no answer of"):
             NAMED.check_start(start)
     NAMED.check_start(((0, 1), (2,)))

@@ -9,8 +9,11 @@ from draws import draws
 
 import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.stop import Stop
+from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.errors import UsageError
 from waybound.reports.ratios.judging import run_heuristic
+from waybound.solvers.linear_programs import linear_programs
 
 
 def run(problem: BinAssignment, **options):
@@ -63,6 +66,49 @@ def test_no_answer_is_further_from_the_optimum_than_epsilon_allows_and_whole_cos
 def test_by_default_other_costs_are_proved_to_nine_digits() -> None:
     found = wb.solve(BinAssignment.from_matrix(np.random.default_rng(5).random((40, 55))), heuristic="bertsekas", bound_time=0)
     assert found.status == "optimal" and found.bound_kind == "verified" and found.gap is not None and found.gap < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("costs", "epsilon", "best"),
+    [
+        ([[3e-9, 1e-9, 1e9]], 1e-12, 1e-9), ([[3e-9, 1e-9, 1e9]], None, 1e-9),
+        ([[3e-7, 1.5e-7, 1e9, 1e9], [1.5e-7, 3e-7, 1e9, 1e9]], 1e-12, 3e-7), ([[2e-200, 1e-200, 1e150]], None, 1e-200),
+        ([[1e-300, 2e-300], [3e-300, 1e-300]], None, 2e-300),
+    ],
+)  # fmt: skip
+def test_ratios_hold_where_costs_are_rounded(costs: list[list[float]], epsilon: float | None, best: float) -> None:
+    found = run(BinAssignment.from_matrix(costs), **({} if epsilon is None else {"epsilon": epsilon}))
+    value = BinAssignment.from_matrix(costs).evaluate(found.answer).values[0]
+    assert found.evidence[0].value <= best * (1 + 1e-15)
+    assert found.guarantee is None or value <= found.guarantee.ratio * best * (1 + 1e-15)
+    assert found.statistics["epsilon"] > 0.0
+
+
+def test_many_rounded_costs_add_up_to_no_false_ratio() -> None:
+    step, count = 2.0**-49, 50
+    costs = np.full((count, 2 * count), np.inf)
+    at = np.arange(count)
+    costs[at, at], costs[at, at + count], costs[0, 1] = 1.49 * step, 0.51 * step, 1.0
+    problem = BinAssignment.from_matrix(costs)
+    found = run(problem)
+    assert found.guarantee is not None and problem.evaluate(found.answer).values[0] <= found.guarantee.ratio * 0.51 * step * count
+
+
+@pytest.mark.parametrize("epsilon", [1.0, 1e7, 1e20, 1e300])
+@pytest.mark.parametrize("costs", [[[0.0, 0.0]], [[1.0, 2.0], [2.0, 1.0]], [[6e-6, 5.2e-6], [4.2e-6, 7e-6], [np.inf, np.inf]]])
+def test_an_epsilon_beyond_the_costs_ends_with_an_answer(costs: list[list[float]], epsilon: float) -> None:
+    problem = BinAssignment.from_matrix(costs)
+    assert problem.evaluate(run(problem, epsilon=epsilon).answer).feasible
+
+
+def test_who_is_cut_short_hands_over_as_many_pairs_as_there_can_be() -> None:
+    problem = worked("K4")
+    stop = Stop()
+    stop.ask()
+    found = HEURISTICS["bertsekas"].run(
+        problem, Context(np.random.default_rng(1), 10.0, None, lambda answer: None, stop, linear_programs(None, 1, 1))
+    )
+    assert problem.evaluate(found.answer).feasible and found.guarantee is None and "any of the most pairs" in found.message
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.generating import generate
+from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines import lapjv
 
 
@@ -35,6 +36,13 @@ def test_forbidden_pairs_and_zero_costs_are_taken_dense_and_sparse(filled: int, 
 def test_sparse_data_agree_with_the_auction() -> None:
     problem = BinAssignment(generate("assignment", 1, robots=300, bins=300, arcs=8))
     assert wb.solve(problem, "lapjv").objective == pytest.approx(wb.solve(problem, heuristic="bertsekas").objective, rel=1e-12)
+
+
+def test_no_optimum_is_claimed_that_the_prices_do_not_prove() -> None:
+    costs = [[5e-09, 8e9, -8e-09], [0.0, 8e-09, -1e9], [4e-09, 3e9, 0.0]]  # sums beside 1e9 lose them
+    raw = BACKENDS["lapjv"]().run(BinAssignment.from_matrix(costs), Options(time_limit=10.0), Control())
+    assert raw.objective is not None and raw.objective > 4e-9 * 2, "the library is right by now: find other costs"
+    assert raw.status == "feasible" and raw.bound is None and "do not prove it optimal" in raw.message
 
 
 def test_bottlenecks_are_refused_by_name() -> None:

@@ -63,7 +63,13 @@ def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> 
 
 
 def test_costs_are_counted_exactly_where_they_can_be() -> None:
-    for costs, exact in (([[1.0, 2.0]], True), ([[0.25, 2.0**-20]], True), ([[1e-18, 1.0]], False), ([[1e150, 1.0]], False), ([[0.0, 0.0]], True)):
+    for costs, exact in (
+        ([[1.0, 2.0]], True),
+        ([[0.25, 2.0**-20]], True),
+        ([[1e-18, 1.0]], False),
+        ([[1e150, 1.0]], False),
+        ([[0.0, 0.0]], True),
+    ):
         (part,) = sides(BinAssignment.from_matrix(costs))
         counted, unit, said = auctions.whole_costs(part, auctions.BITS)
         assert said is exact and (counted % 3 == 0).all()

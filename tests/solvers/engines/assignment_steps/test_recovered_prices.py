@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bin_assignments import random_costs, worked
 from draws import draws
+from scipy.optimize import linear_sum_assignment
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.stop import NEVER
@@ -42,3 +43,13 @@ def test_tiny_optima_beside_large_costs_are_proved_too(costs: list[list[float]])
     value = problem.evaluate(found.answer).values[0]
     for evidence in (found.evidence(problem, "x"), recovered_prices(problem, found.answer, "x", NEVER)):
         assert evidence.value == pytest.approx(value, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("spread", ["uniform", "orders of magnitude"])
+def test_optima_of_several_hundred_robots_are_proved_to_nine_digits(spread: str) -> None:
+    rng = np.random.default_rng(0)
+    costs = rng.random((900, 900)) if spread == "uniform" else rng.lognormal(0, 4, size=(300, 300))
+    problem = BinAssignment.from_matrix(costs)
+    answer = tuple(linear_sum_assignment(costs)[1].tolist())
+    value = problem.evaluate(answer).values[0]
+    assert recovered_prices(problem, answer, "x", NEVER).value == pytest.approx(value, rel=1e-9, abs=0.0)
