@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from ...formulations.certificate import verified_bound
 from ...formulations.problem import Problem
 from ...formulations.programs.exactness import Exactness
 from ...formulations.risk.allocations import Allocation
@@ -13,6 +14,12 @@ from ...formulations.risk.risk_allocation import RiskAllocation
 from ...formulations.stop import Stop
 from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
+
+if TYPE_CHECKING:
+    from .convex_allocation_steps.interval import Interval
+
+PROVED = 1e-6
+"""Part of what a cost sums up by which the proof of an optimum may be behind it at most."""
 
 
 @BACKENDS.register("convex-allocation")
@@ -35,7 +42,6 @@ class ConvexAllocation(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-        from .convex_allocation_steps.interval import Interval
         from .convex_allocation_steps.successive_tangents import SuccessiveTangents
 
         lacking = self.missing(problem)
@@ -53,14 +59,28 @@ class ConvexAllocation(Engine):
         joint = problem.risk.kind == "joint"
         part = problem.by_allocation() if joint else problem
         found = SuccessiveTangents(part, options.seed, publish).run(stop, options.gap)
+        unproved = _unproved(part, found, options.gap)
         result = _result(problem, found, stop, options)
+        if unproved:
+            result = replace(result, message="the duals of its solver prove less than its interval says")
         if not joint:
             return result
         answer = None if result.answer is None else Allocation(result.answer.decision)
         return replace(result, answer=answer, holds=Exactness.RESTRICTION, evidence=())
 
 
-def _result(problem: RiskAllocation, found: Any, stop: Stop, options: Options) -> RawResult:
+def _unproved(problem: RiskAllocation, found: Interval, gap: float) -> bool:
+    """Whether the prices of a closed interval do not prove it; its bound is what they prove then, and it is closed no longer."""
+    if found.status != "optimal" or found.answer is None:
+        return False
+    proved = max((problem.sign * verified_bound(problem, e) for e in found.evidence(problem.sign)), default=-math.inf)
+    if found.value - proved <= max(gap, PROVED) * problem.value(found.answer.decision)[1]:
+        return False
+    found.status, found.bound = "feasible", proved
+    return True
+
+
+def _result(problem: RiskAllocation, found: Interval, stop: Stop, options: Options) -> RawResult:
     statistics: dict[str, Any] = {"rounds": found.rounds, "interval": found.gap if math.isfinite(found.gap) else None}
     limit = stop.reached() or ("gap" if found.status == "optimal" and options.gap > 0.0 else "none")
     objective = problem.sign * found.value if found.answer is not None else None

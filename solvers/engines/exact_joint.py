@@ -75,9 +75,11 @@ class _Planes:
         from scipy.special import ndtri
 
         from .convex_allocation_steps.session import open_session
+        from .convex_allocation_steps.units import Units
 
-        self.problem, self.options, self.control = problem, options, control
-        program = fixed_margins_program(problem, "planes", margins(problem, -ndtri(problem.caps)))
+        self.problem, self.options, self.control, self.units = problem, options, control, Units.of(problem)
+        inner = self.units.problem
+        program = fixed_margins_program(inner, "planes", margins(inner, -ndtri(problem.caps)))
         self.session = open_session(program, options.seed)
         self.bound, self.value, self.planes = -math.inf, math.inf, 0
         self.answer: Allocation | None = None
@@ -94,8 +96,8 @@ class _Planes:
             if made.status != "optimal":
                 limit = stop.reached() or "none"
                 break
-            outside = made.x[: p.size]
-            self.bound = max(self.bound, p.sign * made.value)
+            outside = made.x[: p.size] * self.units.columns
+            self.bound = max(self.bound, min(p.sign * made.value, p.sign * made.bound) / self.units.cost)
             if self.value - self.bound <= aim * max(abs(self.value), 1e-300):
                 break
             if self.planes >= most:
@@ -165,6 +167,10 @@ class _Planes:
             side = math.log(holds) + float(normal @ edge) - math.log1p(-budget.risk)
             if float(normal @ outside) > side + 1e-10 * max(1.0, abs(side)):
                 entries = np.nonzero(normal)[0]
-                self.session.add(rows("plane", 1, [(np.zeros(len(entries), dtype=np.int64), entries, normal[entries])], -math.inf, side))
+                inner = normal[entries] * self.units.columns[entries]
+                largest = float(np.abs(inner).max(initial=0.0))
+                own = 2.0 ** -math.floor(math.log2(largest)) if largest > 1e-300 else 1.0
+                row = [(np.zeros(len(entries), dtype=np.int64), entries, inner * own)]
+                self.session.add(rows("plane", 1, row, -math.inf, side * own))
                 laid = True
         return laid

@@ -181,6 +181,5 @@ class ClarabelSession:
             return Solved("infeasible", ray=duals, cone_duals=z[ends[4] :])
         if said in ("Solved", "AlmostSolved"):
             x = np.array(found.x)
-            value = p.value(x)
-            return Solved("optimal", value, value, x, sign * duals, z[ends[4] :])
+            return Solved("optimal", p.value(x), sign * float(found.obj_val_dual) + p.offset, x, sign * duals, z[ends[4] :])
         return Solved("unbounded" if said in ("DualInfeasible", "AlmostDualInfeasible") else "unknown")

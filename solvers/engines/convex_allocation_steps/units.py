@@ -31,7 +31,8 @@ class Units:
         Rows in their units are those of the problem times these.
     cost : float
         A cost in its unit is the problem's times this.
-    cones : tuple of float
+    cones, terms : tuple of float
+        Rows of each cone and of each term of the cost, likewise.
     """
 
     problem: RiskAllocation
@@ -40,6 +41,7 @@ class Units:
     chance: Floats
     cost: float
     cones: tuple[float, ...]
+    terms: tuple[float, ...]
 
     @classmethod
     def of(cls, p: RiskAllocation) -> Units:
@@ -49,22 +51,26 @@ class Units:
                                 np.maximum(np.abs(p.limits), p.deviation)])  # fmt: skip
         columns = _near(_column_sizes(p, np.abs(np.concatenate([rows, chance])), np.abs(sides)))
         per_row, per_chance = (1.0 / _near(np.abs(m * columns).max(axis=1, initial=0.0)) for m in (rows, chance))
-        per_cone = tuple(1.0 / float(_near(np.array([np.abs(f * columns).max(initial=0.0)]))[0]) for f, _, _, _ in p.cones)
+        per_cone = tuple(_one_over(np.abs(f * columns).max(initial=0.0)) for f, _, _, _ in p.cones)
+        per_term = tuple(_one_over(max(np.abs(f * columns).max(initial=0.0), np.abs(c).max(initial=0.0))) for _, _, f, c in p.terms)
         terms = [w * float(np.abs(f * columns).max(initial=0.0)) ** (2 if kind == "square" else 1) for kind, w, f, _ in p.terms]
-        cost = 1.0 / float(_near(np.array([max([float(np.abs(p.linear * columns).max()), *terms])]))[0])
-        if cost == 1.0 and all((part == 1.0).all() for part in (columns, per_row, per_chance)) and all(k == 1.0 for k in per_cone):
-            return cls(p, columns, per_row, per_chance, cost, per_cone)
+        cost = _one_over(max([float(np.abs(p.linear * columns).max()), *terms]))
+        if all((part == 1.0).all() for part in (columns, per_row, per_chance)) and all(k == 1.0 for k in (cost, *per_cone, *per_term)):
+            return cls(p, columns, per_row, per_chance, cost, per_cone, per_term)
         made = copy.copy(p)
         made.lower, made.upper = p.lower / columns, p.upper / columns
         made.linear, made.offset = p.linear * columns * cost, p.offset * cost
-        made.terms = tuple((kind, w * cost, f * columns, c) for kind, w, f, c in p.terms)
+        made.terms = tuple(
+            (kind, w * cost / (k * k if kind == "square" else k), f * columns * k, c * k)
+            for (kind, w, f, c), k in zip(p.terms, per_term, strict=True)
+        )
         made.rows = rows * columns * per_row[:, None]
         made.row_lower, made.row_upper = p.row_lower * per_row, p.row_upper * per_row
         made.chance, made.limits = chance * columns * per_chance[:, None], p.limits * per_chance
         made.deviation, made.covariance = p.deviation * per_chance, p.covariance * np.outer(per_chance, per_chance)
         made.cones = tuple((f * columns * k, c * k, g * columns * k, h * k) for (f, c, g, h), k in zip(p.cones, per_cone, strict=True))
         made._joint = (b"", {})
-        return cls(made, columns, per_row, per_chance, cost, per_cone)
+        return cls(made, columns, per_row, per_chance, cost, per_cone, per_term)
 
     def prices(self, given: dict[str, Floats]) -> dict[str, Floats]:
         """Prices of the problem, from those in its units."""
@@ -73,7 +79,7 @@ class Units:
             "rows": given["rows"] * self.rows / self.cost,
             "chance": given["chance"] * self.chance / self.cost,
             "budgets": given["budgets"] / self.cost,
-            "terms": given["terms"] / self.cost,
+            "terms": given["terms"] * np.repeat(self.terms, [len(c) for _, _, _, c in self.problem.terms]) / self.cost,
             "cones": given["cones"] * np.repeat(self.cones, widths) / self.cost,
         }
 
@@ -85,6 +91,10 @@ def _column_sizes(p: RiskAllocation, entries: Floats, sides: Floats) -> Floats:
         left = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)
     rows = left.min(axis=0, initial=math.inf)
     return np.asarray(np.where(bounds > 0.0, bounds, np.where(np.isfinite(rows), rows, 1.0)))
+
+
+def _one_over(size: float) -> float:
+    return 1.0 / float(_near(np.array([size]))[0])
 
 
 def _near(sizes: Floats) -> Floats:

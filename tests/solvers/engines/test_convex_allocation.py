@@ -6,8 +6,11 @@ import pytest
 from risk_problems import margins, problem, run
 
 import waybound as wb
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.stop import Stop
 from waybound.instances.errors import UnsupportedError
-from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.convex_allocation import ConvexAllocation, _unproved
+from waybound.solvers.engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
 from waybound.solving.solve import solve
 
 
@@ -32,6 +35,33 @@ def test_known_allocations(p, value: float, risks: list[float]) -> None:
     found = run(ConvexAllocation, p)
     assert found.objective == pytest.approx(value, abs=1e-5)
     assert found.answer.risks == pytest.approx(risks, abs=1e-5)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize("weight", [1.0, 1e9])
+def test_norms_have_the_same_optimum_at_any_scale(scale: float, weight: float) -> None:
+    p = problem(
+        sense="min", decisions=3, lower=[-3 * scale, -5 * scale, -5 * scale], upper=[0, 0, 2 * scale], constraints=None,
+        quantities={"map": [[-2, -0.7, 1], [-1, -3, -2]], "covariance": [0.0, 0.0]},
+        cost={
+            "decisions": [0, -3 * weight, 2 * weight],
+            "terms": [{"kind": "norm", "weight": weight, "decisions": [[1, 2, -2], [2, 0, -2]], "constant": [2 * scale, 2 * scale]}],
+        },
+        chance__limits=[1.589585834684558 * scale, 2.4537047295429587 * scale],
+    )  # fmt: skip
+    found = run(ConvexAllocation, p)
+    assert found.status == "optimal"
+    assert found.objective == pytest.approx(1.1215169746 * scale * weight, rel=1e-7)
+    assert verified_bound(p, found.evidence[0]) == pytest.approx(found.objective, rel=1e-7)
+
+
+def test_what_its_prices_do_not_prove_is_no_optimum() -> None:
+    p = margins([1.0, 3.0], 0.1)
+    found = SuccessiveTangents(p).run(Stop())
+    assert not _unproved(p, found, 0.0) and found.status == "optimal"
+    found.prices = {**found.prices, "chance": 0.5 * found.prices["chance"]}
+    assert _unproved(p, found, 0.0)
+    assert found.status == "feasible" and found.bound < 0.9 * found.value
 
 
 def test_the_gap_asked_for_ends_it() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from risk_problems import margins, problem, run
 
@@ -37,3 +38,24 @@ def test_it_uses_what_an_allocation_leaves() -> None:
 def test_many_constraints_are_refused() -> None:
     with pytest.raises(UnsupportedError, match="more than 60 chance constraints"):
         run(ExactJoint, wb.generate("risk-allocation", steps=61, risk="joint"))
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e9])
+@pytest.mark.parametrize("weight", [1.0, 1e-10])
+def test_bounds_hold_at_any_scale(scale: float, weight: float) -> None:
+    p = problem(
+        sense="max", decisions=2, lower=[-4 * scale] * 2, upper=None, constraints=None,
+        quantities={"map": [[-3.0, 1.0], [-1.0, -1.0], [0.0, 1.0]], "covariance": (np.array([3.0, 1.0, 1.0]) * scale**2).tolist()},
+        cost={
+            "decisions": [-weight, -weight],
+            "terms": [{"kind": "norm", "weight": weight, "decisions": [[0, -2], [-2, 0]], "constant": [scale, 2 * scale]}],
+        },
+        chance={"quantities": np.eye(3).tolist(), "limits": [4 * scale, scale, 3 * scale]},
+        risk={"total": 0.1, "kind": "joint"},
+        cones=[{"decisions": [[1.0, 0.0], [0.0, 1.0]], "limit": 4 * scale}],
+    )  # fmt: skip
+    found = run(ExactJoint, p)
+    assert found.status == "optimal"
+    assert p.evaluate(found.answer).feasible
+    assert found.objective <= found.bound + 1e-9 * abs(found.objective)
+    assert found.objective == pytest.approx(-1.5 * scale * weight, rel=2e-6)

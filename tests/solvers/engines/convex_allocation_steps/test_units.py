@@ -29,3 +29,17 @@ def test_extraordinary_ones_have_the_same_risks_and_a_known_cost() -> None:
     prices = made.prices({"rows": np.ones(1), "chance": np.ones(2), "budgets": np.ones(1), "terms": np.ones(1), "cones": np.zeros(0)})
     assert prices["budgets"] == pytest.approx(1.0 / made.cost)
     assert prices["chance"] == pytest.approx(made.chance / made.cost)
+
+
+@pytest.mark.parametrize("kind", ["absolute", "norm", "square"])
+def test_terms_far_from_one_are_counted_in_units_of_their_own(kind: str) -> None:
+    term = {"kind": kind, "weight": 2.0**-20, "decisions": [[2.0**40, -(2.0**41)], [0.0, 2.0**40]], "constant": [2.0**42, 0.0]}
+    p = problem(cost__terms=[term])
+    made = Units.of(p)
+    (_, _, rows, constant) = made.problem.terms[0]
+    assert 1.0 <= max(np.abs(rows).max(), np.abs(constant).max()) < 8.0
+    x, duals = np.array([1.0, 3.0]), np.array([0.25, -0.5])
+    inside = x / made.columns
+    assert made.problem.value(inside)[0] == made.cost * p.value(x)[0]
+    back = made.prices({"rows": np.ones(1), "chance": np.ones(2), "budgets": np.ones(1), "terms": duals, "cones": np.zeros(0)})["terms"]
+    assert back @ (p.terms[0][2] @ x + p.terms[0][3]) * made.cost == duals @ (rows @ inside + constant)
