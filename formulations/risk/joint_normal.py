@@ -34,6 +34,9 @@ _STUDENT = 4.4370
 ROUNDED = 1e-15
 """Part of a probability, for each constraint, that sums and tails round off."""
 
+ALIKE = 0.95
+"""Correlation of two constraints from which on what tells them apart is integrated."""
+
 SINGULAR = 1e-7
 """Part of a standard deviation left by those before, under which a constraint depends on them alone."""
 
@@ -109,16 +112,42 @@ def gradient(slack: Floats, covariance: Floats, *, points: int = 251) -> Floats:
 
 
 def _both(a: float, b: float, correlation: float) -> float:
-    """Probability that two standard normal numbers exceed a and b: Plackett's (1954) integral over the correlation."""
+    """Probability that two standard normal numbers exceed a and b: Plackett's (1954) integral over the correlation, far from its ends."""
     from scipy.integrate import quad
+
+    if correlation > ALIKE:
+        return max(0.0, float(ndtr(-max(a, b))) - _apart(max(a, b), min(a, b), correlation))
+    if correlation < -ALIKE:  # the second exceeds b where its opposite, which is like the first, does not exceed -b
+        if a >= -b:
+            return _apart(a, -b, -correlation)
+        return float(ndtr(-a) - ndtr(b)) + _apart(-b, a, -correlation)
 
     def along(angle: float) -> float:
         sine, cosine = math.sin(angle), math.cos(angle)
-        power = (a * a + b * b - 2.0 * a * b * sine) / (2.0 * cosine * cosine) if cosine > 1e-9 else math.inf
+        power = (a * a + b * b - 2.0 * a * b * sine) / (2.0 * cosine * cosine)
         return float(math.exp(-power))
 
-    found = quad(along, 0.0, math.asin(min(1.0, max(-1.0, correlation))), epsabs=1e-300, epsrel=1e-11, limit=200)[0]
+    found = quad(along, 0.0, math.asin(correlation), epsabs=1e-300, epsrel=1e-11, limit=200)[0]
     return max(0.0, float(ndtr(-a) * ndtr(-b)) + float(found) / (2.0 * math.pi))
+
+
+def _apart(a: float, b: float, correlation: float) -> float:
+    """Probability that of two standard normal numbers, nearly the same, the first exceeds a and the second does not exceed b <= a."""
+    from scipy.integrate import quad
+
+    spread = math.sqrt(max(0.0, (1.0 - correlation) * (1.0 + correlation)))
+    if spread == 0.0:
+        return 0.0
+    edge = ((b - a) + (1.0 - correlation) * a) / spread
+    if edge < -38.0:
+        return 0.0
+
+    def along(t: float) -> float:
+        x = a + spread * t
+        return float(math.exp(-0.5 * x * x) * ndtr(edge - correlation * t))
+
+    found = quad(along, 0.0, (edge + 38.0) / correlation, epsabs=1e-300, epsrel=1e-11, limit=200)[0]
+    return spread * float(found) / math.sqrt(2.0 * math.pi)
 
 
 def _integral(z: Floats, correlation: Floats, least: float, most: float, seed: int, points: int) -> Probability:
