@@ -25,7 +25,8 @@ PORTION = 2_000_000
 def enough_samples(risk: float, confidence: float, support: int) -> int | None:
     """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``.
 
-    None where it is above ``MOST_SAMPLES``. The least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
+    None where it is above ``MOST_SAMPLES``. The least M with
+    ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
     Source: Campi and Garatti (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
     """
     from scipy.stats import binom
