@@ -34,13 +34,17 @@ class LapjvEngine(Engine):
     package = "scipy"
     modules = ("scipy",)
     summary = "optimal assignments by shortest augmenting paths, with prices that prove it"
-    interrupts = "is ended without an answer: scipy cannot be stopped, and its sparse method holds Python's global lock"
-    needs_process = True
+    interrupts = "scipy cannot be stopped: an assignment that is not found in time is left behind"
     honours = frozenset()
     one_thread = bounds_itself = True
     order = 10
     family = "bin-assignment"
     features = frozenset({"objective:sum"})
+
+    def apart(self, problem: Problem) -> bool:
+        """See ``Engine.apart``: scipy's sparse method holds Python's global lock to its end."""
+        asked = cast("BinAssignment", problem)
+        return not asked.complete and asked.num_robots * asked.num_bins > MOST_FILLED
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""

@@ -24,6 +24,7 @@ def test_worked_assignments_are_optimal_by_their_prices(name: str) -> None:
 @pytest.mark.parametrize("filled", [lapjv.MOST_FILLED, 0])
 def test_forbidden_pairs_and_zero_costs_are_taken_dense_and_sparse(filled: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lapjv, "MOST_FILLED", filled)
+    monkeypatch.setattr(lapjv.LapjvEngine, "apart", lambda engine, problem: False)  # a process each takes half a second
     rng = np.random.default_rng(7)
     for _ in range(draws(60)):
         costs = random_costs(rng, 5)
@@ -48,3 +49,10 @@ def test_no_optimum_is_claimed_that_the_prices_do_not_prove() -> None:
 def test_bottlenecks_are_refused_by_name() -> None:
     with pytest.raises(UnsupportedError, match="lapjv cannot take this problem: it lacks objective:bottleneck"):
         wb.solve(worked("O", objective="bottleneck"), "lapjv")
+
+
+def test_what_holds_the_lock_runs_in_a_process_of_its_own() -> None:
+    engine = BACKENDS["lapjv"]()
+    few, many = (BinAssignment(generate("assignment", 1, robots=n, bins=n, arcs=3)) for n in (50, 2_100))
+    assert not engine.apart(few) and engine.apart(many)
+    assert wb.solve(many, "lapjv").status == "optimal"
