@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import cast
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ...formulations.auctions.balanced_partition import EDGES, OBJECTIVES, BalancedPartition
 from ...formulations.problem import Problem
 from ...formulations.stop import Stop
+from ...formulations.tolerance import EQUAL
 from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 
@@ -65,6 +67,28 @@ class PartSubsets(Engine):
         if not np.isfinite(value) or (not whole and asked.objective == "min-max"):
             return RawResult("unknown", stop.reached())
         parts = tuple(tuple(task for task in range(asked.num_tasks) if members >> task & 1) for members in shares.tolist())
+        judged = asked.evaluate(parts)
+        best = judged.values[0]
         if not whole:
-            return RawResult("feasible", stop.reached(), parts, float(value))
-        return RawResult("optimal", "none", parts, float(value), float(value))
+            return RawResult("feasible", stop.reached(), parts, best)
+        if _rounding(asked) > EQUAL * max(abs(best), judged.size):
+            return RawResult("feasible", "none", parts, best, message="a better spread may be lost in rounding: distances are far larger")
+        return RawResult("optimal", "none", parts, best, best)
+
+
+def _rounding(problem: BalancedPartition) -> float:
+    """By how much a better spread may have been missed.
+
+    The largest cost is rounded by parts of what the answer itself adds up, but two parts of large distances may be equal within their
+    rounding alone, beside an answer of small ones. 0 where sums are exact.
+    """
+    if problem.objective == "min-max":
+        return 0.0
+    tasks = problem.num_tasks
+    upper = problem.instance.between[np.triu_indices(tasks, 1)] if problem.edges != "none" else np.zeros(0)
+    numbers = np.concatenate([problem.weights, upper])
+    size = float(np.abs(numbers).sum())
+    power = 52 - math.frexp(size)[1]
+    if bool((np.ldexp(np.rint(np.ldexp(numbers, power)), -power) == numbers).all()):
+        return 0.0
+    return len(numbers) * float(np.finfo(np.float64).eps) * size

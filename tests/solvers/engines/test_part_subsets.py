@@ -11,6 +11,7 @@ from task_problems import best_partition_value, drawn, parts
 
 import waybound as wb
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.part_subsets import MOST_TASKS, PartSubsets
 
@@ -49,3 +50,17 @@ def test_a_limit_leaves_an_answer_or_none():
     problem = parts(rng.random((MOST_TASKS, 2)), 5, "min-difference", weights=rng.random(MOST_TASKS))
     found = PartSubsets().run(problem, Options(time_limit=0.0), Control())
     assert found.limit == "time" and found.status in ("feasible", "unknown")
+
+
+@pytest.mark.parametrize(
+    ("weights", "objective", "status"),
+    [
+        ((0.1, 0.2, 0.3, 0.4), "min-difference", "feasible"), ((1.0, 2.0, 3.0, 4.0), "min-difference", "optimal"),
+        ((0.1, 0.2, 0.3, 0.4), "min-max", "optimal"),
+    ],
+)  # fmt: skip
+def test_a_least_spread_that_rounding_may_hide_is_not_claimed(weights, objective, status):
+    between = 1e12 * (1.0 - np.eye(4))
+    problem = BalancedPartition(RobotTasks.of_distances(np.zeros((4, 4)), between, weights=weights), objective, "clique")
+    found = PartSubsets().run(problem, Options(), Control())
+    assert found.status == status and found.objective == problem.evaluate(found.answer).values[0]
