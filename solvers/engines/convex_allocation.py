@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from ...formulations.certificate import verified_bound
 from ...formulations.problem import Problem
@@ -20,6 +23,9 @@ if TYPE_CHECKING:
 
 PROVED = 1e-6
 """Part of what a cost sums up by which the proof of an optimum may be behind it at most."""
+
+BOX = 2.0
+"""Times the largest number of a decision."""
 
 
 @BACKENDS.register("convex-allocation")
@@ -70,11 +76,24 @@ class ConvexAllocation(Engine):
 
 
 def _unproved(problem: RiskAllocation, found: Interval, gap: float) -> bool:
-    """Whether the prices of a closed interval do not prove it; its bound is what they prove then, and it is closed no longer."""
+    """Whether the prices of a closed interval do not prove it; its bound is what they prove then, and it is closed no longer.
+
+    Where they prove nothing because of a decision without bounds, they are asked of a box that has the answer in it: as the problem is
+    convex, what is best there is best.
+    """
     if found.status != "optimal" or found.answer is None:
         return False
-    proved = max((problem.sign * verified_bound(problem, e) for e in found.evidence(problem.sign)), default=-math.inf)
-    if found.value - proved <= max(gap, PROVED) * problem.value(found.answer.decision)[1]:
+
+    def by(problem: RiskAllocation) -> float:
+        return max((problem.sign * verified_bound(problem, e) for e in found.evidence(problem.sign)), default=-math.inf)
+
+    proved, x = by(problem), found.answer.decision
+    if proved == -math.inf:
+        boxed, reach = copy.copy(problem), BOX * (float(np.abs(x).max(initial=0.0)) or 1.0)
+        boxed.lower, boxed.upper = np.maximum(problem.lower, -reach), np.minimum(problem.upper, reach)
+        if found.value - by(boxed) <= max(gap, PROVED) * problem.value(x)[1]:
+            return False
+    if found.value - proved <= max(gap, PROVED) * problem.value(x)[1]:
         return False
     found.status, found.bound = "feasible", proved
     return True
