@@ -49,7 +49,7 @@ def check_retrievals(problem: Any, data: Mapping[str, Any]) -> float:
     def way(a: int, b: int, speed: int) -> int:
         (r1, c1), (r2, c2) = divmod(int(a), columns), divmod(int(b), columns)
         cells = abs(c1 - c2) if r1 == r2 else abs(r1 - r2) + min(c1 + c2, 2 * (columns - 1) - c1 - c2)
-        return -(-cells // speed)
+        return int(-(-cells // speed))
 
     home, empty, full = grid.repository * columns, grid.empty_speed, grid.full_speed
     robots = [(int(cell), int(free)) for cell, free in zip(jobs.robot_cells, jobs.robot_free, strict=True)]
