@@ -24,8 +24,8 @@ def bertsekas(
     context : Context
     epsilon : float, optional
         Above 0, in the unit of the costs: the answer costs at most n epsilon more than the optimum, n being the larger of the numbers of
-        robots and bins. No more is used than the range of the costs, and no less than the finest step. By default below one n-th of the step in which costs are counted: optimal for whole costs, and to about 10
-        digits for others.
+        robots and bins. No more is used than the range of the costs, and no less than the finest step. By default below one n-th of the
+        step in which costs are counted: optimal for whole costs, and to about 10 digits for others.
     scaling : bool
         Whether epsilon falls to that value from a part of the largest cost. Without, prices may rise in very many bids.
     factor : float
