@@ -43,6 +43,8 @@ class LapjvEngine(Engine):
 
     def apart(self, problem: Problem) -> bool:
         """See ``Engine.apart``: scipy's sparse method holds Python's global lock to its end."""
+        if self.missing(problem):
+            return False
         asked = cast("BinAssignment", problem)
         return not asked.complete and asked.num_robots * asked.num_bins > MOST_FILLED
 
