@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..tolerance import LIMIT, ROUNDING, VECTOR
+from .normal import ndtr, ndtri
 
 if TYPE_CHECKING:
     from .allocations import Allocation

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 from ...formulations.risk.allocations import Allocation
 from ...formulations.risk.forms._fixed_risks import fixed_margins_program, margins
 from ...formulations.risk.forms.uniform import uniform_risks
+from ...formulations.risk.normal import ndtr, ndtri
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.convex_allocation_steps.session import open_session

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
+from ..normal import ndtr, ndtri
 from ..risk_allocation import RiskAllocation
 from ._blocks import Blocks, dense_rows
 from ._fixed_risks import add_choices, largest

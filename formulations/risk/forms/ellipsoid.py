@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.special import ndtr
 
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
+from ..normal import ndtr
 from ..risk_allocation import RiskAllocation
 from ._fixed_risks import FEATURES, compiled, makes
 from ._fixed_risks import refuses as lacks_bounds

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
+from ..normal import ndtri
 from ..risk_allocation import RiskAllocation
 from ._fixed_risks import FEATURES, compiled, makes, refuses
 

@@ -14,11 +14,11 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from ....formulations.risk.allocations import Allocation
 from ....formulations.risk.forms._blocks import prices
 from ....formulations.risk.forms._piecewise import density, mean_risk, piece_rows, piecewise_program, points, tangents
+from ....formulations.risk.normal import ndtr
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
 from .interval import Interval
