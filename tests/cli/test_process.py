@@ -111,14 +111,17 @@ def made(number: str, body: str, more: str, *arguments: str) -> subprocess.Compl
     return done
 
 
-@pytest.mark.parametrize("number", CODES)
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", pytest.param("SIGHUP", marks=pytest.mark.long)])
 def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
     done = made(number, WAITS, "", *SOLVE)
     assert done.returncode == CODES[number], done.stderr
     assert json.loads(done.stdout)["answer"] is None
 
 
-@pytest.mark.parametrize(("number", "body", "more"), [("SIGINT", ANSWERS, WHILE_JUDGING), ("SIGTERM", DEAF, ""), ("SIGHUP", DEAF, "")])
+@pytest.mark.parametrize(
+    ("number", "body", "more"),
+    [("SIGINT", ANSWERS, WHILE_JUDGING), ("SIGTERM", DEAF, ""), pytest.param("SIGHUP", DEAF, "", marks=pytest.mark.long)],
+)
 def test_an_answer_is_written_whenever_the_signal_comes(number, body, more, tmp_path):
     began = time.perf_counter()
     done = made(number, body, more, *SOLVE, "--out", str(tmp_path / "a.json"), "--certificate", str(tmp_path / "c.json"))

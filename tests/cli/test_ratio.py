@@ -77,6 +77,7 @@ def test_out_writes_tables_and_figures(run, tmp_path):
     assert "written: " in told.stdout
 
 
+@pytest.mark.long  # every entry is compared in tests/ratios
 def test_table_3_1_ends_well(run):
     told = run("ratio", "table-3-1", "-q")
     assert told.exit_code == 0

@@ -37,7 +37,7 @@ def _made(name: str) -> Any:
     return kind(variant) if variant else kind()
 
 
-FURTHER = ("mathopt:", "cvxpy:")
+FURTHER = ("mathopt:", "cvxpy:", "pulp:")
 """Solvers within a solver: their limits and interrupts are tried in the long run only, for they take seconds each."""
 
 

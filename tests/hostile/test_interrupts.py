@@ -28,7 +28,8 @@ from waybound.solvers.backend import BACKENDS
 from waybound.solvers.interrupts import PATIENCE
 
 COMMAND = [sys.executable, "-m", "waybound"]
-PARTS = 4
+PARTS, FEW = 4, 2
+"""Parts that share the instants, and of how many the fast suite has one."""
 SETTLE = 2.0
 """Seconds after which nothing is left of a command that was killed, when it could not end its children itself."""
 
@@ -262,7 +263,7 @@ def running_at(instant: float, case: Case, path: Path, folder: Path, rng: np.ran
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_answer(part, share, tally, instances, tmp_path) -> None:
     rng = np.random.default_rng(part)
-    few, many = 4 // PARTS, 200 // PARTS
+    few, many = int(part < FEW), 200 // PARTS
     runs = share(few, many)
     order = np.concatenate([np.random.default_rng(7).permutation(len(CASES)) for _ in range(1 + 200 // len(CASES))])[part::PARTS]
     latest, faults, slowest = (0.8 if runs == few else 2.5), [], (0.0, "")

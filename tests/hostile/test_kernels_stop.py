@@ -242,7 +242,8 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
     problem, rng = large(kind), np.random.default_rng(7)
     go = _heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options), False).go
     lateness(_heuristic_run(large(kind, 50), name, Options(time_limit=NEVER_DONE, extra=options), False).go, 0.5)  # compiles all of it
-    lateness(go, 0.2)
+    for _ in range(share(0, 1)):  # a first run, which nobody has to stop
+        lateness(go, 0.2)
     for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 6)).tolist():
         late, result = lateness(go, seconds)
         assert late < LATE

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import selection_problems
 from branching_programs import random_program, without_answer
+from draws import ALL, draws
 from exact_truth import truth
 from random_sensing import random_graph
 from sata_cases import selections
@@ -34,21 +35,24 @@ from waybound.solvers.bounds.routing.column_generation import column_generation_
 Data = dict[str, Any]
 Lie = Callable[[Data, random.Random], bool]
 
+MANY = 40 if ALL else 24
+"""Programs, and problems with products, whose optima are proved."""
+
 
 @cache
 def cases() -> list[tuple[Problem, float | None, str]]:
     """Problems, their optima (None: no answer), and a certificate file with a tree for each."""
     found: list[tuple[Problem, float | None]] = [(without_answer(), None)]
-    for seed in range(40):
+    for seed in range(MANY):
         program = random_program(seed)
         best = truth(program).best
         found.append((program, None if best is None else float(best[0])))
-    for seed in range(40):
+    for seed in range(MANY):
         product = KINDS["products"](np.random.default_rng([seed, 5]))
         value = program_truth(product.program).value  # type: ignore[attr-defined]
         found.append((product, None if value is None else float(value)))
     rng = np.random.default_rng(3)
-    for _ in range(15):
+    for _ in range(draws(15)):
         chosen = selection_problems.random_problem(rng, "dense", "knapsack", 8)
         found.append((chosen, selection_problems.optimum(chosen)))
     for seed in range(6):

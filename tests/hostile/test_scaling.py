@@ -225,7 +225,7 @@ def able(problem: Problem, solver: str) -> bool:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_heuristics_in_other_units(family: str, share: Callable[[int, int], int], tally: Any) -> None:
     found = []
-    for case in range(share(2, 300)):
+    for case in range(share(1, 300)):
         first = pair(family, case)[0]
         names = [name for name in HEURISTICS if not HEURISTICS[name].missing(first)]
         if share(1, 2) == 1 and names:
@@ -243,7 +243,7 @@ def test_solvers_in_other_units(solver: str, share: Callable[[int, int], int], t
     if solver in ("pyvrp", "ortools"):
         keywords["iterations"] = 30
     found = []
-    most = share(2, SOLVERS[solver])
+    most = share(1, SOLVERS[solver])
     for family in FAMILIES:
         tried = range(10 * most if meant_for(solver, pair(family, 0)[0]) else 0)
         taken = (case for case in tried if able(pair(family, case)[0], solver))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +29,13 @@ MIQP = takers(INTEGERS | QUADRATIC)
 
 COUNTED = ("mathopt:cp-sat",)
 """It refuses continuous variables in steps other than 1."""
+
+
+def pairs(solvers: list[str]) -> list[Any]:
+    """Every case on every solver; on solvers within a solver one of three in the fast suite, not all the same."""
+    every = itertools.product(enumerate(CASES), enumerate(solvers))
+    apart = lambda k, number, solver: pytest.mark.long if ":" in solver and (k + number) % 3 else ()  # noqa: E731
+    return [pytest.param(case, solver, marks=apart(k, number, solver)) for (k, case), (number, solver) in every]
 
 
 def run(solver: str, program) -> RawResult:
@@ -65,15 +74,13 @@ def test_the_suite_runs_on_all_solvers() -> None:
     assert set(MIQP) >= {"cpsat", "mathopt:gscip"}
 
 
-@pytest.mark.parametrize("solver", MILP)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "solver"), pairs(MILP))
 def test_bottleneck_of_whole_actions(case: str, solver: str) -> None:
     made = BottleneckSATA(CASES[case].graph).compile("max-min")
     check_answer(made, run(solver, made.program), CASES[case].bottleneck)
 
 
-@pytest.mark.parametrize("solver", LP)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "solver"), pairs(LP))
 def test_bottleneck_of_shares(case: str, solver: str) -> None:
     known = CASES[case]
     problem = BottleneckSATA(known.graph, fractional=True)
@@ -87,8 +94,7 @@ def test_bottleneck_of_shares(case: str, solver: str) -> None:
         assert known.lp - 1e-9 <= verified_bound(problem, evidence) == evidence.value <= known.lp + EXACT
 
 
-@pytest.mark.parametrize("solver", MILP)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "solver"), pairs(MILP))
 def test_winner_takes_all_through_every_linear_form(case: str, solver: str) -> None:
     problem = WinnerTakesAllSATA(CASES[case].graph)
     for form in LINEAR_FORMS:
@@ -96,16 +102,14 @@ def test_winner_takes_all_through_every_linear_form(case: str, solver: str) -> N
         check_answer(made, run(solver, made.program), CASES[case].winner)
 
 
-@pytest.mark.parametrize("solver", MIQP)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "solver"), pairs(MIQP))
 def test_winner_takes_all_as_a_product(case: str, solver: str) -> None:
     made = WinnerTakesAllSATA(CASES[case].graph).compile("product")
     assert made.program.features() == INTEGERS | QUADRATIC
     check_answer(made, run(solver, made.program), CASES[case].winner)
 
 
-@pytest.mark.parametrize("solver", LP)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "solver"), pairs(LP))
 def test_relaxations_have_their_known_values_and_prove_bounds(case: str, solver: str) -> None:
     known = CASES[case]
     problem = WinnerTakesAllSATA(known.graph)

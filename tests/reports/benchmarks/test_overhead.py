@@ -17,7 +17,8 @@ from waybound.solvers.backend import BACKENDS, Control, Options
 
 
 @pytest.mark.parametrize(("engine", "work"), [("pyvrp", 30), ("ortools", 30), ("vroom", 1)])
-@pytest.mark.parametrize("name", [name if k == 0 else pytest.param(name, marks=pytest.mark.long) for k, name in enumerate(BUNDLED)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", BUNDLED)
 def test_the_wrapped_library_returns_the_bare_librarys_routes(name: str, engine: str, work: int) -> None:
     row = compare(name, name, BUNDLED[name], engine, work, 1)
     assert row["same"]
