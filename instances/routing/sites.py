@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -306,15 +307,15 @@ class Sites:
     def __len__(self) -> int:
         return len(self.ids)
 
-    @property
+    @cached_property
     def depots(self) -> NDArray[np.int64]:
         """Indices of the depots."""
-        return np.nonzero(self.depot)[0]
+        return _fixed(np.nonzero(self.depot)[0])
 
-    @property
+    @cached_property
     def customers(self) -> NDArray[np.int64]:
         """Indices of all sites that are no depots."""
-        return np.nonzero(~self.depot)[0]
+        return _fixed(np.nonzero(~self.depot)[0])
 
     @property
     def dimensions(self) -> int:
@@ -366,3 +367,8 @@ def _dimensions(values: ArrayLike, n: int, what: str) -> Floats:
 
 def _widened(values: Floats, dimensions: int) -> Floats:
     return np.hstack([values, np.zeros((len(values), dimensions - values.shape[1]))])
+
+
+def _fixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+    indices.setflags(write=False)
+    return indices

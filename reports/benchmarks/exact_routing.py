@@ -104,6 +104,9 @@ class Roads:
         self.windows = [[(ints(a, u), ints(b, u)) for a, b in w] for w in s.windows] or [[] for _ in s.ids]
         self.windows = [w or [(a, b)] for w, a, b in zip(self.windows, self.ready, self.due, strict=True)]
         self.shipments = [(x.pickup, x.delivery, [ints(v, u) for v in x.load]) for x in s.shipments]
+        self.loaded = {
+            k for k, both in enumerate(zip(self.demand, self.pickup, strict=True)) if any(any(a) for a in both) or self.shipments
+        }
         self.skills: Sequence[frozenset[str]] = s.skills or [frozenset()] * len(s)
         self.fleet, self.depot = fleet, s.depot
         self.customers = [k for k in range(len(s)) if not s.depot[k]]
@@ -200,6 +203,9 @@ class Roads:
         """What is on board on leaving the start and each stop, by load dimension."""
         found = []
         for dimension in range(len(self.demand)):
+            if dimension not in self.loaded:
+                found.append([0])
+                continue
             reloads = [k for k, i in enumerate(visits) if i in self.fleet[kind].reloads]
             levels = []
             for at in range(len(visits) + 1):
@@ -310,7 +316,8 @@ class RoutingTruth(Truth):
     def __init__(self, problem: RoutingProblem) -> None:
         super().__init__(problem.senses)
         self.problem = problem
-        terms = [(w, t.name) for level in problem.objective.levels() for w, t in level.terms]
+        self.levels = [[(Fraction(w), t.name) for w, t in level.terms] for level in problem.objective.levels()]
+        terms = [term for level in self.levels for term in level]
         timed = any(name in ("makespan", "total-duration", "latest-return") for _, name in terms) or any(
             v.unit_duration_cost or v.unit_overtime_cost for v in problem.fleet
         )
@@ -367,21 +374,35 @@ class RoutingTruth(Truth):
         return all(n == 1 or (n == 0 and not required) for n, required in counts)
 
     def values(self, routes: list[tuple[int, tuple[int, ...]]]) -> Values:
-        u, roads, parts = self.unit, self.roads, [self.driven[r] for r in routes]
-        visited = {k for _, visits in routes for k in visits}
-        opens = min(roads._opening(v) for v in self.problem.fleet)
-        at_home = sum(reward for reward, depot in zip(roads.reward, roads.depot, strict=True) if depot)
-        terms = {
-            "total-cost": sum(p.cost for p in parts), "reward": (sum(p.reward for p in parts) + at_home) * u,
-            "vehicles": sum(bool(visits) for _, visits in routes) * u * u,
-            "longest-route": max((p.distance for p in parts), default=0) * u, "makespan": max((p.duration for p in parts), default=0) * u,
-            "total-duration": sum(p.duration for p in parts) * u, "latest-return": max([opens, *(p.finish for p in parts)]) * u,
-            "penalties": sum(roads.penalty[k] for k in roads.customers if k not in visited) * u,
-        }  # fmt: skip
-        levels = self.problem.objective.levels()
+        parts = [self.driven[r] for r in routes]
         if self.mixed:  # what is added up may be far larger than what is left of it
-            self.size = max(self.size, sum((abs(Fraction(w) * Fraction(terms[t.name], u * u)) for w, t in levels[0].terms), Fraction(0)))
-        return tuple(sum((Fraction(w) * Fraction(terms[t.name], u * u) for w, t in level.terms), Fraction(0)) for level in levels)
+            self.size = max(self.size, sum((abs(w * self._term(name, routes, parts)) for w, name in self.levels[0]), Fraction(0)))
+        return tuple(sum((w * self._term(name, routes, parts) for w, name in level), Fraction(0)) for level in self.levels)
+
+    def _term(self, name: str, routes: list[tuple[int, tuple[int, ...]]], parts: list[Driven]) -> Fraction:
+        """What one term of an objective adds up to."""
+        u, roads = self.unit, self.roads
+        match name:
+            case "total-cost":
+                return Fraction(sum(p.cost for p in parts), u * u)
+            case "reward":
+                at_home = sum(reward for reward, depot in zip(roads.reward, roads.depot, strict=True) if depot)
+                return Fraction(sum(p.reward for p in parts) + at_home, u)
+            case "vehicles":
+                return Fraction(sum(bool(visits) for _, visits in routes))
+            case "longest-route":
+                return Fraction(max((p.distance for p in parts), default=0), u)
+            case "makespan":
+                return Fraction(max((p.duration for p in parts), default=0), u)
+            case "total-duration":
+                return Fraction(sum(p.duration for p in parts), u)
+            case "latest-return":
+                opens = min(roads._opening(v) for v in self.problem.fleet)
+                return Fraction(max([opens, *(p.finish for p in parts)]), u)
+            case "penalties":
+                visited = {k for _, visits in routes for k in visits}
+                return Fraction(sum(roads.penalty[k] for k in roads.customers if k not in visited), u)
+        raise KeyError(name)
 
     def value(self, answer: Any) -> Values | None:
         routes = [(r.vehicle, tuple(r.visits)) for r in answer if r.visits]
