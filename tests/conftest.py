@@ -53,6 +53,21 @@ def registered() -> Iterator[Callable[..., Any]]:
         yield lambda registry, name, entry: stack.enter_context(registry.temporary(name, entry))
 
 
+ORDER = ("hostile", "cli", "conformance", "docs", "formulations", "instances", "reference", "outside", "solving", "solvers")
+"""Folders in the order of their tests: of two workers one begins with the loops that are compiled, the other where few are needed."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of hostile tests those of all loops come first."""
+    root = Path(__file__).parent
+
+    def place(item: pytest.Item) -> tuple[int, bool]:
+        folder = item.path.relative_to(root).parts[0]
+        return ORDER.index(folder) if folder in ORDER else len(ORDER), item.path.name != "test_kernels_stop.py"
+
+    items.sort(key=place)
+
+
 @pytest.fixture(autouse=True, scope="module")
 def _settled_heap() -> None:
     """What is there when a module begins is not looked at by the garbage collector again: late in a run that takes seconds each time."""

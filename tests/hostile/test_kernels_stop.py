@@ -280,6 +280,7 @@ def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: 
 
 @pytest.mark.parametrize("kind", ["winner-takes-all", "bottleneck", "routing"])
 def test_bounding_ends(kind: str, share: Any, tally: Any) -> None:
+    find_bounds(large(kind, 50), BUDGET)  # compiles all of it
     for seconds in np.random.default_rng(9).uniform(0.0, 0.4, share(1, 12)).tolist():
         late, _ = lateness(lambda control: find_bounds(large(kind), BUDGET, control=control), seconds)
         assert late < LATE
@@ -292,7 +293,8 @@ def test_saddle_ends(h: int, share: Any, tally: Any) -> None:
     assert isinstance(engine, Engine)
     problem = large("bottleneck-lp")
     go = lambda control: engine.run(problem, Options(time_limit=60.0, extra={"h": h}), control)  # noqa: E731
-    lateness(go, 0.5)  # compiles, or loads what was compiled before
+    engine.run(large("bottleneck-lp", 50), Options(time_limit=60.0, extra={"h": h}), Control())  # compiles all of it
+    lateness(go, 0.1)
     for seconds in np.random.default_rng(10).uniform(0.0, 0.5, share(1, 12)).tolist():
         late, result = lateness(go, seconds)
         assert late < LATE
