@@ -37,7 +37,7 @@ def _made(name: str) -> Any:
     return kind(variant) if variant else kind()
 
 
-FURTHER = ("mathopt:", "cvxpy:", "pulp:")
+FURTHER = ("mathopt:", "cvxpy:", "pulp:", "outer-approximation")
 """Solvers within a solver: their limits and interrupts are tried in the long run only, for they take seconds each."""
 
 

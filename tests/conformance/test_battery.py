@@ -18,11 +18,11 @@ SHORT, LONG = 320, 5_000
 """Programs of the fast suite and of the long one."""
 
 SHARES = {
-    "highs": (160, 5_000), "scip": (60, 5_000), "cpsat": (80, 5_000), "mathopt": (40, 2_000), "mathopt:highs": (40, 2_000),
-    "mathopt:gscip": (40, 2_000), "mathopt:glop": (60, 5_000), "mathopt:cp-sat": (60, 2_000), "mathopt:pdlp": (40, 2_000),
-    "pulp": (60, 2_000), "pulp:HiGHS": (40, 2_000), "cvxpy": (20, 2_000), "cvxpy:CLARABEL": (40, 2_000), "cvxpy:SCS": (40, 2_000),
+    "highs": (80, 5_000), "scip": (30, 5_000), "cpsat": (40, 5_000), "mathopt": (20, 2_000), "mathopt:highs": (20, 2_000),
+    "mathopt:gscip": (20, 2_000), "mathopt:glop": (30, 5_000), "mathopt:cp-sat": (30, 2_000), "mathopt:pdlp": (20, 2_000),
+    "pulp": (30, 2_000), "pulp:HiGHS": (20, 2_000), "cvxpy": (20, 2_000), "cvxpy:CLARABEL": (20, 2_000), "cvxpy:SCS": (20, 2_000),
     "cvxpy:HIGHS": (20, 2_000),
-    **{name: (160, 5_000) for name in examinable() if name.startswith("outer-approximation")},
+    **{name: (80, 5_000) for name in examinable() if name.startswith("outer-approximation")},
 }  # fmt: skip
 """How many of them a solver gets in either, spread over all; those not named here the least of these. Cones alone are few."""
 

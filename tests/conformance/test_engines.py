@@ -61,8 +61,13 @@ def middling(customers: int = 60, convention: str = "exact", seed: int = 0) -> R
     return RoutingProblem(sites, Travel("euclidean", xy, convention=convention), (VehicleType(capacity=100.0),), problem="vrptw")
 
 
-@pytest.mark.parametrize("feature", FEATURES)
-@pytest.mark.parametrize(("convention", "seed"), [("round", 0), ("trunc1", 1), ("exact", 2)])
+DRAWN = [("round", 0), ("trunc1", 1), ("exact", 2)]
+
+
+@pytest.mark.parametrize(
+    ("feature", "convention", "seed"),
+    [pytest.param(f, *d, marks=() if (k + m) % 2 == 0 else pytest.mark.long) for k, f in enumerate(FEATURES) for m, d in enumerate(DRAWN)],
+)
 def test_each_declared_feature_gives_the_optimum_of_small_problems(engine_name, feature, convention, seed):
     problem = small(feature, seed, convention)
     if BACKENDS[engine_name]().missing(problem):

@@ -157,7 +157,7 @@ def _contradicts(problem: Problem, evaluation: Any, evidence: Any) -> bool:
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize(
-    ("name", "few", "full"), [("shares", 700, 40_000), ("vectors", 500, 20_000), ("choices", 400, 20_000), ("routes", 400, 24_000)]
+    ("name", "few", "full"), [("shares", 350, 40_000), ("vectors", 250, 20_000), ("choices", 200, 20_000), ("routes", 200, 24_000)]
 )
 def test_no_accepted_answer_beats_a_bound(name: str, few: int, full: int, share: Callable[[int, int], int], tally: Any) -> None:
     goal, case, beaten = share(few, full), 0, []

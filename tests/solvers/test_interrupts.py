@@ -100,7 +100,9 @@ print(solution.status, solution.limit)
 """
 
 
-@pytest.mark.parametrize("solver", ["cpsat", "mathopt:cp-sat", "scip", "mathopt:gscip"])
+@pytest.mark.parametrize(
+    "solver", ["cpsat", "scip", *(pytest.param(name, marks=pytest.mark.long) for name in ("mathopt:cp-sat", "mathopt:gscip"))]
+)
 def test_no_solver_takes_an_interrupt_for_itself(solver: str) -> None:
     # CP-SAT's own handler aborts the process, SCIP's keeps Ctrl-C from everybody else.
     done = subprocess.run([sys.executable, "-c", SPLIT, solver], capture_output=True, text=True, timeout=60)

@@ -94,8 +94,13 @@ def test_those_who_tell_no_duals_solve_and_prove_nothing(name: str) -> None:
 # -- ends when asked to -----------------------------------------------------------------------------------------------
 
 
-@by_name([name for name in ("highs", "scip", "pulp", "mathopt:glop", "mathopt:highs", "cvxpy:CLARABEL") if name in SOLVERS])
+@pytest.mark.parametrize(
+    "name",
+    ["highs", "scip", "pulp", *(pytest.param(n, marks=pytest.mark.long) for n in ("mathopt:glop", "mathopt:highs", "cvxpy:CLARABEL"))],
+)
 def test_a_wish_to_stop_from_another_thread_ends_the_program_that_runs(name: str) -> None:
+    if name not in SOLVERS:
+        pytest.skip(f"{name} is not installed")
     hard, stop = cover(1000), Stop(120.0)
     threading.Timer(0.2, stop.ask).start()
     began = time.perf_counter()

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from draws import draws
+from draws import ALL, draws
 from hypothesis import given, settings
 from oracles import set_partitioning_bound, small_problems
 from small_routing import plane, small
@@ -45,7 +45,7 @@ def leaves(evidence: Evidence) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("feature", PROVED)
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(6 if ALL else 3))
 def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
     problem = small(feature, seed, "exact")
     best = best_values(problem)
