@@ -55,6 +55,16 @@ def test_norms_have_the_same_optimum_at_any_scale(scale: float, weight: float) -
     assert verified_bound(p, found.evidence[0]) == pytest.approx(found.objective, rel=1e-7)
 
 
+@pytest.mark.parametrize("part", [1e-9, 1e-11, 1e-14])
+@pytest.mark.parametrize("unit", [2.0**-30, 1.0, 2.0**30])
+def test_deviations_beyond_what_solvers_see_leave_an_answer_and_its_proof(part: float, unit: float) -> None:
+    limit = 5 * unit
+    p = problem(lower=0, upper=9 * unit, constraints=None, chance__limits=[limit] * 2, quantities__covariance=[(limit * part) ** 2] * 2)
+    found = solve(p, bound_time=0)
+    assert found.status == "optimal" and found.bound_kind == "verified" and not found.faults
+    assert 20 * unit * (1 - 1e-7) < found.objective < 20 * unit
+
+
 def test_what_its_prices_do_not_prove_is_no_optimum() -> None:
     p = margins([1.0, 3.0], 0.1)
     found = SuccessiveTangents(p).run(Stop())
