@@ -20,7 +20,7 @@ FEATURES = frozenset({"allocated-risk", "joint-risk", "alternatives", "quadratic
 
 
 ROUNDED = 2e-8
-"""Part of a limit that restrictions leave to what solvers round: where deviations are small beside it, risks are far off a little beyond."""
+"""Part of a limit that restrictions leave to rounding: beside small deviations it is enough to change a risk by a lot."""
 
 
 def makes(problem: RiskAllocation) -> frozenset[str]:

@@ -85,7 +85,7 @@ class Units:
 
 
 def _column_sizes(p: RiskAllocation, entries: Floats, sides: Floats) -> Floats:
-    """Of each decision its larger bound, or else what the rows that hold it leave it, or 1; of one in the cost alone that of the largest."""
+    """Of each decision its larger bound, or else what the rows that hold it leave it, or 1; in the cost alone the largest of all."""
     bounds = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.lower, p.upper)))
     with np.errstate(divide="ignore", invalid="ignore"):
         left = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)

@@ -44,12 +44,15 @@ def test_restrictions_leave_a_part_of_each_limit_with_noise_to_rounding() -> Non
 @pytest.mark.parametrize("form", ["uniform", "ellipsoid", "secants"])
 @settings(max_examples=draws(30), deadline=None)
 @given(scale=st.integers(-30, 30), a=st.floats(-15, -1), b=st.floats(-15, -1), total=st.sampled_from([0.1, 1e-6]))
-def test_answers_of_restrictions_keep_their_risks_at_any_scale(solver: str, form: str, scale: int, a: float, b: float, total: float) -> None:
+def test_answers_of_restrictions_keep_their_risks_at_any_scale(
+    solver: str, form: str, scale: int, a: float, b: float, total: float
+) -> None:
     """However small the deviations, here 10**a and 10**b of a limit, they lose what their margins take and no more."""
     unit, deviations = 2.0**scale, np.array([10.0**a, 10.0**b])
     p = problem(
         lower=0, upper=9 * unit, constraints=None, cost={"decisions": [1, 1]}, chance__limits=[unit, unit],
-        quantities__covariance=((unit * deviations) ** 2).tolist(), risk={"total": total, "kind": "joint" if form == "ellipsoid" else "allocated"},
+        quantities__covariance=((unit * deviations) ** 2).tolist(),
+        risk={"total": total, "kind": "joint" if form == "ellipsoid" else "allocated"},
     )  # fmt: skip
     made = p.compile(form)
     judged = p.evaluate(made.decode(solver_named(solver).run(made.program, Options(), Control()).answer))

@@ -48,8 +48,10 @@ def test_terms_far_from_one_are_counted_in_units_of_their_own(kind: str) -> None
 
 def test_a_decision_that_only_the_cost_knows_is_counted_like_the_largest_other() -> None:
     """Its price would be nothing beside theirs, and an endless cost an optimum."""
-    p = problem(lower=None, upper=None, constraints=None, chance={"quantities": [[0, 1]], "limits": [2.0**32]}, quantities__covariance=[1e14] * 2,
-                cost={"decisions": [2, 3]})  # fmt: skip
+    p = problem(
+        sense="min", lower=None, upper=None, constraints=None, quantities__covariance=[1e14] * 2, cost={"decisions": [2, -3]},
+        chance={"quantities": [[0, 1]], "limits": [2.0**32]},
+    )  # fmt: skip
     made = Units.of(p)
     assert made.columns[0] == made.columns[1] > 1.0
     assert solve(p, bound_time=0).status == "unbounded"
