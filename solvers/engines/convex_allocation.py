@@ -85,15 +85,18 @@ def leans(problem: RiskAllocation, answer: Allocation, value: float, proved: flo
 def _unproved(problem: RiskAllocation, found: Interval, gap: float) -> str:
     """Why a closed interval proves no optimum, or nothing: its bound is what its prices prove then, and it is closed no longer.
 
-    Where they prove nothing because of a decision without bounds, they are asked of a box that has the answer in it: as the problem is
-    convex, what is best there is best.
+    One that is open bounds what its prices prove, too: interior points that stop early may be on the wrong side. Where they prove nothing
+    because of a decision without bounds, they are asked of a box that has the answer in it: as the problem is convex, what is best there
+    is best.
     """
-    if found.status != "optimal" or found.answer is None:
-        return ""
 
     def by(problem: RiskAllocation) -> float:
         return max((problem.sign * verified_bound(problem, e) for e in found.evidence(problem.sign)), default=-math.inf)
 
+    if found.status in ("feasible", "unknown"):
+        found.bound = by(problem)
+    if found.status != "optimal" or found.answer is None:
+        return ""
     proved, x = by(problem), found.answer.decision
     if leans(problem, found.answer, found.value, proved):
         found.status, found.bound = "feasible", found.value
