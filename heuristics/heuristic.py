@@ -87,6 +87,8 @@ class Heuristic:
         Further reasons why it cannot take a problem, as feature names.
     honours : frozenset of str
         See ``Backend.honours``.
+    opens : callable
+        Whether, where the user names no method, the solver of a problem starts from its answer, since solvers find little by themselves.
     """
 
     name: str
@@ -97,6 +99,7 @@ class Heuristic:
     stated: str = "no guarantee"
     refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
     honours: frozenset[str] = frozenset()
+    opens: Callable[[Any], bool] = lambda problem: False
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """Features of ``problem`` that it lacks; empty if it can take it."""

@@ -79,7 +79,10 @@ def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> O
 
 
 def _program(problem: RiskAllocation, drawn: Floats, noisy: NDArray[np.int64], level: float) -> Program:
-    """``h_i = (a_i x - b_i) / s_i``, ``y_k >= h_i + w_ki - t``, ``t + sum of y / (level samples) <= 0``, y >= 0."""
+    """``h_i = (a_i x - b_i) / s_i``, ``y_k >= h_i + w_ki - t``, ``t + sum of y / (level samples) <= 0``, y >= 0.
+
+    Where the share is less than a sample, its mean is that of the worst one, which any coefficient from 1 on says.
+    """
     blocks, (samples, many) = Blocks(problem), drawn.shape
     exact = np.nonzero(problem.deviation == 0.0)[0]
     if len(exact):
@@ -96,7 +99,7 @@ def _program(problem: RiskAllocation, drawn: Floats, noisy: NDArray[np.int64], l
     k, i = np.divmod(row, many)
     blocks.rows.append(rows("sample", len(row), [(row, over + k, 1.0), (row, at + 0 * row, 1.0), (row, beyond + i, -1.0)], drawn.ravel()))
     zero, every = np.zeros(1, dtype=np.int64), np.arange(samples)
-    blocks.rows.append(rows("risk", 1, [(zero, zero + at, 1.0), (0 * every, over + every, 1.0 / (level * samples))], upper=0.0))
+    blocks.rows.append(rows("risk", 1, [(zero, zero + at, 1.0), (0 * every, over + every, 1.0 / max(1.0, level * samples))], upper=0.0))
     return blocks.program("cvar")
 
 

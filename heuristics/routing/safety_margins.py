@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from ...formulations.routing.routes import Routes
     from ...formulations.stop import Stop
 
+EXACT = 10
+"""Customers up to which solvers find answers by themselves (docs/formulations/routing.md#risk)."""
+
 NEAR = 1.05
 """Ratio of two shares, or slopes, that are no longer told apart."""
 
@@ -210,6 +213,10 @@ def _refuses(problem: Any) -> frozenset[str]:
     return PyVRP().missing(certain(problem, 1.0, problem.team_risk))
 
 
+def _opens(problem: Any) -> bool:
+    return problem.family == "routing" and bool(problem.features() & RISKS) and len(problem.customers) > EXACT
+
+
 HEURISTICS.add(
     "safety-margins",
     Heuristic(
@@ -219,5 +226,6 @@ HEURISTICS.add(
         run=safety_margins,
         summary="PyVRP, or another engine, with margins for uncertain durations, fitted to the risk of routes and team",
         refuses=_refuses,
+        opens=_opens,
     ),
 )

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 PROVED = 1e-6
 """Part of what a cost sums up by which the proof of an optimum may be behind it at most."""
 
+LEANING = "the answer gains from limits that it breaks by what solvers round, so that no optimum is claimed"
+
 BOX = 2.0
 """Times the largest number of a decision."""
 
@@ -68,35 +70,46 @@ class ConvexAllocation(Engine):
         unproved = _unproved(part, found, options.gap)
         result = _result(problem, found, stop, options)
         if unproved:
-            result = replace(result, message="the duals of its solver prove less than its interval says")
+            result = replace(result, message=unproved)
         if not joint:
             return result
         answer = None if result.answer is None else Allocation(result.answer.decision)
         return replace(result, answer=answer, holds=Exactness.RESTRICTION, evidence=())
 
 
-def _unproved(problem: RiskAllocation, found: Interval, gap: float) -> bool:
-    """Whether the prices of a closed interval do not prove it; its bound is what they prove then, and it is closed no longer.
+def leans(problem: RiskAllocation, answer: Allocation, value: float, proved: float) -> bool:
+    """Whether an answer has a better value, of a minimisation, than is ``proved`` to be possible: by limits broken within tolerance."""
+    return proved - value > PROVED * problem.value(answer.decision)[1]
 
-    Where they prove nothing because of a decision without bounds, they are asked of a box that has the answer in it: as the problem is
-    convex, what is best there is best.
+
+def _unproved(problem: RiskAllocation, found: Interval, gap: float) -> str:
+    """Why a closed interval proves no optimum, or nothing: its bound is what its prices prove then, and it is closed no longer.
+
+    One that is open bounds what its prices prove, too: interior points that stop early may be on the wrong side. Where they prove nothing
+    because of a decision without bounds, they are asked of a box that has the answer in it: as the problem is convex, what is best there
+    is best.
     """
-    if found.status != "optimal" or found.answer is None:
-        return False
 
     def by(problem: RiskAllocation) -> float:
         return max((problem.sign * verified_bound(problem, e) for e in found.evidence(problem.sign)), default=-math.inf)
 
+    if found.status in ("feasible", "unknown"):
+        found.bound = by(problem)
+    if found.status != "optimal" or found.answer is None:
+        return ""
     proved, x = by(problem), found.answer.decision
+    if leans(problem, found.answer, found.value, proved):
+        found.status, found.bound = "feasible", found.value
+        return LEANING
     if proved == -math.inf:
         boxed, reach = copy.copy(problem), BOX * (float(np.abs(x).max(initial=0.0)) or 1.0)
         boxed.lower, boxed.upper = np.maximum(problem.lower, -reach), np.minimum(problem.upper, reach)
         if found.value - by(boxed) <= max(gap, PROVED) * problem.value(x)[1]:
-            return False
+            return ""
     if found.value - proved <= max(gap, PROVED) * problem.value(x)[1]:
-        return False
+        return ""
     found.status, found.bound = "feasible", proved
-    return True
+    return "the duals of its solver prove less than its interval says"
 
 
 def _result(problem: RiskAllocation, found: Interval, stop: Stop, options: Options) -> RawResult:

@@ -20,6 +20,7 @@ from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from ..bounds.proof_tree import Node, ProofTree
 from ..bounds.risk.convex_allocation import part_evidence
+from .convex_allocation import LEANING, leans
 
 Floats = NDArray[np.float64]
 
@@ -217,8 +218,13 @@ def _result(tree: _Tree, options: Options, stop: Stop) -> RawResult:
     if tree.answer is None:
         status = "infeasible" if bound == math.inf else "unknown"
         return RawResult(status, stop.reached() or "none", statistics=statistics, evidence=evidence)
-    closed = tree.reached(bound)
-    limit = ("gap" if options.gap > 0.0 else "none") if closed else stop.reached() or ("iterations" if options.iterations else "none")
+    leaning = leans(p, tree.answer, tree.value, bound)
+    closed = tree.reached(bound) and not leaning
+    if closed or leaning:
+        limit = "gap" if options.gap > 0.0 and not leaning else "none"
+    else:
+        limit = stop.reached() or ("iterations" if options.iterations else "none")
     status = "optimal" if closed and limit == "none" else "feasible"
     shown = p.sign * min(bound, tree.value) if math.isfinite(min(bound, tree.value)) else None
-    return RawResult(status, limit, tree.answer, p.sign * tree.value, shown, statistics=statistics, evidence=evidence)
+    message = LEANING if leaning else ""
+    return RawResult(status, limit, tree.answer, p.sign * tree.value, shown, statistics=statistics, message=message, evidence=evidence)

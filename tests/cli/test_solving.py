@@ -363,3 +363,18 @@ def test_what_the_command_line_itself_refuses_is_exit_2(run, arguments):
     result = run(*arguments)
     assert result.exit_code == 2
     assert result.stdout == ""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("setting", ["risk=0.05", "team-risk=0.05"])
+def test_thirty_customers_with_risks_get_a_checked_answer_by_default(run, strict_json, tmp_path, setting):
+    file = tmp_path / "risky.json"
+    settings = [word for pair in ("customers=30", "capacity=0", "deviation=0.3", "max-duration=250") for word in ("--set", pair)]
+    assert run("generate", "random", *settings, "--out", file).exit_code == 0
+    result = run("solve", file, "--set", setting, "--time-limit", "20", "--bound-time", "5", "--json")
+    assert result.exit_code == 0, result.output
+    data = strict_json(result.stdout)
+    assert data["certificate"]["feasible"] is True and data["objective"] < 1000.0
+    assert "safety-margins" in (data["solver"], *data["message"].split())
+    checks = {check["name"]: check for check in data["certificate"]["checks"]}
+    assert checks["route-risk" if setting.startswith("risk") else "team-risk"]["passed"]

@@ -34,6 +34,7 @@ from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
+from .opening import LARGEST, opened, opening_heuristic
 from .opinions import claimed, opinion, refuting, second_opinions, unproved
 from .search import BOUND_OVERTIME, Searched, in_time, search
 
@@ -168,18 +169,20 @@ def solve(
         time_limit, iterations, gap, threads, seed, start, memory_limit, no_improvement, linear.solver, {**(options or {}), **parameters}
     )  # fmt: skip
 
-    if heuristic is not None:
-        if solver is not None or form is not None or relax:
-            raise UsageError("a heuristic takes no solver, form or relaxation")
-        run = _heuristic_run(problem, heuristic, chosen, isolate)
-    else:
-        solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
-        run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
-
-    run.notes.extend(told)
+    if heuristic is not None and (solver is not None or form is not None or relax):
+        raise UsageError("a heuristic takes no solver, form or relaxation")
     control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
+        before = 0.0
+        if heuristic is not None:
+            run = _heuristic_run(problem, heuristic, chosen, isolate)
+        elif solver is not None or form is not None or relax or given is not None:
+            solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
+            run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
+        else:
+            run, chosen, before = _default_run(problem, chosen, isolate)
+        run.notes.extend(told)
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
@@ -193,7 +196,7 @@ def solve(
                 beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, progress)
         spent = time.perf_counter() - began
         try:
-            searched = search(run.go, control, time_limit)
+            searched = search(run.go, control, chosen.time_limit)
         except WayboundError:
             raise
         except Exception as fault:  # of the engine, before it published an answer; the start may be one
@@ -208,7 +211,28 @@ def solve(
             if beside is not None:
                 beside.stop()
         made.seconds["bound"] += spent
+        made.seconds["solve"] += before
         return made
+
+
+def _default_run(problem: Problem, options: Options, isolate: bool) -> tuple[_Run, Options, float]:
+    """Where the user names no method: what is run, with what options, and the seconds that a heuristic took for their start."""
+    opening = opening_heuristic(problem, options)
+    try:
+        solver = default_solver(problem, None, None, False)
+    except UnsupportedError:
+        if opening is None:
+            raise
+        return _heuristic_run(problem, opening, options, isolate), options, 0.0
+    if opening is None or BACKENDS[solver].takes == "problem":
+        return _solver_run(problem, None, solver, None, False, options, isolate), options, 0.0
+    if problem.size > LARGEST and not options.asked():
+        return _heuristic_run(problem, opening, options, isolate), options, 0.0
+    options, seconds, said = opened(problem, opening, options, isolate)
+    run = _solver_run(problem, None, solver, None, False, options, isolate)
+    found = options.start is not None
+    run.notes.append(f"{solver} started from the answer of {opening}" if found else f"{opening} found no start: {said or 'no answer'}")
+    return run, options, seconds
 
 
 def _solver_run(

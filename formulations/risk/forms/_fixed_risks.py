@@ -19,6 +19,10 @@ Floats = NDArray[np.float64]
 FEATURES = frozenset({"allocated-risk", "joint-risk", "alternatives", "quadratic-cost", "cones"})
 
 
+ROUNDED = 2e-8
+"""Part of a limit that restrictions leave to rounding: beside small deviations it is enough to change a risk by a lot."""
+
+
 def makes(problem: RiskAllocation) -> frozenset[str]:
     """What the programs of a problem need: cones and quadratic costs where it has them, integers for alternatives."""
     has = problem.features()
@@ -59,6 +63,11 @@ def margins(problem: RiskAllocation, quantile: Floats) -> Floats:
         return np.asarray(np.where(problem.deviation == 0.0, 0.0, problem.deviation * quantile[problem.constraint]))
 
 
+def spared(problem: RiskAllocation) -> Floats:
+    """What a restriction takes from each limit, so that a solver's rounding breaks no chance constraint."""
+    return np.asarray(np.where(problem.deviation > 0.0, ROUNDED * np.abs(problem.limits), 0.0))
+
+
 def fixed_margins_program(problem: RiskAllocation, name: str, margin: Floats) -> Program:
     """``a_i x + margin_i <= b_i``, one margin a chance row; rows that are alternatives by binaries and large numbers."""
     blocks = Blocks(problem)
@@ -74,8 +83,8 @@ def fixed_margins_program(problem: RiskAllocation, name: str, margin: Floats) ->
 
 
 def compiled(problem: RiskAllocation, name: str, quantile: Floats, risks: Floats) -> Compiled:
-    """The program with the way back: its decisions, each with the given risks."""
-    program, n = fixed_margins_program(problem, name, margins(problem, quantile)), len(problem.lower)
+    """The program, a restriction, with the way back: its decisions, each with the given risks."""
+    program, n = fixed_margins_program(problem, name, margins(problem, quantile) + spared(problem)), len(problem.lower)
 
     def decode(vector: Floats) -> Allocation:
         return Allocation(np.array(vector[:n]), risks if problem.risk.kind == "allocated" else None)

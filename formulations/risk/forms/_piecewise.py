@@ -6,7 +6,8 @@
     sum of r_i over a budget <= its risk
 
 The tail of the normal distribution is convex where risks are at most 1/2. Risks are counted in parts of a mean one, so that solvers see
-numbers near 1. Constraints with alternatives have one z for all their rows, and a binary each that lets a row be broken.
+numbers near 1, and rows of secants so that they neither drop small deviations nor round large limits. Constraints with alternatives have
+one z for all their rows, and a binary each that lets a row be broken.
 """
 
 from __future__ import annotations
@@ -22,13 +23,20 @@ from ...programs.rows import rows
 from ..normal import ndtr, ndtri
 from ..risk_allocation import RiskAllocation
 from ._blocks import Blocks, dense_rows
-from ._fixed_risks import add_choices, largest
+from ._fixed_risks import add_choices, largest, spared
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 STEEPEST = 1e-7
 """Part of a mean risk below which the pieces end: smaller coefficients are lost on solvers."""
+
+
+NEGLIGIBLE = 1e-8
+"""Part of a limit up to which the largest margin of a row is written as a number, in place of a variable, by restrictions."""
+
+SMALL, ORDINARY, LARGE = -10, 8, 18
+"""Binary exponents: rows of smaller deviations are written in larger numbers, though none beyond, and those of larger ones in ordinary."""
 
 
 def density(z: Floats) -> Floats:
@@ -91,16 +99,24 @@ def piecewise_program(problem: RiskAllocation, name: str, at: Floats, *, above: 
     z = blocks.add(Variables("z", (each,), (problem.names,), floor, np.maximum(top, floor), np.zeros(many)))
     least = ndtr(-at[:, -1]) / unit if above else np.zeros(many)
     risk = blocks.add(Variables("risk", (each,), (problem.names,), least, np.maximum(problem.caps / unit, least), np.zeros(many)))
-    row, limits = np.arange(len(problem.limits)), problem.limits.copy()
-    extra = [(row, z + problem.constraint, problem.deviation)]
+    row, limits, deviation = np.arange(len(problem.limits)), problem.limits.copy(), problem.deviation
+    times = np.ones(len(row))
+    if above:
+        farthest = deviation * most[problem.constraint]
+        fixed = farthest <= NEGLIGIBLE * np.abs(limits)
+        limits -= spared(problem) + np.where(fixed, farthest, 0.0)
+        deviation = np.where(fixed, 0.0, deviation)
+        times = _factors(problem, deviation)
+    extra = [(row, z + problem.constraint, deviation)]
     if problem.disjunctive:
-        slack = np.maximum(largest(problem) + problem.deviation * np.where(shared, top, 0.0)[problem.constraint] - limits, 0.0)
+        slack = np.maximum(largest(problem) + deviation * np.where(shared, top, 0.0)[problem.constraint] - limits, 0.0)
         slack[~shared[problem.constraint]] = 0.0
         extra.append((row, choice + row, slack))
         limits += slack
     first = sum(block.size for block in blocks.rows)
     keys = (problem.constraint,) if not problem.disjunctive else (problem.constraint, row)
-    blocks.rows.append(dense_rows("chance", problem.chance, -math.inf, limits, extra, keys, (problem.names,)))
+    extra = [(at, column, entries * times) for at, column, entries in extra]
+    blocks.rows.append(dense_rows("chance", times[:, None] * problem.chance, -math.inf, times * limits, extra, keys, (problem.names,)))
     budget = first + len(row)
     for k, b in enumerate(problem.budgets):
         part = [(np.zeros(len(b.constraints), dtype=np.int64), risk + b.constraints, 1.0)]
@@ -108,6 +124,15 @@ def piecewise_program(problem: RiskAllocation, name: str, at: Floats, *, above: 
     count = slope.shape[1]
     blocks.rows.append(piece_rows(np.repeat(each, count), slope.ravel(), constant.ravel(), z, risk, problem.names))
     return Pieces(blocks.program(name), z, risk, unit, budget, first, choice)
+
+
+def _factors(problem: RiskAllocation, deviation: Floats) -> Floats:
+    """Powers of two that bring chance rows to numbers in which solvers drop no deviation, and round little of the limit."""
+    sizes = np.maximum(np.abs(problem.limits), np.abs(problem.chance).max(axis=1, initial=0.0))
+    with np.errstate(divide="ignore"):
+        wanted, room, over = (np.floor(power - np.log2(part)) for power, part in ((SMALL, deviation), (LARGE, sizes), (ORDINARY, sizes)))
+    larger = np.where(deviation > 0.0, np.clip(np.minimum(wanted, room), 0.0, None), 0.0)
+    return np.asarray(np.exp2(np.where(over < 0.0, over, larger)))
 
 
 def mean_risk(problem: RiskAllocation) -> float:

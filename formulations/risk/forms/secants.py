@@ -24,14 +24,10 @@ POINTS = 60
 def build(problem: RiskAllocation) -> Compiled:
     """The program; see the module's text."""
     made = piecewise_program(problem, "secants", points(problem, mean_risk(problem), POINTS), above=True)
-    n, many = len(problem.lower), len(problem.names)
+    n = len(problem.lower)
 
     def decode(vector: Floats) -> Allocation:
-        if problem.risk.kind == "joint":
-            return Allocation(np.array(vector[:n]))
-        risks = np.clip(vector[made.risk : made.risk + many] * made.unit, 0.0, problem.caps)
-        over = max([1.0, *(float(risks[b.constraints].sum()) / b.risk for b in problem.budgets)])  # by a solver's rounding
-        return Allocation(np.array(vector[:n]), risks / over * (1.0 - 1e-14) if over > 1.0 else risks)
+        return problem.allocated(np.array(vector[:n]))
 
     return Compiled(made.program, problem, decode)
 

@@ -10,7 +10,8 @@ To the rows of ``three_index``, for each vehicle k whose routes may overrun a li
 A binary is its own square, so that the norm is the root of the sum of the variances: exact. Relaxed, the norm is smaller than that root.
 No route waits where its duration is limited, so that it is the sum of its moves and services.
 
-A risk of the team is no convex row, for how it is split is what is asked: with r a variable, z sigma_k is a product of two convex terms.
+A risk of the team is no convex row, for how it is split is what is asked: with r a variable, z sigma_k is a product of two convex terms
+(``three_index_pieces``).
 
 Source: Charnes and Cooper (1959); Stewart and Golden (1983); with cones van de Panne and Popp (1963) for their chance constraint;
 docs/formulations/routing.md#risk.
@@ -57,17 +58,23 @@ def build(problem: RoutingProblem) -> Compiled:
 
 def _add_risks(made: Written) -> None:
     for number, kind in enumerate(made.types):
-        risk, variances = kind.vehicle.risk, made.problem.travel_of(number).variances
-        if risk is None or variances is None or risk == 0.5:  # with no margin
-            continue
-        at = kind.prep.sites
-        spread = np.asarray(variances[at[kind.tail], at[kind.head]])
-        spread[kind.idle] *= float(kind.committed)
-        if spread.any() and _limits(kind):
+        risk, spread = kind.vehicle.risk, uncertain_moves(made.problem, number, kind)
+        if risk is not None and spread is not None and risk != 0.5:  # which has no margin
             _add_deviations(made, kind, spread, quantile(risk))
 
 
-def _limits(kind: VehicleColumns) -> list[tuple[str, Floats, float, float]]:
+def uncertain_moves(problem: RoutingProblem, number: int, kind: VehicleColumns) -> Floats | None:
+    """Variances of the arcs of a type; None where nothing that is limited is uncertain."""
+    variances = problem.travel_of(number).variances
+    if variances is None:
+        return None
+    at = kind.prep.sites
+    spread = np.asarray(variances[at[kind.tail], at[kind.head]])
+    spread[kind.idle] *= float(kind.committed)
+    return spread if spread.any() and limits(kind) else None
+
+
+def limits(kind: VehicleColumns) -> list[tuple[str, Floats, float, float]]:
     """Name, weights of arcs, rate of what the deviation adds, and limit."""
     vehicle, prep, found = kind.vehicle, kind.prep, []
     moving, busy = (kind.with_idle(weight, kind.idle_duration) for weight in (prep.duration, prep.time.weight))
@@ -82,12 +89,12 @@ def _limits(kind: VehicleColumns) -> list[tuple[str, Floats, float, float]]:
 
 def _add_deviations(made: Written, kind: VehicleColumns, spread: Floats, deviations: float) -> None:
     """Column, cone and rows of each vehicle of a type."""
-    count, every, limits = kind.count, np.arange(len(kind.tail)), _limits(kind)
+    count, every, held = kind.count, np.arange(len(kind.tail)), limits(kind)
     largest = np.zeros(kind.prep.nodes)
     np.maximum.at(largest, kind.tail, spread)
-    most = min(math.sqrt(math.fsum(largest)), *(limit / (rate * deviations) for _, _, rate, limit in limits))
+    most = min(math.sqrt(math.fsum(largest)), *(limit / (rate * deviations) for _, _, rate, limit in held))
     first = made.add_columns("deviation", (kind.vehicles,), (kind.numbers,), 0.0, most)
-    for name, weight, rate, limit in limits:
+    for name, weight, rate, limit in held:
         row = np.arange(count)
         parts: list[Part] = [
             (np.repeat(row, len(every)), kind.each(every), np.tile(weight, count)), (row, first + row, rate * deviations),

@@ -50,6 +50,9 @@ TOUCHED = 1e-4
 CHORDS = 3
 """Laid to find the last allowed point between two decisions."""
 
+CHORD_POINTS = 60
+"""Of each constraint, for a decision where the rounds found none."""
+
 STALLED = 8
 """Rounds without progress after which it ends."""
 
@@ -74,7 +77,7 @@ class SuccessiveTangents:
         self.problem = problem = self.units.problem
         at = points(problem, mean_risk(problem), FIRST_POINTS, FIRST_LEAST)
         self.pieces = piecewise_program(problem, "tangents", at, above=False)
-        self.session = open_session(self.pieces.program, seed)
+        self.session, self.seed = open_session(self.pieces.program, seed), seed
         self.budgets = np.array([b.risk for b in problem.budgets]) / self.pieces.unit
         self.floor = self.pieces.program.lower[self.pieces.z : self.pieces.z + len(problem.names)]
         order = np.argsort(problem.constraint)  # one row a constraint
@@ -122,6 +125,8 @@ class SuccessiveTangents:
             still = still + 1 if math.isfinite(before) and not found.gap < 0.9 * before else 0
             if (not added and found.answer is not None) or still > STALLED:
                 break
+        if found.answer is None and found.status == "unknown" and not stop.reached():
+            self._restricted(stop)
         if self.best is not None and found.status != "infeasible":
             found.prices = self._prices(self.best, self.best.duals)
         if found.answer is not None:
@@ -215,6 +220,13 @@ class SuccessiveTangents:
         if kept:
             self.found.value, self.found.answer = value, Allocation(decision)
         return kept
+
+    def _restricted(self, stop: Stop) -> None:
+        """Take the decision of the program with chords where deviations are so small that the tangents' solver rounds them away."""
+        at = points(self.problem, mean_risk(self.problem), CHORD_POINTS)
+        made = open_session(piecewise_program(self.problem, "secants", at, above=True).program, self.seed).solve(stop)
+        if made.status == "optimal":
+            self._take(made.x[: self.problem.size])
 
     def _touch(self, made: Solved) -> int:
         """Add tangents where constraints have more risk than the program says; how many."""

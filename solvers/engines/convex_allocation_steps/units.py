@@ -85,12 +85,15 @@ class Units:
 
 
 def _column_sizes(p: RiskAllocation, entries: Floats, sides: Floats) -> Floats:
-    """Of each decision its larger bound, or else what the rows that hold it leave it, or 1."""
+    """Of each decision its larger bound, or else what the rows that hold it leave it, or 1; in the cost alone the largest of all."""
     bounds = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.lower, p.upper)))
     with np.errstate(divide="ignore", invalid="ignore"):
         left = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)
     rows = left.min(axis=0, initial=math.inf)
-    return np.asarray(np.where(bounds > 0.0, bounds, np.where(np.isfinite(rows), rows, 1.0)))
+    sizes = np.where(bounds > 0.0, bounds, np.where(np.isfinite(rows), rows, 1.0))
+    parts = [entries, *(f for _, _, f, _ in p.terms), *(np.abs(f) + np.abs(g) for f, _, g, _ in p.cones)]
+    loose = ~np.concatenate(parts).any(axis=0) & (bounds == 0.0)
+    return np.asarray(np.where(loose, sizes.max(initial=1.0), sizes))
 
 
 def _one_over(size: float) -> float:

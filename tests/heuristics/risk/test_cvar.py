@@ -28,5 +28,7 @@ def test_rows_without_noise_are_kept() -> None:
 def test_too_few_samples_end_without_a_plan() -> None:
     found = cvar(problem(risk={"kind": "joint", "total": 1e-4}), context(), samples=10)
     assert found.answer is None and found.message == "10 samples are too few for this risk"
+    found = cvar(problem(risk={"kind": "joint", "total": 1e-100}), context(), samples=10)  # a share of 1e-99 samples
+    assert found.answer is None and found.message == "10 samples are too few for this risk"
     with pytest.raises(UsageError, match="between 10 and"):
         cvar(problem(risk__kind="joint"), context(), samples=5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from risk_problems import margins, problem, run
 
@@ -55,6 +56,16 @@ def test_norms_have_the_same_optimum_at_any_scale(scale: float, weight: float) -
     assert verified_bound(p, found.evidence[0]) == pytest.approx(found.objective, rel=1e-7)
 
 
+@pytest.mark.parametrize("part", [1e-9, 1e-11, 1e-14])
+@pytest.mark.parametrize("unit", [2.0**-30, 1.0, 2.0**30])
+def test_deviations_beyond_what_solvers_see_leave_an_answer_and_its_proof(part: float, unit: float) -> None:
+    limit = 5 * unit
+    p = problem(lower=0, upper=9 * unit, constraints=None, chance__limits=[limit] * 2, quantities__covariance=[(limit * part) ** 2] * 2)
+    found = solve(p, bound_time=0)
+    assert found.status == "optimal" and found.bound_kind == "verified" and not found.faults
+    assert 20 * unit * (1 - 1e-7) < found.objective < 20 * unit
+
+
 def test_what_its_prices_do_not_prove_is_no_optimum() -> None:
     p = margins([1.0, 3.0], 0.1)
     found = SuccessiveTangents(p).run(Stop())
@@ -62,6 +73,29 @@ def test_what_its_prices_do_not_prove_is_no_optimum() -> None:
     found.prices = {**found.prices, "chance": 0.5 * found.prices["chance"]}
     assert _unproved(p, found, 0.0)
     assert found.status == "feasible" and found.bound < 0.9 * found.value
+
+
+def test_an_open_interval_claims_what_its_prices_prove() -> None:
+    """Clarabel stops early on this one, between two values of which neither is a bound."""
+    p = problem(
+        decisions=2, lower=[-2, -5], upper=None, cost={
+            "decisions": [-3, -1],
+            "terms": [{"kind": "norm", "weight": 0.1, "decisions": [[-2, -1], [2, -1]], "constant": [-2, 0]}],
+        },
+        quantities={
+            "map": [[-1.7925474833464532, -2], [-1.1950370868740516, -2], [-3, 3]],
+            "covariance": [2.958951664510954, 3.7877310781734943, 1.801245175705491],
+        },
+        chance={"quantities": np.eye(3).tolist(), "limits": [1, 0, 2]}, constraints={"decisions": [[0, -1]], "upper": 7, "lower": -2},
+        risk={"total": 1e-9},
+    )  # fmt: skip
+    found = run(ConvexAllocation, p)
+    assert found.bound is not None and found.objective is not None and found.bound >= found.objective - 1e-6 * abs(found.objective)
+    assert not solve(p, bound_time=0).faults
+    found = SuccessiveTangents(p).run(Stop())
+    found.status, found.bound = "feasible", found.value + 1.0
+    _unproved(p, found, 0.0)
+    assert found.bound == p.sign * verified_bound(p, found.evidence(p.sign)[0])
 
 
 def test_the_gap_asked_for_ends_it() -> None:

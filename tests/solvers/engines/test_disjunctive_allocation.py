@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from risk_problems import around_a_box, run
+from risk_problems import around_a_box, problem, run
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
@@ -58,3 +58,24 @@ def test_no_side_that_can_be_kept_is_no_answer() -> None:
 def test_joint_risk_is_kept_by_the_best_allocation() -> None:
     found = run(DisjunctiveAllocation, around_a_box(risk__kind="joint"))
     assert found.objective == pytest.approx(1.328971, abs=1e-5) and not found.evidence
+
+
+@pytest.mark.parametrize("least", [-1e9, -2e9, -3e9])
+@pytest.mark.parametrize("kind", ["allocated", "joint"])
+def test_no_optimum_is_claimed_that_its_own_proof_refutes(least: float, kind: str) -> None:
+    """A row from ``least`` to 0 may be broken by some of ``least``, so that an answer gains more than the best one costs, which is 0."""
+    p = problem(
+        sense="min", decisions=1, lower=-4e9, upper=6e9, quantities={"map": [[-3], [-3], [-3], [1.25]], "covariance": [6.4e13] * 4},
+        cost={"decisions": [3.0]}, constraints={"decisions": [[-2.0]], "upper": 0.0, "lower": least},
+        cones=[{"decisions": [[1.0]], "limit": 2e9}],
+        chance={"quantities": np.eye(4).tolist(), "limits": [3e9, 1e9, 2e9, 3e9], "names": ["a", "b"], "constraint": [0, 0, 1, 1]},
+        risk={"total": 1e-100, "each": [0.01, 1e-100], "kind": kind},
+    )  # fmt: skip
+    found = solve(p, "disjunctive-allocation", bound_time=0)
+    assert not found.faults and found.answer is not None
+    size, bound = found.evaluation.size, found.certificate.bound
+    assert found.status != "optimal" or bound is None or found.objective >= bound - 1e-6 * size
+    raw = run(DisjunctiveAllocation, p)
+    if kind == "allocated":
+        proved = verified_bound(p, raw.evidence[0])
+        assert raw.objective < proved - 1e-6 * size and raw.status == "feasible" and "no optimum is claimed" in raw.message

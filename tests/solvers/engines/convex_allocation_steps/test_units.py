@@ -7,6 +7,7 @@ import pytest
 from risk_problems import problem
 
 from waybound.solvers.engines.convex_allocation_steps.units import Units
+from waybound.solving.solve import solve
 
 
 def test_ordinary_problems_are_left_as_they_are() -> None:
@@ -43,3 +44,14 @@ def test_terms_far_from_one_are_counted_in_units_of_their_own(kind: str) -> None
     assert made.problem.value(inside)[0] == made.cost * p.value(x)[0]
     back = made.prices({"rows": np.ones(1), "chance": np.ones(2), "budgets": np.ones(1), "terms": duals, "cones": np.zeros(0)})["terms"]
     assert back @ (p.terms[0][2] @ x + p.terms[0][3]) * made.cost == duals @ (rows @ inside + constant)
+
+
+def test_a_decision_that_only_the_cost_knows_is_counted_like_the_largest_other() -> None:
+    """Its price would be nothing beside theirs, and an endless cost an optimum."""
+    p = problem(
+        sense="min", lower=None, upper=None, constraints=None, quantities__covariance=[1e14] * 2, cost={"decisions": [2, -3]},
+        chance={"quantities": [[0, 1]], "limits": [2.0**32]},
+    )  # fmt: skip
+    made = Units.of(p)
+    assert made.columns[0] == made.columns[1] > 1.0
+    assert solve(p, bound_time=0).status == "unbounded"

@@ -1,0 +1,233 @@
+"""Two three-index forms with uncertain durations in pieces: linear, so that every MILP solver takes risks, of routes and of the team.
+
+The variance of a route is linear in its moves, its deviation concave in that, the quantile of its risk convex in the part r_k of
+-log(1 - team_risk) that it takes. To the rows of ``three_index``, for each vehicle k with a piece j for some intervals [a_j, b_j] of the
+deviation times some of the quantile::
+
+    one[k]       sum_j w_kj = 1,   w binary                                     which piece counts
+    spread[k,j]  a_j^2 w_kj <= v_kj <= b_j^2 w_kj                               and within[k,j] for r_kj
+    variance[k]  sum_j v_kj >= sum v_ij x_ijk
+    safe[k]      sum (s_i + d_ij) x_ijk + sum_j (p_j w_kj + q_j v_kj + f_j r_kj) <= max_duration
+    lasting[k]   rate (sum d_ij x_ijk + sum_j (...)) <= energy at departure
+    risk         sum_k sum_j r_kj <= 1                                          a risk of the team, split as costs least
+
+In ``three-index-tangents``, a restriction, p w + q v + f r is at least deviation times quantile, by the tangent of the deviation, the
+chord of the quantile, and McCormick's plane for the product of both; in ``three-index-chords``, a relaxation, it is at most that, by the
+chord of the deviation, the tangent of the quantile, and the plane below. Where each route has a risk of its own there is one quantile, and
+no r. The first piece is that of no variance.
+
+They differ by the widths of the pieces: the optimum lies between theirs. ``three-index-cones`` is exact for a risk of routes,
+``set-partitioning`` for both.
+
+Source: one binary a piece as in Croxton, Gendron and Magnanti (2003), "A comparison of mixed-integer programming models for nonconvex
+piecewise linear cost minimization problems"; planes of McCormick (1976); docs/formulations/routing.md#risk.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....instances.errors import InputError
+from ....instances.routing.features import RISKS
+from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
+from ...programs.exactness import Exactness
+from ...programs.program import Floats
+from ...programs.rows import Part, rows
+from ..overrun import quantile, tail
+from ._priorities import with_levels
+from ._vehicle_columns import Drive, VehicleColumns, Written
+from .three_index import refuses, written
+from .three_index_cones import KNOWN, limits, uncertain_moves
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
+
+Line = tuple[float, float]
+"""Value at 0, and slope."""
+
+PIECES = 6
+"""Intervals of the deviation for each quantile; the narrower the smaller it is, for there the root is bent."""
+
+QUANTILES = 10
+"""Intervals for a risk of the team, equally wide."""
+
+FAINTEST = 1e-4
+"""Of the team's risk, the part beyond which smaller ones are not told apart."""
+
+SPARED = 1e-6
+"""Part of each limit that the restriction leaves to what solvers round."""
+
+ROUNDED = 1e-9
+"""Part of margins and risks that either concedes to its own rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Of a type of vehicle; arrays of shape (pieces,).
+
+    Attributes
+    ----------
+    constant, slope, fall : arrays
+        p, q and f.
+    least, most : arrays
+        Variances at the ends.
+    fewest, share : arrays
+        Least and largest part of the team's risk.
+    """
+
+    constant: Floats
+    slope: Floats
+    fall: Floats
+    least: Floats
+    most: Floats
+    fewest: Floats
+    share: Floats
+
+
+def build(problem: RoutingProblem, *, above: bool) -> Compiled:
+    """The program; see the module's text for its mathematics.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        With a risk of routes, of the team, or both.
+    above : bool
+        Whether margins are at least what they should be (tangents), or at most (chords).
+    """
+    name = "three-index-tangents" if above else "three-index-chords"
+    return with_levels(problem, partial(written, form=name, further=(partial(_add_pieces, above=above),)))
+
+
+def _add_pieces(made: Written, *, above: bool) -> None:
+    team, spent = made.problem.team_risk, list[Part]()
+    for number, kind in enumerate(made.types):
+        risks = [risk for risk in (kind.vehicle.risk, team) if risk is not None]
+        spread = uncertain_moves(made.problem, number, kind)
+        if not risks or spread is None or (team is None and min(risks) == 0.5):  # with no margin
+            continue
+        pieces = _pieces(kind, spread, min(risks), team, above)
+        first = _add_choice(made, kind, spread, pieces, above)  # of the parts r
+        many = kind.count * len(pieces.share)
+        spent.append((np.zeros(many, dtype=np.int64), first + np.arange(many), 1.0))
+    if team is not None and spent:
+        made.rows.append(rows("risk", 1, spent, upper=1.0 if above else 1.0 + ROUNDED))
+
+
+def _pieces(kind: VehicleColumns, spread: Floats, risk: float, team: float | None, above: bool) -> Pieces:
+    """All pieces of a type, that of no variance first."""
+    largest = np.zeros(kind.prep.nodes)
+    np.maximum.at(largest, kind.tail, spread)
+    farthest, found = math.sqrt(math.fsum(largest)), [tuple([np.zeros(1)] * 7)]
+    for low, high, chord, tangent, ends in _quantiles(risk, team, above):
+        most = min([farthest, *(limit / (rate * low) for _, _, rate, limit in limits(kind) if low > 0.0)])
+        if most <= 0.0:
+            continue
+        edges = most * (np.arange(PIECES + 1) / PIECES) ** 2
+        a, b = edges[:-1], edges[1:]
+        (at, fall), z = (chord, high) if above else (tangent, low)  # of the quantile, at no risk and for each part
+        bent = (a + b) / 4.0 if above else a * b / (a + b)  # the line of the deviation at no variance
+        rounded = 1.0 + ROUNDED if above else 1.0 - ROUNDED
+        parts = rounded * (z * bent + a * (at - z)), rounded * z / (a + b), a * fall, a * a, b * b
+        found.append((*parts, np.full(PIECES, ends[0]), np.full(PIECES, ends[1])))
+    return Pieces(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
+
+def _quantiles(risk: float, team: float | None, above: bool) -> list[tuple[float, float, Line, Line, tuple[float, float]]]:
+    """Intervals of the quantile: its ends, chord and tangent over the part of the team's risk, and the ends of that part."""
+    largest = 0.0 if risk == 0.5 else quantile(risk)
+    if team is None:
+        return [(largest, largest, (largest, 0.0), (largest, 0.0), (0.0, 0.0))]
+    whole = -math.log1p(-team)
+    every = np.linspace(largest, quantile(risk * FAINTEST), QUANTILES + 1).tolist()
+    shares = [-math.log1p(-risk) / whole, *(-math.log1p(-tail(z)) / whole for z in every[1:])]
+    found = []
+    for low, high, more, less in zip(every[:-1], every[1:], shares[:-1], shares[1:], strict=True):
+        slope, middle = (low - high) / (more - less), tail(0.5 * (low + high))
+        bend = -whole * (1.0 - middle) / math.exp(-0.125 * (low + high) ** 2) * math.sqrt(2.0 * math.pi)
+        tangent = 0.5 * (low + high) + bend * math.log1p(-middle) / whole
+        found.append((low, high, (high - slope * less, slope), (tangent, bend), (less, more)))
+    if not above:  # all fainter ones
+        found.append((every[-1], every[-1], (every[-1], 0.0), (every[-1], 0.0), (0.0, shares[-1])))
+    return found
+
+
+def _add_choice(made: Written, kind: VehicleColumns, spread: Floats, pieces: Pieces, above: bool) -> int:
+    """Columns and rows of a type; the first column of its parts r."""
+    count, many, moves = kind.count, len(pieces.share), np.nonzero(spread)[0]
+    row, each = np.repeat(np.arange(count), many), np.arange(count * many)
+    keys, labels = (np.repeat(kind.vehicles, many), np.tile(np.arange(many), count)), (kind.numbers, None)
+    chosen = made.add_columns("piece", keys, labels, 0.0, 1.0, integer=True)
+    used = made.add_columns("spread", keys, labels, 0.0, np.tile(pieces.most, count))
+    taken = made.add_columns("part", keys, labels, 0.0, np.tile(pieces.share, count))
+    own, names = (kind.vehicles,), (kind.numbers,)
+    variance: list[Part] = [
+        (row, used + each, 1.0), (np.repeat(np.arange(count), len(moves)), kind.each(moves), -np.tile(spread[moves], count)),
+    ]  # fmt: skip
+    made.rows += [
+        rows("one", count, [(row, chosen + each, 1.0)], 1.0, 1.0, own, names),
+        rows("variance", count, variance, 0.0, keys=own, labels=names),
+    ]
+    for name, column, least, most in (("spread", used, pieces.least, pieces.most), ("part", taken, pieces.fewest, pieces.share)):
+        for side, ends, lower, upper in (("least", least, 0.0, math.inf), ("most", most, -math.inf, 0.0)):
+            at = np.nonzero(np.tile(ends if side == "least" else most, count) > 0.0)[0]
+            within: list[Part] = [(np.arange(len(at)), column + at, 1.0), (np.arange(len(at)), chosen + at, -np.tile(ends, count)[at])]
+            made.rows.append(rows(f"{side}-{name}", len(at), within, lower, upper, tuple(key[at] for key in keys), labels))
+    every = np.arange(len(kind.tail))
+    held = [(name, weight, rate, limit * (1.0 - SPARED) if above else limit) for name, weight, rate, limit in limits(kind)]
+    for name, weight, rate, limit in held:
+        parts: list[Part] = [
+            (np.repeat(np.arange(count), len(every)), kind.each(every), np.tile(weight, count)),
+            *((row, column + each, rate * np.tile(part, count))
+              for column, part in ((chosen, pieces.constant), (used, pieces.slope), (taken, pieces.fall))),
+        ]  # fmt: skip
+        made.rows.append(rows(name, count, parts, upper=limit, keys=own, labels=names))
+    made.encoders.append(_filling(kind, spread, pieces, held, (chosen, used, taken)))
+    return taken
+
+
+def _filling(
+    kind: VehicleColumns, spread: Floats, pieces: Pieces, held: list[tuple[str, Floats, float, float]], columns: tuple[int, int, int]
+) -> Callable[[Floats, list[Drive]], None]:
+    chosen, used, taken = columns
+    many = len(pieces.share)
+
+    def fill(x: Floats, drives: list[Drive]) -> None:
+        x[chosen + many * np.arange(kind.count)] = 1.0
+        for drive in drives:
+            if drive.kind is not kind:
+                continue
+            arcs = kind.arc_of[drive.arcs] if len(drive.arcs) else np.array([kind.idle])
+            variance = math.fsum(spread[arcs])
+            filled = np.maximum(variance, pieces.least)
+            least, fits = pieces.fewest.copy(), filled <= pieces.most * (1.0 + ROUNDED)
+            for _, weight, rate, limit in held:  # the least part for which the margin fits
+                over = math.fsum(weight[arcs]) + rate * (pieces.constant + pieces.slope * filled) - limit * (1.0 + ROUNDED)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    needed = np.where(over <= 0.0, 0.0, np.where(pieces.fall < 0.0, over / (-rate * pieces.fall), math.inf))
+                least = np.maximum(least, needed)
+            fits &= least <= pieces.share * (1.0 + ROUNDED)
+            if not fits.any():
+                raise InputError("a route has no place in the pieces", found=f"a variance of {variance:g}")
+            at = min(np.nonzero(fits)[0].tolist(), key=lambda j: (least[j], pieces.slope[j]))
+            start = many * drive.number
+            x[chosen + start], x[chosen + start + at] = 0.0, 1.0
+            x[used + start + at], x[taken + start + at] = min(filled[at], pieces.most[at]), min(least[at], pieces.share[at])
+
+    return fill
+
+
+def _refuses(problem: RoutingProblem) -> frozenset[str]:
+    return refuses(problem) | (frozenset() if RISKS & problem.features() else frozenset({"certain durations"}))
+
+
+for _name, _exactness, _above in (
+    ("three-index-tangents", Exactness.RESTRICTION, True), ("three-index-chords", Exactness.RELAXATION, False),
+):  # fmt: skip
+    FORMS.add(_name, Form(_name, "routing", KNOWN | RISKS, partial(build, above=_above), _exactness, refuses=_refuses, order=8))
