@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
     from .formulations.auctions.balanced_partition import BalancedPartition
     from .formulations.auctions.bin_assignment import BinAssignment
+    from .formulations.auctions.generalised_assignment import GeneralisedAssignment
     from .formulations.auctions.orchard_day import OrchardDay
     from .formulations.auctions.task_allocation import TaskAllocation
     from .formulations.certificate import Certificate
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
     from .instances.auctions.assignment import AssignmentInstance
+    from .instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
     from .instances.auctions.orchard_jobs import OrchardJobs
     from .instances.auctions.robot_tasks import RobotTasks
     from .instances.errors import (
@@ -94,6 +96,7 @@ _MODULES = {
     "formulations.auctions.balanced_partition": ("BalancedPartition",),
     "formulations.auctions.task_allocation": ("TaskAllocation",),
     "formulations.auctions.bin_assignment": ("BinAssignment",),
+    "formulations.auctions.generalised_assignment": ("GeneralisedAssignment",),
     "formulations.auctions.orchard_day": ("OrchardDay",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
@@ -141,6 +144,7 @@ _MODULES = {
     "heuristics.selection.submodularity": ("check_submodular",),
     "instances.auctions.robot_tasks": ("RobotTasks",),
     "instances.auctions.assignment": ("AssignmentInstance",),
+    "instances.auctions.generalised_assignment": ("GeneralisedAssignmentInstance",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",
@@ -187,6 +191,8 @@ __all__ = [
     "Exactness",
     "Explanation",
     "FacilityLocation",
+    "GeneralisedAssignment",
+    "GeneralisedAssignmentInstance",
     "Group",
     "Guarantee",
     "InputError",
