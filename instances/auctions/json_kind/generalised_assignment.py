@@ -49,7 +49,8 @@ def decode(data: dict[str, Any]) -> GeneralisedAssignmentInstance:
     return GeneralisedAssignmentInstance(
         np.array(values), np.array(used), reals(agents["capacity"], "agents.capacity", m), objective,
         strings(agents["name"], "agents.name") if "name" in agents else None,
-        strings(jobs["name"], "jobs.name") if "name" in jobs else None, name=string(data["name"], "name"), format="json", notes=strings(data.get("notes", []), "notes"),
+        strings(jobs["name"], "jobs.name") if "name" in jobs else None, name=string(data["name"], "name"), format="json",
+        notes=strings(data.get("notes", []), "notes"),
     )  # fmt: skip
 
 
