@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .formulations.auctions.balanced_partition import BalancedPartition
     from .formulations.auctions.bin_assignment import BinAssignment
     from .formulations.auctions.generalised_assignment import GeneralisedAssignment
+    from .formulations.auctions.joint_assignment import JointAssignment
     from .formulations.auctions.orchard_day import OrchardDay
     from .formulations.auctions.task_allocation import TaskAllocation
     from .formulations.certificate import Certificate
@@ -97,6 +98,7 @@ _MODULES = {
     "formulations.auctions.task_allocation": ("TaskAllocation",),
     "formulations.auctions.bin_assignment": ("BinAssignment",),
     "formulations.auctions.generalised_assignment": ("GeneralisedAssignment",),
+    "formulations.auctions.joint_assignment": ("JointAssignment",),
     "formulations.auctions.orchard_day": ("OrchardDay",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
@@ -196,6 +198,7 @@ __all__ = [
     "Group",
     "Guarantee",
     "InputError",
+    "JointAssignment",
     "Knapsack",
     "LatestReturn",
     "LongestRoute",

@@ -20,6 +20,7 @@ EXAMPLES = {
     "risky-graph": lambda: generate("risky-grid", rows=3, columns=3, occupied=0, mud=0.3, tether=True, seed=1),
     "assignment": lambda: generate("assignment", robots=4, bins=5, costs="orchard", arcs=3, seed=1),
     "generalised-assignment": lambda: generate("generalised-assignment", agents=2, jobs=3, seed=1),
+    "joint-assignment": lambda: generate("joint-assignment", robots=3, bins=2, requests=2, seed=1),
     "orchard-jobs": lambda: generate("orchard-day", seed=1),
     "robot-tasks": lambda: generate("robot-tasks", robots=2, tasks=3, weight=5, seed=1),
     "max-min": lambda: MaxMinInstance(SparseMatrix.of([[1.0, 2.0]]), SparseMatrix.of([[3.0, 0.0], [1.0, 1.0]])),
