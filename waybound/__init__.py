@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .formulations.auctions.generalised_assignment import GeneralisedAssignment
     from .formulations.auctions.joint_assignment import JointAssignment
     from .formulations.auctions.orchard_day import OrchardDay
+    from .formulations.auctions.room_exploration import RoomExploration
     from .formulations.auctions.task_allocation import TaskAllocation
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
@@ -100,6 +101,7 @@ _MODULES = {
     "formulations.auctions.generalised_assignment": ("GeneralisedAssignment",),
     "formulations.auctions.joint_assignment": ("JointAssignment",),
     "formulations.auctions.orchard_day": ("OrchardDay",),
+    "formulations.auctions.room_exploration": ("RoomExploration",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
@@ -218,6 +220,7 @@ __all__ = [
     "RiskyGraph",
     "RiskyPath",
     "RobotTasks",
+    "RoomExploration",
     "Route",
     "Routes",
     "RoutingInstance",

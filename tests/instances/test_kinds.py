@@ -19,6 +19,7 @@ EXAMPLES = {
     "uncertain-graph": lambda: generate("prm-graph", vertices=5, seed=1),
     "risky-graph": lambda: generate("risky-grid", rows=3, columns=3, occupied=0, mud=0.3, tether=True, seed=1),
     "assignment": lambda: generate("assignment", robots=4, bins=5, costs="orchard", arcs=3, seed=1),
+    "exploration-map": lambda: generate("exploration-map", rooms=5, seed=1),
     "generalised-assignment": lambda: generate("generalised-assignment", agents=2, jobs=3, seed=1),
     "joint-assignment": lambda: generate("joint-assignment", robots=3, bins=2, requests=2, seed=1),
     "orchard-jobs": lambda: generate("orchard-day", seed=1),
