@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from .api import bound, check, explain, generate, read
     from .formulations.auctions.balanced_partition import BalancedPartition
     from .formulations.auctions.bin_assignment import BinAssignment
+    from .formulations.auctions.generalised_assignment import GeneralisedAssignment
+    from .formulations.auctions.joint_assignment import JointAssignment
     from .formulations.auctions.orchard_day import OrchardDay
+    from .formulations.auctions.room_exploration import RoomExploration
     from .formulations.auctions.task_allocation import TaskAllocation
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
@@ -64,6 +67,7 @@ if TYPE_CHECKING:
     from .formulations.solution import Solution
     from .heuristics.selection.submodularity import check_submodular
     from .instances.auctions.assignment import AssignmentInstance
+    from .instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
     from .instances.auctions.orchard_jobs import OrchardJobs
     from .instances.auctions.robot_tasks import RobotTasks
     from .instances.errors import (
@@ -94,7 +98,10 @@ _MODULES = {
     "formulations.auctions.balanced_partition": ("BalancedPartition",),
     "formulations.auctions.task_allocation": ("TaskAllocation",),
     "formulations.auctions.bin_assignment": ("BinAssignment",),
+    "formulations.auctions.generalised_assignment": ("GeneralisedAssignment",),
+    "formulations.auctions.joint_assignment": ("JointAssignment",),
     "formulations.auctions.orchard_day": ("OrchardDay",),
+    "formulations.auctions.room_exploration": ("RoomExploration",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
@@ -141,6 +148,7 @@ _MODULES = {
     "heuristics.selection.submodularity": ("check_submodular",),
     "instances.auctions.robot_tasks": ("RobotTasks",),
     "instances.auctions.assignment": ("AssignmentInstance",),
+    "instances.auctions.generalised_assignment": ("GeneralisedAssignmentInstance",),
     "instances.errors": (
         "CheckFailedError",
         "InputError",
@@ -187,9 +195,12 @@ __all__ = [
     "Exactness",
     "Explanation",
     "FacilityLocation",
+    "GeneralisedAssignment",
+    "GeneralisedAssignmentInstance",
     "Group",
     "Guarantee",
     "InputError",
+    "JointAssignment",
     "Knapsack",
     "LatestReturn",
     "LongestRoute",
@@ -209,6 +220,7 @@ __all__ = [
     "RiskyGraph",
     "RiskyPath",
     "RobotTasks",
+    "RoomExploration",
     "Route",
     "Routes",
     "RoutingInstance",

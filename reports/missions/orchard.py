@@ -10,16 +10,19 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...formulations.auctions.bin_assignment import BinAssignment
+from ...formulations.auctions.joint_assignment import JointAssignment
 from ...formulations.auctions.orchard_day import OrchardDay
 from ...formulations.problem import Problem
 from ...instances.auctions.assignment import AssignmentInstance
+from ...instances.auctions.joint_assignment import JointAssignmentInstance
 from ...instances.auctions.orchard_jobs import OrchardJobs
+from ...instances.auctions.orchard_rules import Trip
 from ...instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ...instances.worlds.orchard import HAULING, OrchardObservation, OrchardWorld
 from .mission import MISSIONS, Actions, Decision, Mission, Scene
 from .orchard_days.policies import CHOOSING, COSTS, DELIVERIES, costs, trips
 
-PLANS = ("step", "makespan", "completion")
+PLANS = ("step", "joint", "makespan", "completion")
 
 STACK, GAP, BESIDE = 3, 0.36, 0.25
 """In pictures: returned bins a lane, beside the repository; how far apart; how far a bin lies from the robot that carries it."""
@@ -30,7 +33,7 @@ class Orchard(Mission):
 
     Which bin each fetches is the problem: an assignment of the idle robots at the least sum of costs (``plan=step``), or a schedule of
     all bins that stand and all robots, of which the first trips are begun (``makespan``, ``completion``). ``delivery`` says where new
-    bins go. The policies choose bins by rules.
+    bins go, but with ``plan=joint``, an assignment of bins and requests at once. The policies choose bins by rules.
 
     Notes
     -----
@@ -45,7 +48,9 @@ class Orchard(Mission):
         "delivery": Setting("proposed", "where new bins go: ahead of requests too, or to the earliest request alone", choices=DELIVERIES),
         "cost": Setting("later", "of a bin: travel and filling, whichever ends later, or their sum", choices=COSTS),
         "plan": Setting(
-            "step", "what robots solve: an assignment, or a schedule of all standing bins by its last step or all", choices=PLANS
+            "step",
+            "what robots solve: an assignment, one of bins and requests, or a schedule of standing bins by its last step or all",
+            choices=PLANS,
         ),
         "idle": Setting("return", "what a robot in the field does without a bin to fetch", choices=("return", "stay")),
     }
@@ -61,6 +66,8 @@ class Orchard(Mission):
         o = observation
         if not len(o.robots) or not len(o.bins):
             return None
+        if self.values["plan"] == "joint":
+            return joint_assignment(o)
         if self.values["plan"] != "step":
             return OrchardDay(known_jobs(o), self.values["plan"])
         travel = o.rules.grid.empty_times[np.ix_(o.cells, o.bin_cells)]
@@ -74,6 +81,8 @@ class Orchard(Mission):
         """Trips: the bins chosen, new bins as ``delivery`` says."""
         o, chosen = observation, {}
         if problem is not None and answer is not None:
+            if isinstance(problem, JointAssignment):
+                return self._errands(o, answer)
             if isinstance(problem, OrchardDay):
                 first = [own[0][1] if own else -1 for own in answer]
                 chosen = {int(robot): first[robot] for robot in o.robots}
@@ -81,6 +90,21 @@ class Orchard(Mission):
                 chosen = dict(zip(o.robots.tolist(), answer, strict=True))
         chosen = {robot: int(row) for robot, row in chosen.items() if row >= 0}
         return trips(o, chosen, self.values["delivery"], self.values["idle"] == "return")
+
+    def _errands(self, o: OrchardObservation, answer: Any) -> Actions:
+        """A robot at the repository without a request brings a new bin to the cell of its bin, if one is wanted there."""
+        told: dict[int, Trip] = {}
+        brought = {int(o.requests[request]) for _, request in answer if request >= 0}
+        for robot, cell, (row, request) in zip(o.robots.tolist(), o.cells.tolist(), answer, strict=True):
+            deliver = int(o.requests[request]) if request >= 0 else -1
+            near = int(o.bin_cells[row]) if row >= 0 else -1
+            ahead = self.values["delivery"] == "proposed" and deliver < 0 <= near and cell == o.rules.grid.home
+            if ahead and o.wanting[near] and near not in brought:
+                deliver = near
+                brought.add(near)
+            if row >= 0 or deliver >= 0 or self.values["idle"] == "return":
+                told[robot] = Trip(deliver, int(o.bins[row]) if row >= 0 else -1)
+        return told
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
         """``greedy``, ``auction``, ``auction-immediate`` and ``assignment``; see ``orchard_days.policies.CHOICES``."""
@@ -133,6 +157,20 @@ def known_jobs(o: OrchardObservation) -> OrchardJobs:
     cells[o.robots], free[o.robots] = o.cells, 0
     return OrchardJobs(
         grid, cells, free, o.bin_cells, np.full(count, -1), np.ones(count, dtype=bool), o.remaining, name=f"orchard at step {o.time}",
+    )  # fmt: skip
+
+
+def joint_assignment(o: OrchardObservation) -> JointAssignment:
+    """Idle robots, bins in the orchard and open requests; who is not at the repository has nothing to bring."""
+    grid, home = o.rules.grid, (o.cells == o.rules.grid.home)[:, None]
+    return JointAssignment(
+        JointAssignmentInstance(
+            grid.empty_times[np.ix_(o.cells, o.bin_cells)],
+            np.where(home, grid.empty_times[np.ix_(o.cells, o.requests)], math.inf).reshape(len(o.cells), len(o.requests)),
+            grid.empty_times[np.ix_(o.requests, o.bin_cells)], o.remaining.astype(np.float64),
+            robot_names=tuple(str(r + 1) for r in o.robots.tolist()), bin_names=tuple(str(b + 1) for b in o.bins.tolist()),
+            request_names=tuple(f"cell {c}" for c in o.requests.tolist()), name=f"orchard at step {o.time}",
+        )
     )  # fmt: skip
 
 

@@ -47,6 +47,14 @@ def test_measures_tell_what_an_assignment_would_cost():
     assert not exact["beaten"].any()
 
 
+@pytest.mark.parametrize("method", [{"solver": "highs"}, {"heuristic": "bins-then-requests"}], ids=str)
+def test_bins_and_requests_can_be_chosen_together(method):
+    log = wb.run("orchard", steps=80, seed=1, plan="joint", bound_time=0, **method, **SMALL)
+    assert (log["returned"].iloc[-1], log.attrs["faults"]) == (12.0, [])
+    without = wb.run("orchard", steps=80, seed=1, plan="joint", delivery="baseline", idle="stay", heuristic="bins-then-requests", **SMALL)
+    assert (without["returned"].iloc[-1], without.attrs["faults"]) == (12.0, [])
+
+
 @pytest.mark.parametrize("plan", ["makespan", "completion"])
 def test_schedules_of_all_standing_bins_bring_them_home_too(plan):
     log = wb.run("orchard", heuristic="list-schedule", steps=80, seed=1, plan=plan, **SMALL)

@@ -1,0 +1,77 @@
+"""Evidence ``best-increments``: no robots gain more than by the best visits and observations, one a step, each in a room in reach by then.
+
+It holds for every instance, so that the evidence holds no data. A visit that gains is a step, and so is an observation; a room at a
+distance of d doors from the nearest start is entered in step d at the earliest, and observed in the step after. Which gains can be had one
+a robot and step, contact set aside, is a matroid, so that taking the largest first is best (Edmonds 1971).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ....instances.errors import InputError
+from ...evidence import CHECKERS
+
+
+@CHECKERS.register("best-increments")
+def check_best_increments(problem: Any, data: Mapping[str, Any]) -> float:
+    """Upper bound on the gain.
+
+    Parameters
+    ----------
+    problem : RoomExploration
+    data : dict
+        Empty.
+
+    Returns
+    -------
+    float
+        Rounded upwards.
+
+    Raises
+    ------
+    InputError
+        For another problem, or data.
+
+    Notes
+    -----
+    docs/formulations/room-exploration.md#evidence.
+    """
+    if problem.family != "room-exploration":
+        raise InputError("best increments are evidence for room-exploration problems", found=problem.problem)
+    if data:
+        raise InputError("evidence best-increments holds no data", found=str(data)[:40])
+    given = problem.instance
+    robots, steps = given.num_robots, given.steps
+    first = np.full(given.num_rooms, -1)
+    here, count = np.zeros(given.num_rooms, dtype=bool), 0
+    here[given.starts] = True
+    while here.any():
+        first[here] = count
+        here = given.adjacent[here].any(axis=0) & (first < 0)
+        count += 1
+    entered = np.where(first == 0, 2, first)  # out of a start, and back; sooner by who comes from another
+    if robots > 1:
+        for room in np.nonzero(first == 0)[0].tolist():
+            others = given.starts[given.starts != room]
+            entered[room] = 1 if given.adjacent[room][others].any() else 2
+    gains: list[tuple[float, int]] = []  # and the first step in which each can be had
+    for table, soonest in ((given.exploring, entered), (given.mapping, first + 1), (given.searching, first + 1)):
+        for room, row in enumerate(table.tolist()):
+            if first[room] >= 0 and soonest[room] <= steps:
+                gains += [(value, int(soonest[room])) for value in row if value > 0.0]
+    room_left = [robots * (steps - step + 1) for step in range(steps + 1)]  # for gains that are had from that step on
+    taken = []
+    for value, soonest in sorted(gains, reverse=True):
+        if min(room_left[1 : soonest + 1]) > 0:
+            taken.append(value)
+            for step in range(1, soonest + 1):
+                room_left[step] -= 1
+        if len(taken) == robots * steps:
+            break
+    total = math.fsum(taken)
+    return math.nextafter(total, math.inf) if total else 0.0

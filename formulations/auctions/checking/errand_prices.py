@@ -1,0 +1,92 @@
+"""Evidence ``errand-prices``: prices of bins and requests, and what a bin fetched and a request served are worth.
+
+With prices p_j, r_q >= 0, any worths s, t, and c_ijq the time of an errand (p_j and s missing without a bin, r_q and t without a request),
+K bins fetched and D requests served take
+
+    K s + D t - sum_j p_j - sum_q r_q + sum_i min(0, min_jq (c_ijq + p_j + r_q - s - t))
+
+at least: each robot's errand is one of those, or none, and no bin or request is paid twice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import grain, lift
+from ...evidence import CHECKERS
+
+Floats = NDArray[np.float64]
+
+_EPS = float(np.finfo(np.float64).eps)
+_LARGEST = 1e300
+
+
+@CHECKERS.register("errand-prices")
+def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
+    """Lower bound on the sum of times that any prices prove.
+
+    Parameters
+    ----------
+    problem : JointAssignment
+    data : dict
+        ``bins``, ``requests``: one number each, negative ones counting as 0; ``pickup``, ``delivery``: the worths.
+
+    Returns
+    -------
+    float
+        Rounded downwards, and up to the next sum of times that there can be.
+
+    Raises
+    ------
+    InputError
+        If a number is missing or not finite.
+
+    Notes
+    -----
+    Source: Lagrangean duality, Burkard, Dell'Amico and Martello (2009), section 10.2; docs/formulations/joint-assignment.md#evidence.
+    """
+    if problem.family != "joint-assignment":
+        raise InputError("prices of errands are evidence for joint-assignment problems", found=problem.problem)
+    given = problem.instance
+    bins, requests = (_prices(data, key, count) for key, count in (("bins", given.num_bins), ("requests", given.num_requests)))
+    worths = [data.get("pickup"), data.get("delivery")]
+    if not all(map(_finite, worths)):
+        raise InputError("evidence needs the numbers pickup and delivery")
+    s, t = (float(worth) for worth in worths)  # type: ignore[arg-type]
+    least: list[float] = []
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = abs(s) + abs(t) + float(bins.max(initial=0.0)) + float(requests.max(initial=0.0))
+        for to_bin, to_request in zip(given.to_bin, given.to_request, strict=True):
+            usable = np.where(np.isfinite(to_bin) & np.isfinite(given.filled), 0.0, math.inf)
+            alone = np.maximum(to_bin, given.filled) + usable + (bins - s)
+            some = [0.0, alone.min(), (to_request + (requests - t)).min(initial=math.inf)]
+            if given.num_requests:
+                both = np.maximum(to_request[:, None] + given.between, given.filled) + usable + (requests - t)[:, None] + (bins - s)
+                some.append(both.min())
+            least.append(float(min(some)))
+        parts = [given.to_bin, given.to_request, given.between, given.filled]
+        finite = [part[np.isfinite(part)] for part in parts]
+        size += sum(float(part.max(initial=0.0)) for part in finite)
+        terms = [problem.pickups * s, problem.deliveries * t, *(-bins).tolist(), *(-requests).tolist(), *least]
+        try:
+            total = math.fsum([*terms, -8.0 * _EPS * (len(least) + 2) * size - 4.0 * _EPS * math.fsum(map(abs, terms))])
+        except (OverflowError, ValueError):
+            return -math.inf
+    return lift(total, "min", grain(np.concatenate(finite))) if math.isfinite(total) else -math.inf
+
+
+def _prices(data: Mapping[str, Any], key: str, count: int) -> Floats:
+    given = data.get(key)
+    if not isinstance(given, list) or len(given) != count or not all(map(_finite, given)):
+        raise InputError(f"evidence needs a list of prices of {key}", expected=f"{count} finite numbers")
+    return np.maximum(np.array(given, dtype=np.float64), 0.0)
+
+
+def _finite(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST

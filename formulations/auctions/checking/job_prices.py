@@ -1,0 +1,155 @@
+"""Evidence ``job-prices`` and ``capacity-need`` of generalised assignments.
+
+With a price u_j a job, an agent gains u_j - c_ij (of costs) or v_ij - u_j (of profits) by doing it, and no more altogether than K_i, the
+most that fits its capacity. Whoever does the jobs,
+
+    cost  >=  sum_j u_j - sum_i K_i             profit  <=  sum_j u_j + sum_i K_i     (u >= 0)
+
+where K_i is exact for whole consumption of moderate size (Bellman 1957), and elsewhere that of jobs done in part (Dantzig 1957).
+
+With a weight y_i >= 0 an agent, there is no way to do all jobs if sum_j min_i y_i a_ij > sum_i y_i b_i.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import grain, lift
+from ...evidence import CHECKERS
+from ...tolerance import room
+
+Floats = NDArray[np.float64]
+
+MOST_STEPS = 2e8
+"""Jobs x capacity of all agents up to which knapsacks are solved exactly: a second."""
+
+_EPS = float(np.finfo(np.float64).eps)
+_LARGEST, _TINY = 1e300, 1e-290
+
+
+@CHECKERS.register("job-prices")
+def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
+    """Bound on the cost or profit that any prices prove.
+
+    Parameters
+    ----------
+    problem : GeneralisedAssignment
+    data : dict
+        ``prices``: one number a job; of profits negative ones count as 0.
+
+    Returns
+    -------
+    float
+        Rounded downwards for costs, upwards for profits.
+
+    Raises
+    ------
+    InputError
+        If there is not one finite number a job.
+
+    Notes
+    -----
+    Source: Lagrangean duality, Fisher, Jaikumar and Van Wassenhove (1986); docs/formulations/generalised-assignment.md#evidence.
+    """
+    given, prices = _instance(problem, "prices of jobs"), _numbers(data, "prices", problem.num_jobs)
+    costs = problem.objective == "cost"
+    if not costs:
+        prices = np.maximum(prices, 0.0)
+    rooms = [room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)]
+    exact = given.num_jobs * math.fsum(rooms) <= MOST_STEPS
+    gains = []
+    for values, used, most in zip(given.values, given.consumption, rooms, strict=True):
+        fits = np.nonzero(np.isfinite(values) & (used <= most))[0]
+        gain = prices[fits] - values[fits] if costs else values[fits] - prices[fits]
+        kept = gain > 0.0
+        gain, part = np.nextafter(gain[kept], math.inf), used[fits][kept]  # no less than the exact difference
+        whole = exact and bool((np.floor(part) == part).all())
+        gains.append(_knapsack(gain, part.astype(np.int64), math.floor(most)) if whole else _in_part(gain, part, most))
+    with np.errstate(over="ignore"):
+        gains = [gain * (1.0 + (2 * given.num_jobs + 16) * _EPS) for gain in gains]
+    values = given.values[np.isfinite(given.values)]
+    sign = 1.0 if costs else -1.0
+    try:
+        total = math.fsum([*(sign * prices).tolist(), *(-gain for gain in gains)])
+    except (OverflowError, ValueError):
+        total = -math.inf
+    bound = sign * math.nextafter(total, -math.inf)
+    return lift(bound, problem.sense, grain(values)) if math.isfinite(bound) else -sign * math.inf
+
+
+def _knapsack(gain: Floats, used: NDArray[np.int64], most: int) -> float:
+    """The most gain of jobs that take no more than ``most``, all whole."""
+    best = np.zeros(min(most, int(used.sum())) + 1)
+    for each, part in zip(gain.tolist(), used.tolist(), strict=True):
+        if part == 0:
+            best += each
+        elif part < len(best):
+            best[part:] = np.maximum(best[part:], best[:-part] + each)
+    return float(best.max(initial=0.0))
+
+
+def _in_part(gain: Floats, used: Floats, most: float) -> float:
+    """At least the most gain: for any rate q >= 0, q most and what jobs gain beyond q times their part; the best q is where room ends."""
+    with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
+        unit = -math.frexp(most)[1] if most > 0.0 else 0
+        used, most = np.ldexp(used, unit), math.ldexp(most, unit)
+        used = np.where(used < _TINY, 0.0, used)  # what rounding could raise
+        rate = np.where(used > 0.0, gain / used, math.inf)
+        order = np.argsort(-rate, kind="stable")
+        at = int(np.searchsorted(np.cumsum(used[order]), most, side="right"))
+        q = float(rate[order][at]) if at < len(rate) else 0.0
+        if not math.isfinite(q):
+            q = 0.0
+        beyond = np.maximum(gain - q * used * (1.0 - 2.0 * _EPS), 0.0)
+    return float(beyond.sum()) + q * most
+
+
+@CHECKERS.register("capacity-need")
+def check_capacity_need(problem: Any, data: Mapping[str, Any]) -> float:
+    """Infinite where weights of agents prove that not all jobs can be done, else minus infinity.
+
+    Parameters
+    ----------
+    problem : GeneralisedAssignment
+    data : dict
+        ``weights``: one number an agent; negative ones count as 0.
+    """
+    given, weights = _instance(problem, "weights of agents"), np.maximum(_numbers(data, "weights", problem.num_agents), 0.0)
+    if problem.objective != "cost":
+        return math.inf  # nothing has to be done
+    rooms = np.array([room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)])
+    with np.errstate(over="ignore", invalid="ignore"):
+        fits = np.isfinite(given.values) & (given.consumption <= rooms[:, None])
+        need = np.where(fits, weights[:, None] * given.consumption, math.inf).min(axis=0) * (1.0 - 2.0 * _EPS)
+        need = np.where(need < _TINY, 0.0, need)
+        there = weights * rooms * (1.0 + 2.0 * _EPS) + _TINY
+    if np.isinf(need).any():
+        return math.inf if not fits.any(axis=0).all() else -math.inf
+    terms = [*need.tolist(), *(-there).tolist()]
+    try:
+        return math.inf if math.fsum(terms) > 0.0 else -math.inf
+    except (OverflowError, ValueError):
+        return -math.inf
+
+
+def _instance(problem: Any, what: str) -> Any:
+    if problem.family != "generalised-assignment":
+        raise InputError(f"{what} are evidence for generalised-assignment problems", found=problem.problem)
+    return problem.instance
+
+
+def _numbers(data: Mapping[str, Any], key: str, count: int) -> Floats:
+    given = data.get(key)
+    if not isinstance(given, list) or len(given) != count or not all(map(_finite, given)):
+        raise InputError(f"evidence needs a list of {key}", expected=f"{count} finite numbers")
+    return np.array(given, dtype=np.float64)
+
+
+def _finite(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST

@@ -1,0 +1,208 @@
+"""Rooms explored, mapped and searched by robots that must be heard again and again: the most gain within so many steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...instances.auctions.exploration_map import GAINS, ExplorationMap
+from ...instances.errors import InputError, UsageError
+from ...instances.instance import digest
+from ..evaluation import Checklist, Evaluation
+from ..problem import PROBLEMS, Problem
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+GO, MAP, SEARCH = range(3)
+ACTIONS = ("go", "map", "search")
+"""To a room, or to stay; to observe the type of the room; to look for a target in it."""
+
+Deed = tuple[int, int]
+"""The room in which a robot is after a step, and what it did."""
+
+Plans = tuple[tuple[Deed, ...], ...]
+"""Each robot's steps."""
+
+
+class RoomExploration(Problem):
+    """The most gain of all robots together.
+
+    At each step a robot goes through a door or stays, maps, or searches. Entering a room gains as a visit, whoever visits; the second visit
+    of a room gains less. After each step robots that hear each other are in contact, and those that are so joined to the base have contact;
+    nobody is without for more steps in a row than allowed, and all have contact after the last one.
+
+    Parameters
+    ----------
+    instance : ExplorationMap
+
+    Raises
+    ------
+    UsageError
+        For another instance.
+
+    Notes
+    -----
+    Source: Zhang (2015), section 5.3, for given beliefs; docs/formulations/room-exploration.md#model.
+    """
+
+    family: ClassVar[str] = "room-exploration"
+
+    def __init__(self, instance: ExplorationMap) -> None:
+        if not isinstance(instance, ExplorationMap):
+            raise UsageError(f"a room exploration is made of an ExplorationMap, not of {type(instance).__name__}")
+        self.instance = instance
+        self.name, self.problem, self.notes = instance.name, "room-exploration", instance.notes
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return ("max",)
+
+    @property
+    def convention(self) -> str:
+        return "exact"
+
+    def digest(self) -> str:
+        return digest("room-exploration", self.instance.digest())
+
+    def features(self) -> frozenset[str]:
+        """The limit of communication."""
+        return frozenset({"contact"})
+
+    @property
+    def size(self) -> int:
+        return self.instance.num_robots * self.instance.steps
+
+    def facts(self) -> dict[str, Any]:
+        return {"objective": "gains of visits and observations", "exploration": self.instance.facts()}
+
+    # -- judging -----------------------------------------------------------------------------------------------------
+
+    def evaluate(self, answer: Any) -> Evaluation:
+        """Add up the gains, and test that each step leads through a door, observers stay, and contact is kept."""
+        given = self.instance
+        self._check_shape(answer)
+        checks = Checklist()
+        adjacent = given.adjacent
+        counts = np.zeros((len(GAINS), given.num_rooms), dtype=np.int64)
+        for robot, deeds in enumerate(answer):
+            here = int(given.starts[robot])
+            for step, (room, action) in enumerate(deeds, start=1):
+                stays = room == here
+                fine = stays or (action == GO and adjacent[here, room])
+                what = f"from room {given.room_name(here)} to {given.room_name(room)}"
+                told = f"robot {robot + 1} cannot {'go' if action == GO else ACTIONS[action]} {what} in step {step}"
+                checks.test("doors", float(not fine), told, vehicle=str(robot + 1), site=given.room_name(room))
+                if action != GO or not stays:
+                    counts[action, room] += 1
+                here = room
+        for robot, silent in enumerate(self.silences(answer)):
+            told = f"robot {robot + 1} is without contact for {silent} steps in a row, {given.silence} allowed"
+            checks.test("contact", float(silent - given.silence), told, vehicle=str(robot + 1))
+        last = self.contacts(answer)[-1]
+        for robot in range(given.num_robots):
+            checks.test("end", float(not last[robot]), f"robot {robot + 1} has no contact after the last step", vehicle=str(robot + 1))
+        terms = [
+            getattr(given, key)[room, :count].tolist() for key, row in zip(GAINS, counts, strict=True) for room, count in enumerate(row)
+        ]
+        quantities = {
+            key: math.fsum(v for own in terms[k * given.num_rooms : (k + 1) * given.num_rooms] for v in own) for k, key in enumerate(GAINS)
+        }
+        value = math.fsum(v for own in terms for v in own)
+        return Evaluation((value,), checks.checks(("doors", "contact", "end")), tuple(checks.violations), quantities)
+
+    def _check_shape(self, answer: Any) -> None:
+        given = self.instance
+        if not isinstance(answer, tuple) or len(answer) != given.num_robots:
+            raise InputError(f"an answer is a tuple of steps for each of {given.num_robots} robots", found=str(answer)[:80])
+        for deeds in answer:
+            if not isinstance(deeds, tuple) or len(deeds) != given.steps:
+                raise InputError(f"each robot makes {given.steps} steps", found=str(deeds)[:80])
+            for deed in deeds:
+                pair = isinstance(deed, tuple) and len(deed) == 2 and all(type(k) is int for k in deed)
+                if not pair or not (0 <= deed[0] < given.num_rooms and 0 <= deed[1] < len(ACTIONS)):
+                    raise InputError(f"a step is a room from 0 to {given.num_rooms - 1} and an action from 0 to 2", found=str(deed)[:80])
+
+    def contacts(self, answer: Plans) -> NDArray[np.bool_]:
+        """Whether each robot has contact with the base after each step; shape (steps, robots)."""
+        given, linked = self.instance, self.instance.linked
+        made = np.zeros((given.steps, given.num_robots), dtype=bool)
+        for step in range(given.steps):
+            rooms = np.array([deeds[step][0] for deeds in answer])
+            found = linked[given.base, rooms]
+            while True:
+                more = found | (linked[np.ix_(rooms, rooms)] & found[None, :]).any(axis=1)
+                if (more == found).all():
+                    break
+                found = more
+            made[step] = found
+        return made
+
+    def silences(self, answer: Plans) -> list[int]:
+        """The most steps in a row for which each robot has no contact."""
+        longest = []
+        for heard in self.contacts(answer).T:
+            now = most = 0
+            for flag in heard.tolist():
+                now = 0 if flag else now + 1
+                most = max(most, now)
+            longest.append(most)
+        return longest
+
+    def answer_at_hand(self) -> Plans:
+        """Everybody stays: an answer where all start in contact."""
+        return tuple(((int(start), GO),) * self.instance.steps for start in self.instance.starts)
+
+    # -- answers as files and tables ---------------------------------------------------------------------------------
+
+    def answer_to_json(self, answer: Plans) -> dict[str, Any]:
+        name = self.instance.room_name
+        robots = [[{"room": name(room), "action": ACTIONS[action]} for room, action in deeds] for deeds in answer]
+        return {"kind": "explorations", "robots": robots}
+
+    def answer_from_json(self, data: Any) -> Plans:
+        robots = data.get("robots") if isinstance(data, Mapping) and data.get("kind") == "explorations" else None
+        if not isinstance(robots, list) or not all(isinstance(deeds, list) for deeds in robots):
+            raise InputError("not an answer to a room exploration", expected='an object {"kind": "explorations", "robots": [[...], ...]}')
+        rooms = {self.instance.room_name(k): k for k in range(self.instance.num_rooms)}
+
+        def deed(given: Any) -> Deed:
+            if not isinstance(given, Mapping) or given.get("room") not in rooms or given.get("action") not in ACTIONS:
+                raise InputError("a step names a room and an action", expected='{"room": ..., "action": ...}', found=str(given)[:80])
+            return rooms[given["room"]], ACTIONS.index(given["action"])
+
+        made = tuple(tuple(map(deed, deeds)) for deeds in robots)
+        self._check_shape(made)
+        return made
+
+    def answer_to_frame(self, answer: Plans) -> pd.DataFrame:
+        """One row a robot and step: robot, step, room, action, contact."""
+        import pandas as pd
+
+        heard = self.contacts(answer)
+        rows = [
+            (robot + 1, step + 1, self.instance.room_name(room), ACTIONS[action], bool(heard[step, robot]))
+            for robot, deeds in enumerate(answer)
+            for step, (room, action) in enumerate(deeds)
+        ]
+        return pd.DataFrame(rows, columns=["robot", "step", "room", "action", "contact"])
+
+    def __repr__(self) -> str:
+        given = self.instance
+        return f"<RoomExploration {self.name}: {given.num_rooms} rooms, {given.num_robots} robots, {given.steps} steps>"
+
+
+@PROBLEMS.register("room-exploration")
+def make(instance: Any, name: str, settings: dict[str, Any]) -> RoomExploration:
+    """The problem of an instance; no settings."""
+    if not isinstance(instance, ExplorationMap):
+        raise UsageError(f"{instance.name} holds no rooms to explore, so it cannot be read as {name}")
+    if settings.pop("convention", None) not in (None, "exact"):
+        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
+    if settings:
+        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes none")
+    return RoomExploration(instance)

@@ -1,0 +1,75 @@
+"""Heuristic ``heard-greedy``: each robot in turn does what gains most and leaves it time to be heard again by itself."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...formulations.auctions.room_exploration import GO, MAP, SEARCH, RoomExploration
+from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from .exploration_steps.communication import allowed, steps_to_contact
+
+
+def heard_greedy(problem: RoomExploration, context: Context) -> Outcome:
+    """At each step the robots choose in turn: of all actions after which a room that hears the base can be reached in time, and before the
+    end, the one of the most gain; of equals the way to the most gain for each step. No robot counts on another to be heard.
+
+    Parameters
+    ----------
+    problem : RoomExploration
+    context : Context
+    """
+    stop, given = context.begin(), problem.instance
+    adjacent, contact = given.adjacent, given.linked[given.base]
+    back = steps_to_contact(adjacent, contact)
+    away = _distances(adjacent)
+    tables = {GO: given.exploring, MAP: given.mapping, SEARCH: given.searching}
+    done = {kind: np.zeros(given.num_rooms, dtype=np.int64) for kind in tables}
+
+    def gain(kind: int, room: int) -> float:
+        return float(tables[kind][room, done[kind][room]]) if done[kind][room] < tables[kind].shape[1] else 0.0
+
+    here, silent = given.starts.tolist(), [0] * given.num_robots
+    plans: list[list[tuple[int, int]]] = [[] for _ in here]
+    for step in range(1, given.steps + 1):
+        if stop.reached():
+            return Outcome(None, limit=stop.reached())
+        worth = np.array([max(gain(kind, room) for kind in tables) for room in range(given.num_rooms)])
+        for robot in range(given.num_robots):
+            at = here[robot]
+            options = [(at, MAP), (at, SEARCH), (at, GO), *((room, GO) for room in np.nonzero(adjacent[at])[0].tolist())]
+            best: tuple[float, float, int] | None = None
+            for number, (room, kind) in enumerate(options):
+                age = 0 if contact[room] else silent[robot] + 1
+                if not allowed(age, int(back[room]), given.silence) or int(back[room]) > given.steps - step:
+                    continue
+                now = 0.0 if (room, kind) == (at, GO) else gain(kind, room)
+                ahead = float((worth / (1.0 + away[room])).max())
+                best = max(best or (-1.0, -1.0, 0), (now, ahead, -number))
+            if best is None:
+                return Outcome(None, message=f"robot {robot + 1} cannot be heard in time by itself")
+            room, kind = options[-best[2]]
+            if (room, kind) != (at, GO):
+                done[kind][room] += 1
+            here[robot], silent[robot] = room, 0 if contact[room] else silent[robot] + 1
+            plans[robot].append((room, kind))
+    return Outcome(tuple(map(tuple, plans)))
+
+
+def _distances(adjacent: np.ndarray) -> np.ndarray:
+    """Doors between rooms; infinite where there is no way."""
+    made = np.full(adjacent.shape, np.inf)
+    reached, count = np.eye(len(adjacent), dtype=bool), 0
+    while reached.any():
+        made[reached] = count
+        count += 1
+        reached = (reached @ adjacent) & np.isinf(made)
+    return made
+
+
+HEURISTICS.add(
+    "heard-greedy",
+    Heuristic(
+        "heard-greedy", ("room-exploration",), frozenset({"contact"}), heard_greedy,
+        "each robot in turn the most gain from which it can be heard again in time by itself",
+    ),
+)  # fmt: skip

@@ -1,0 +1,89 @@
+"""Generalised assignments in CSV: one row a pair of agent and job, one a capacity; documented in ``docs/formats.md``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError, UsageError
+from ...formats import FORMATS, Format
+from ...formats.table import settings_of, table_of, titles_of, written
+from ...text import label, number, plain, shown
+from ..generalised_assignment import OBJECTIVES, PROBLEMS, GeneralisedAssignmentInstance
+
+COLUMNS = ("agent", "job", *OBJECTIVES, "consumption", "capacity")
+KEYS = ("name",)
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line that is no comment holds the titles ``agent``, ``job``, ``consumption`` and ``capacity``."""
+    return {"agent", "job", "consumption", "capacity"} <= titles_of(text)
+
+
+def read(text: str, path: Path) -> GeneralisedAssignmentInstance:
+    """The instance; see ``Format.read``. Agents are numbered as their capacities stand, jobs as they first appear."""
+    settings, start = settings_of(text, KEYS, COLUMNS)
+    table = table_of(text, start, COLUMNS, "pairs")
+    given = [key for key in OBJECTIVES if key in table.titles]
+    if len(given) != 1 or not {"agent", "job", "consumption", "capacity"} <= set(table.titles):
+        raise InputError(
+            "has other titles", line=start + 1, expected="agent, job, cost or profit, consumption, capacity", found=", ".join(table.titles)
+        )
+    agent, job, value, used, most = ((table.column(t) or []) for t in ("agent", "job", given[0], "consumption", "capacity"))
+    capacity: dict[str, float] = {}
+    pairs: dict[tuple[str, str], int] = {}
+    numbers: list[tuple[float, float]] = []
+    for k, line in enumerate(table.at):
+        for what, cell in (("agent", agent[k]), ("job", job[k])):
+            if (not cell and not (what == "job" and most[k])) or (cell and not cell.isprintable()):
+                raise InputError(f"{what} must have a name", line=line, expected="a printable name", found=ascii(cell)[:40])
+        if bool(job[k]) == bool(most[k]):
+            raise InputError("a row is that of a capacity or of a job", line=line, expected="a job, or a capacity and no job")
+        if not job[k]:
+            if agent[k] in capacity:
+                raise InputError(f"agent {shown(agent[k])} has two capacities", line=line)
+            if value[k] or used[k]:
+                raise InputError("a capacity stands alone", line=line, expected=f"empty cells under {given[0]} and consumption")
+            capacity[agent[k]] = number(most[k], line, "capacity")
+        else:
+            if (agent[k], job[k]) in pairs:
+                raise InputError(f"the pair stands twice, first in line {pairs[agent[k], job[k]]}", line=line)
+            pairs[agent[k], job[k]] = line
+            numbers.append((number(value[k], line, given[0]), number(used[k], line, "consumption")))
+    lacking = next((line for (who, _), line in pairs.items() if who not in capacity), None)
+    if lacking is not None:
+        raise InputError("the agent has no capacity", line=lacking, expected="a row of the agent, without a job, with a capacity")
+    if not pairs:
+        raise InputError("holds no pairs of agents and jobs", expected="one row each")
+    columns = np.array(numbers)
+    jobs = tuple(dict.fromkeys(name for _, name in pairs))
+    return GeneralisedAssignmentInstance.from_pairs(
+        tuple(capacity), jobs, [who for who, _ in pairs], [what for _, what in pairs], columns[:, 0], columns[:, 1],
+        list(capacity.values()), given[0], name=label(settings["name"][1] if "name" in settings else path.stem), format="agent-jobs",
+    )  # fmt: skip
+
+
+def write(instance: Any) -> str:
+    """The text; see ``Format.write``."""
+    if not isinstance(instance, GeneralisedAssignmentInstance):
+        raise UsageError(f"{getattr(instance, 'name', 'this')} has no agents with capacities and cannot be written as agent-jobs; use json")
+    there = instance.listed
+    if not there.any(axis=0).all():
+        raise UsageError(f"{instance.name} cannot be written as agent-jobs: a job has no agent; use json")
+    rows = [[instance.agent_name(i), "", "", "", plain(b)] for i, b in enumerate(instance.capacity.tolist())]
+    order = sorted(np.argwhere(there).tolist(), key=lambda pair: pair[1])  # so that jobs appear in the order of their numbers
+    for i, j in order:
+        rows.append([instance.agent_name(i), instance.job_name(j), plain(instance.values[i, j]), plain(instance.consumption[i, j]), ""])
+    return written([("name", instance.name)], ("agent", "job", instance.objective, "consumption", "capacity"), rows)
+
+
+FORMATS.add(
+    "agent-jobs",
+    Format(
+        "agent-jobs", "agents' capacities, and jobs' costs or profits and consumption from CSV, one row each", recognises, read, write,
+        (".csv",), PROBLEMS[0], PROBLEMS, "exact", sense="min or max", answer="agent of each job", solutions=(".json",),
+        kinds=("generalised-assignment",),
+    ),
+)  # fmt: skip

@@ -1,0 +1,129 @@
+"""Bound ``job-prices``: Lagrangean relaxation of generalised assignments, with duals of the linear program to begin with."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.certificate import verified_bound
+from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
+from ....formulations.stop import Stop
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod
+from ..linear_relaxation import linear_relaxation_bound
+
+if TYPE_CHECKING:
+    from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
+
+Floats = NDArray[np.float64]
+
+SOURCE = "Lagrangean relaxation, a knapsack an agent"
+
+ROUNDS, HALVED_AFTER = 150, 10
+"""Of the subgradient method, and after how many without a better bound its steps are halved."""
+
+MOST_STEPS = 2e7
+"""Jobs x capacities beyond which a round takes too long: a tenth of a second."""
+
+
+def missing(problem: Problem) -> frozenset[str]:
+    """Nothing for generalised assignments."""
+    return frozenset() if problem.family == "generalised-assignment" else frozenset({f"{problem.family} problems"})
+
+
+def compute(problem: GeneralisedAssignment, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
+    """Prices of the linear relaxation, and where consumption is whole better ones, by subgradients (Fisher 1981)."""
+    reason = next(problem.infeasibility_reasons(), None)
+    if reason is not None:
+        return reason.evidence
+    start = linear_relaxation_bound(problem, stop, linear)
+    used, capacity = problem.instance.consumption, problem.instance.capacity
+    small = problem.num_jobs * math.fsum(capacity) <= MOST_STEPS
+    if not small or not (np.floor(used) == used).all():
+        return start
+    own = start is not None and start.kind == "job-prices"
+    first = np.array(start.data["prices"]) if start is not None and own else _cheapest(problem)
+    prices = _ascended(problem, first, stop, target)
+    made = Evidence("job-prices", SOURCE, 0.0, {"prices": prices.tolist()})
+    if start is None:
+        return made
+    sign = 1.0 if problem.objective == "cost" else -1.0
+    return max(made, start, key=lambda one: sign * verified_bound(problem, one))
+
+
+def _cheapest(problem: GeneralisedAssignment) -> Floats:
+    """The best value of each job."""
+    values = problem.instance.values
+    best = np.where(problem.fitting, values, math.inf).min(axis=0) if problem.objective == "cost" else np.zeros(problem.num_jobs)
+    return np.where(np.isfinite(best), best, 0.0)
+
+
+def _ascended(problem: GeneralisedAssignment, prices: Floats, stop: Stop, target: float | None) -> Floats:
+    """The best prices that were met: a job that several agents would do gets a smaller gain for them, one that none would, a larger."""
+    instance, costs = problem.instance, problem.objective == "cost"
+    sign = 1.0 if costs else -1.0
+    fits = problem.fitting
+    signed = np.where(fits, sign * instance.values, 0.0)  # to be made small
+    capacity = np.floor(instance.capacity).astype(np.int64)
+    used = instance.consumption.astype(np.int64)
+    u = sign * prices
+    if not costs:
+        u = np.minimum(u, 0.0)
+    best, kept, since, share = -math.inf, u, 0, 1.0
+    for _ in range(ROUNDS):
+        if stop.reached():
+            break
+        done = np.zeros(problem.num_jobs)
+        bound = math.fsum(u)
+        for i in range(problem.num_agents):
+            jobs = np.nonzero(fits[i] & (u > signed[i]))[0]
+            gain, chosen = _filled(u[jobs] - signed[i, jobs], used[i, jobs], int(capacity[i]))
+            bound -= gain
+            done[jobs[chosen]] += 1.0
+        since = 0 if bound > best + 1e-12 * abs(bound) else since + 1
+        if bound > best:
+            best, kept = bound, u.copy()
+        if since == HALVED_AFTER:
+            share, since, u = share / 2.0, 0, kept.copy()
+        step = 1.0 - done
+        if not costs:
+            step = np.where((u >= 0.0) & (step > 0.0), 0.0, step)
+        length = float(step @ step)
+        if length == 0.0:
+            break
+        aim = sign * target if target is not None and math.isfinite(target) else best + 0.05 * abs(best)
+        u = u + share * max(aim - bound, 1e-9 * abs(bound)) / length * step
+        if not costs:
+            u = np.minimum(u, 0.0)
+    return sign * kept
+
+
+def _filled(gain: Floats, used: NDArray[np.int64], most: int) -> tuple[float, NDArray[np.int64]]:
+    """The most gain of jobs that fit together (Bellman 1957), and which they are."""
+    if int(used.sum()) <= most:
+        return float(gain.sum()), np.arange(len(gain))
+    best = np.zeros(most + 1)
+    taken = np.zeros((len(gain), most + 1), dtype=bool)
+    for k, (each, part) in enumerate(zip(gain.tolist(), used.tolist(), strict=True)):
+        with_it = best[: most + 1 - part] + each
+        taken[k, part:] = with_it > best[part:]
+        best[part:] = np.maximum(best[part:], with_it)
+    chosen, left = [], most
+    for k in range(len(gain) - 1, -1, -1):
+        if taken[k, left]:
+            chosen.append(k)
+            left -= int(used[k])
+    return float(best[most]), np.array(chosen, dtype=np.int64)
+
+
+BOUNDS.add(
+    "job-prices",
+    BoundMethod(
+        "job-prices", missing, compute, order=1, aims=True,
+        replaces=lambda problem: frozenset({"linear-relaxation"} if problem.family == "generalised-assignment" else ()),
+    ),
+)  # fmt: skip

@@ -1,0 +1,68 @@
+"""Form ``time-indexed``: the optima of days on which all bins stand, as by intervals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from draws import draws
+from orchard_cases import ONE_ROUTE, lane, random_jobs, retrievals
+
+import waybound as wb
+from waybound.formulations.auctions.forms.time_indexed import MOST_STARTS, full_at
+from waybound.instances.errors import InputError, UnsupportedError
+
+DAYS = {
+    "S1": (((0, 2), (1, 1), (0, 4)), (0, 0, 0), ((0, 0), (0, 0)), 6, 15),
+    "S2": (((0, 1), (0, 8), (4, 8)), (5, 0, 0), ((0, 0), (0, 0)), 18, 42),
+    "S3": (((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8)), (0,) * 6, ((0, 0), (0, 0)), 28, 85),
+    "S4": (((0, 2), (1, 2)), (0, 0), ((0, 0), (0, 6)), 5, 9),
+    "S5": (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), 14, 38),
+}
+"""Cells, steps at which bins are full, robots, and the two optima (computed)."""
+
+
+@pytest.mark.parametrize("solver", ["highs", "cpsat"])
+@pytest.mark.parametrize("name", DAYS)
+def test_worked_days(name: str, solver: str) -> None:
+    cells, full, robots, makespan, completion = DAYS[name]
+    for objective, value in (("makespan", makespan), ("completion", completion)):
+        found = wb.solve(retrievals(cells, full, robots, objective), solver, form="time-indexed", bound_time=1)
+        assert (found.status, found.objective) == ("optimal", value)
+
+
+def test_programs_and_intervals_agree_and_answers_are_points() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(draws(20)):
+        jobs = random_jobs(rng, int(rng.integers(1, 4)), int(rng.integers(1, 6)))
+        jobs = replace(jobs, standing=np.ones(jobs.num_bins, bool))
+        for objective in ("makespan", "completion"):
+            problem = wb.OrchardDay(jobs, objective)
+            best = wb.solve(problem, "interval-scheduling", bound_time=1)
+            assert wb.solve(problem, "highs", form="time-indexed", bound_time=1).objective == best.objective
+            made = problem.compile("time-indexed")
+            vector = made.encode(best.answer)
+            assert made.program.residual(vector) == 0.0 and made.program.cost @ vector == best.objective
+            assert problem.evaluate(made.decode(vector)).values[0] == best.objective
+
+
+def test_chains_of_bins_are_full_one_after_the_other() -> None:
+    jobs = random_jobs(np.random.default_rng(1), 2, 5)
+    problem = wb.OrchardDay(replace(jobs, standing=np.ones(5, bool)))
+    full = full_at(problem)
+    assert all(full[k] == jobs.work[k] + (full[b] if b >= 0 else 0) for k, b in enumerate(jobs.after.tolist()))
+
+
+def test_days_with_bins_to_bring_and_long_ones_are_refused() -> None:
+    with pytest.raises(UnsupportedError, match="bins to be brought"):
+        wb.OrchardDay(wb.OrchardJobs.of_routes(lane(ONE_ROUTE, 2), ONE_ROUTE)).compile("time-indexed")
+    late = retrievals(((0, 2),), (MOST_STARTS,))
+    with pytest.raises(UnsupportedError, match="pairs of bin and step"):
+        late.compile("time-indexed")
+
+
+def test_a_plan_that_idles_too_long_is_no_point() -> None:
+    problem = retrievals(((0, 2), (4, 8)), (0, 0), ((0, 0), (0, 0)))
+    with pytest.raises(InputError, match="within the steps"):
+        problem.compile("time-indexed").encode((((-1, 0), (-1, 1)), ()))

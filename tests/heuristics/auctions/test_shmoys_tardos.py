@@ -1,0 +1,67 @@
+"""Rounding of linear relaxations: no dearer, and overloaded by one job at most; within the capacities after moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from draws import draws
+from knapsack_assignments import enumerated, random_assignment
+
+import waybound as wb
+from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
+from waybound.heuristics.auctions.shmoys_tardos import rounded, within_capacities
+from waybound.solvers.linear_programs import LinearPrograms
+
+
+def relaxed(problem: GeneralisedAssignment) -> tuple[float, np.ndarray] | None:
+    raw = LinearPrograms().solve(problem.compile(relax=True).program)
+    if raw.status != "optimal":
+        return None
+    parts = np.zeros(problem.fitting.shape)
+    parts[np.nonzero(problem.fitting)] = raw.answer
+    return float(raw.objective), parts
+
+
+def test_a_rounding_costs_no_more_and_loads_one_job_more_at_most() -> None:
+    tested = over = 0
+    for k in range(draws(40)):
+        problem = wb.generate("generalised-assignment", agents=2 + k % 4, jobs=5 + k % 13, costs="cd"[k % 2], seed=k)
+        found = relaxed(problem)
+        if found is None:
+            continue
+        answer = rounded(problem, found[1])
+        assert answer is not None
+        judged = problem.evaluate(answer)
+        assert judged.values[0] <= found[0] * (1 + 1e-9)
+        used = problem.instance.consumption
+        largest = np.where(problem.fitting, used, 0.0).max(axis=1)
+        loads = np.array(problem.loads(answer))
+        assert (loads <= problem.instance.capacity + largest + 1e-9).all()
+        assert {v.check for v in judged.violations} <= {"capacity"}
+        over += not judged.feasible
+        moved, moves = within_capacities(problem, answer)
+        excess = [np.maximum(np.array(problem.loads(a)) - problem.instance.capacity, 0.0).sum() for a in (answer, moved)]
+        assert excess[1] <= excess[0] and (moves > 0) == (moved != answer)
+        tested += 1
+    assert tested and over, "some roundings exceed a capacity"
+
+
+def test_answers_keep_all_rules_or_there_is_none() -> None:
+    rng = np.random.default_rng(9)
+    for _ in range(draws(40)):
+        problem = random_assignment(rng, 5)
+        if problem.objective != "cost":
+            continue
+        found, best = wb.solve(problem, heuristic="shmoys-tardos", bound_time=0), enumerated(problem)
+        assert found.answer is None or (best is not None and found.objective >= best - 1e-9)
+
+
+def test_parts_that_make_up_no_job_are_not_rounded() -> None:
+    problem = GeneralisedAssignment.from_arrays(np.ones((2, 2)), np.ones((2, 2)), 1.0)
+    assert rounded(problem, np.zeros((2, 2))) is None
+    assert rounded(problem, np.full((2, 2), 0.5)) in ((0, 1), (1, 0))
+
+
+def test_a_small_one_is_solved() -> None:
+    found = wb.solve(wb.generate("generalised-assignment", agents=5, jobs=30, seed=1), heuristic="shmoys-tardos", bound_time=5)
+    assert found.certificate.feasible and found.objective == pytest.approx(575) and found.gap < 0.1

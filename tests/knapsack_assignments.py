@@ -1,0 +1,54 @@
+"""Generalised assignments for tests: random ones of every shape, and their optima by enumeration."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
+
+
+def random_assignment(rng: np.random.Generator, most: int = 5, scale: float = 1.0) -> GeneralisedAssignment:
+    """Costs or profits, whole, decimal or not, of any sign, with some pairs forbidden, and room for all jobs or not."""
+    m, n = int(rng.integers(1, 4)), int(rng.integers(1, most + 1))
+    kind = int(rng.integers(4))
+    values = rng.integers(0 if kind % 2 else -5, 20, (m, n)).astype(float)
+    used = rng.integers(0, 7, (m, n)).astype(float)
+    capacity = rng.integers(0, 14, m).astype(float)
+    if kind == 2:
+        used, capacity = used * 0.1, capacity * 0.1
+    elif kind == 3:
+        values, used = values + rng.random((m, n)), used * rng.random((m, n))
+    objective = "profit" if rng.random() < 0.5 else "cost"
+    values[rng.random((m, n)) < 0.15] = -math.inf if objective == "profit" else math.inf
+    return GeneralisedAssignment.from_arrays(values * scale, used * scale, capacity * scale, objective)
+
+
+def enumerated(problem: GeneralisedAssignment) -> float | None:
+    """The best value of all assignments, in fractions but for what rounding lets pass; None where there is none."""
+    given, best = problem.instance, None
+    whole = bool((np.floor(given.consumption) == given.consumption).all() and (np.floor(given.capacity) == given.capacity).all())
+    slack = Fraction(0) if whole else Fraction(1, 10**11)
+    rooms = [Fraction(b) * (1 + slack) for b in given.capacity.tolist()]
+    for agents in itertools.product(range(-1, problem.num_agents), repeat=problem.num_jobs):
+        if problem.objective == "cost" and -1 in agents:
+            continue
+        done = [(i, j) for j, i in enumerate(agents) if i >= 0]
+        if not all(math.isfinite(given.values[pair]) for pair in done):
+            continue
+        loads = [sum((Fraction(given.consumption[i, j]) for i, j in done if i == k), Fraction(0)) for k in range(problem.num_agents)]
+        if all(load <= room for load, room in zip(loads, rooms, strict=True)):
+            value = math.fsum(given.values[pair] for pair in done)
+            best = value if best is None else (min if problem.objective == "cost" else max)(best, value)
+    return best
+
+
+def worked(objective: str = "cost", **further: Any) -> GeneralisedAssignment:
+    """Two agents, three jobs: as costs 6 is least (jobs 1 and 3 to the first agent), as profits 12 the most."""
+    return GeneralisedAssignment.from_arrays(
+        [[2.0, 6.0, 3.0], [4.0, 1.0, 6.0]], [[2.0, 3.0, 2.0], [3.0, 2.0, 4.0]], [4.0, 4.0], objective, **further
+    )
