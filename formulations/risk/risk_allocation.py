@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -10,29 +9,23 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...instances.errors import InputError, UsageError
-from ...instances.generators.settings import Setting
+from ...instances.errors import InputError
 from ...instances.printable import printable
-from ...instances.risk.allocation import RISKS, RiskAllocationInstance
+from ...instances.risk.allocation import RiskAllocationInstance
 from ..evaluation import Evaluation
 from ..evidence import Evidence
-from ..problem import PROBLEMS, Decision, Problem
+from ..problem import Decision, Problem
 from .allocations import Allocation, allocation_from_json
 from .contradictions import contradiction
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
 from .judge import evaluate_allocation, judged_slack, safest_risks
-from .variants import by_allocation, choosing, convex_part, widened
+from .variants import by_allocation, choosing, convex_part, restricted, widened
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-SETTINGS = {
-    "risk": Setting(None, "how risk is counted: allocated (Boole) or joint", type=str, choices=RISKS),
-    "total": Setting(None, "risk of all constraints together", type=float),
-}
 
 
 class RiskAllocation(Problem):
@@ -259,18 +252,9 @@ class RiskAllocation(Problem):
 
     def restricted(self, decisions: Sequence[Decision]) -> RiskAllocation:
         """The same with fewer rows open."""
-        made = copy.copy(self)
-        made.open = self.open.copy()
-        for statement, holds in decisions:
+        for statement, _ in decisions:
             self.check_statement(statement)
-            row = statement["safest"]
-            if holds:
-                kept = made.open[row]
-                made.open[self.constraint == self.constraint[row]] = False
-                made.open[row] = kept
-            else:
-                made.open[row] = False
-        return made
+        return restricted(self, decisions)
 
     def in_words(self, statement: Any, holds: bool) -> str:
         row = statement["safest"]
@@ -325,20 +309,3 @@ class RiskAllocation(Problem):
 
     def __repr__(self) -> str:
         return f"<RiskAllocation {self.name}: {self.risk.kind}, {len(self.lower)} decisions, {len(self.names)} chance constraints>"
-
-
-@PROBLEMS.register("risk-allocation")
-def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocation:
-    if not isinstance(instance, RiskAllocationInstance):
-        raise UsageError(f"{instance.name} holds no chance constraints, so it cannot be read as {problem}")
-    settings = {key: value for key, value in settings.items() if key != "convention" or value != "exact"}
-    unknown = settings.keys() - SETTINGS.keys()
-    if unknown:
-        raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}")
-    given = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
-    changes: dict[str, Any] = {"kind": given["risk"]} if given.get("risk") else {}
-    if given.get("total") is not None:
-        old = instance.risk
-        each = np.full(len(old.each), given["total"]) if old.total is not None and (old.each == old.total).all() else old.each
-        changes |= {"total": given["total"], "each": each}
-    return RiskAllocation(instance.with_risk(**changes) if changes else instance)

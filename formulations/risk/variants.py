@@ -1,9 +1,9 @@
-"""Risk allocations made from another one: with wider limits, fewer rows, another way to count risk."""
+"""Risk allocations made from another one: with wider limits, fewer rows or answers, another way to count risk."""
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...instances.risk.allocation import MOST_RISK, Risk
 
 if TYPE_CHECKING:
+    from ..problem import Decision
     from .risk_allocation import RiskAllocation
 
 Ints = NDArray[np.int64]
@@ -61,3 +62,18 @@ def convex_part(problem: RiskAllocation) -> tuple[RiskAllocation, Ints]:
     if problem.risk.kind == "joint":
         made.risk, made.budgets = Risk("allocated", None, made.caps), ()
     return made, rows
+
+
+def restricted(problem: RiskAllocation, decisions: Sequence[Decision]) -> RiskAllocation:
+    """See ``RiskAllocation.restricted``."""
+    made = copy.copy(problem)
+    made.open = problem.open.copy()
+    for statement, holds in decisions:
+        row = statement["safest"]
+        if holds:
+            kept = made.open[row]
+            made.open[problem.constraint == problem.constraint[row]] = False
+            made.open[row] = kept
+        else:
+            made.open[row] = False
+    return made

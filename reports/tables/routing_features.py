@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ...formulations.forms import FORMS
+from ...formulations.programs.exactness import Exactness
 from ...formulations.routing.objective import TERMS
 from ...formulations.routing.problem import RoutingProblem
 from ...heuristics.heuristic import HEURISTICS
@@ -63,8 +64,9 @@ What they guarantee is told [there](routing.md#approximations).
 
 
 def declared_by_forms() -> dict[str, frozenset[str]]:
-    """Features of each routing form, the default first."""
-    forms = sorted((form for form in FORMS.values() if form.family == "routing"), key=lambda form: form.order)
+    """Features of each exact routing form, the default first."""
+    exact = (form for form in FORMS.values() if form.family == "routing" and form.exactness is Exactness.EXACT)
+    forms = sorted(exact, key=lambda form: form.order)
     return {form.name: form.features for form in forms}
 
 

@@ -29,7 +29,7 @@ from waybound.formulations.routing.objective import (
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UnsupportedError
+from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.routing.features import FEATURES, UNASKED
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
@@ -137,13 +137,17 @@ def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
         wb.solve(asking(Reward() + LongestRoute(), **charged))
 
 
-def test_where_no_solver_takes_a_problem_the_heuristics_that_do_are_named() -> None:
+def test_where_no_solver_takes_a_problem_the_heuristic_that_opens_it_does_and_others_are_named() -> None:
     problem = asking(TotalCost(), max_duration=60.0)
     many = Sites.of(range(31), demand=1)
     xy = np.random.default_rng(1).uniform(0, 9, (31, 2))
     spread = Travel("euclidean", xy, variances=np.ones((31, 31)) - np.eye(31))
-    with pytest.raises(UnsupportedError, match=r"lacks .*team-risk; heuristics that can: safety-margins$"):
-        wb.solve(replace(problem, sites=many, travel=spread, team_risk=0.05))
+    asked = replace(problem, sites=many, travel=spread, team_risk=0.05)
+    assert wb.solve(asked, time_limit=0.5, bound_time=0).solver == "safety-margins"
+    with pytest.raises(UsageError, match=r"no form of \S+ is exact; name one of three-index-\S+, three-index-\S+$"):
+        wb.solve(asked, start=[[k] for k in range(1, 31)])
+    refusal = UnsupportedError("no installed solver", frozenset({"team-risk"}), ["safety-margins"], nearest="ortools")
+    assert str(refusal).endswith("lacks team-risk; heuristics that can: safety-margins")
 
 
 def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:

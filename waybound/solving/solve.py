@@ -220,7 +220,7 @@ def _default_run(problem: Problem, options: Options, isolate: bool) -> tuple[_Ru
     opening = opening_heuristic(problem, options)
     try:
         solver = default_solver(problem, None, None, False)
-    except UnsupportedError:
+    except (UnsupportedError, UsageError):  # none takes it, or through inexact forms alone
         if opening is None:
             raise
         return _heuristic_run(problem, opening, options, isolate), options, 0.0

@@ -27,7 +27,7 @@ from .units import Units
 
 Floats = NDArray[np.float64]
 
-FIRST_POINTS, FIRST_LEAST = 8, 0.2
+FIRST_POINTS, FIRST_LEAST = 6, 0.2
 """Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
 
 CLOSED = 1e-9

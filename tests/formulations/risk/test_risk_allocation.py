@@ -1,4 +1,4 @@
-"""Risk allocation: statements, settings, answers as files, and the joint risk against a simulation."""
+"""Risk allocation: statements, answers as files, and the joint risk against a simulation."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from risk_problems import around_a_box, problem, run
 
 import waybound as wb
 from waybound.formulations.risk.allocations import Allocation
-from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import InputError
 from waybound.solvers.engines.convex_allocation import ConvexAllocation
 
 
@@ -37,19 +36,6 @@ def test_answers_are_written_by_name_and_read_again() -> None:
     with pytest.raises(InputError, match="one of other data"):
         p.answer_of([1, 2, 3])
     assert p.answer_to_frame([1.0, 2.0]).columns.tolist() == ["constraint", "allowed", "risk"]
-
-
-def test_settings_change_the_risk() -> None:
-    p = wb.generate("risk-allocation", steps=3).instance
-    from waybound.formulations.problem import problem_from_instance
-
-    other = problem_from_instance(p, risk="joint", total=0.2)
-    assert isinstance(other, RiskAllocation)
-    assert (other.risk.kind, other.risk.total, other.caps.tolist()) == ("joint", 0.2, [0.2] * 3)
-    with pytest.raises(UsageError, match="has no setting 'speed'; it takes risk, total"):
-        problem_from_instance(p, speed=1)
-    with pytest.raises(UsageError, match="no chance constraints"):
-        wb.read("demo-c25", problem="risk-allocation")
 
 
 def test_what_is_left_of_the_total_is_shared_out() -> None:
