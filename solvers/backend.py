@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness, Link
-from ..instances.errors import MissingPackageError, UsageError
+from ..formulations.stop import Stop
+from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..instances.registry import Registry
 from .own_options import own_options
 
@@ -296,6 +297,17 @@ class Engine(Backend):
     def apart(self, problem: Problem) -> bool:
         """Whether the search can only be stopped in a process of its own: for all problems, or for this one."""
         return self.needs_process
+
+    def begin(self, problem: Problem, options: Options, control: Control) -> Stop:
+        """When a search that begins now has to end; raises UnsupportedError for a problem that it lacks a feature of, and UsageError for an
+        option of another name or kind."""
+        lacking = self.missing(problem)
+        if lacking:
+            raise UnsupportedError(self.name, lacking)
+        self.converted(options)
+        stop = Stop(options.time_limit)
+        control.on_stop(stop.ask)
+        return stop
 
     @abstractmethod
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:

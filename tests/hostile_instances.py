@@ -19,6 +19,9 @@ import scipy.sparse as sp
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
 from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
+from waybound.formulations.auctions.joint_assignment import JointAssignment
+from waybound.formulations.auctions.room_exploration import RoomExploration
 from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.max_min.max_min_lp import MaxMinLP
@@ -31,6 +34,7 @@ from waybound.formulations.routing.objective import Composable, LongestRoute, Ma
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.instances.auctions.exploration_map import ExplorationMap
 from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.instances.errors import InputError
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
@@ -408,6 +412,36 @@ def bin_assignment(rng: Rng, units: Units) -> BinAssignment:
     return BinAssignment.from_matrix(costs, objective=str(rng.choice(["sum", "bottleneck"])), name="drawn")
 
 
+def generalised_assignment(rng: Rng, units: Units) -> GeneralisedAssignment:
+    """Costs or profits in one style and consumption in another, capacities that jobs meet, miss by a hair, or are far from."""
+    agents, jobs = int(rng.integers(1, 4)), int(rng.integers(1, 5))
+    values, used = numbers(rng, (agents, jobs), style(rng)) * units.cost, numbers(rng, (agents, jobs), style(rng))
+    capacity = np.array([near(rng, float(row[rng.random(jobs) < 0.6].sum())) for row in used])
+    objective = str(rng.choice(["cost", "profit"]))
+    values[rng.random(values.shape) < float(rng.choice([0.0, 0.3]))] = math.inf if objective == "cost" else -math.inf
+    return GeneralisedAssignment.from_arrays(values, used * units.load, capacity * units.load, objective, name="drawn")
+
+
+def joint_assignment(rng: Rng, units: Units) -> JointAssignment:
+    """Times of any styles, in units of ``cost``."""
+    n, m, q = int(rng.integers(1, 4)), int(rng.integers(1, 4)), int(rng.integers(0, 3))
+    shapes = ((n, m), (n, q), (q, m), (m,))
+    to_bin, to_request, between, filled = (numbers(rng, shape, style(rng)) * units.cost for shape in shapes)
+    to_bin[rng.random((n, m)) < float(rng.choice([0.0, 0.3]))] = math.inf
+    to_request[rng.random((n, q)) < float(rng.choice([0.0, 0.3]))] = math.inf
+    return JointAssignment.from_arrays(to_bin, to_request, between, filled, name="drawn")
+
+
+def room_exploration(rng: Rng, units: Units) -> RoomExploration:
+    """A tree of rooms with gains of any styles, in units of ``reward``."""
+    rooms, robots = int(rng.integers(1, 5)), int(rng.integers(1, 3))
+    doors = [(k, int(rng.integers(0, k))) for k in range(1, rooms)]
+    heard = [door for door in doors if rng.random() < 0.6]
+    gains = [-np.sort(-numbers(rng, (rooms, 2), style(rng)), axis=1) * units.reward for _ in range(3)]
+    steps, silence = int(rng.integers(1, 4)), int(rng.integers(0, 3))
+    return RoomExploration(ExplorationMap(doors, *gains, [0] * robots, 0, heard, silence, steps, name="drawn"))
+
+
 def team(rng: Rng, units: Units) -> RobotTasks:
     """Robots and tasks with any distances, weights among them, both in units of ``weight``."""
     robots, tasks = (int(v) for v in rng.integers(1, 5, 2))
@@ -441,6 +475,9 @@ UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
     "risky-path": risky_path,
     "risk-allocation": risk_allocation,
     "bin-assignment": bin_assignment,
+    "generalised-assignment": generalised_assignment,
+    "joint-assignment": joint_assignment,
+    "room-exploration": room_exploration,
     "task-allocation": task_allocation,
     "balanced-partition": balanced_partition,
 }

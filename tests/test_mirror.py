@@ -13,6 +13,7 @@ ROOT = TESTS.parent
 FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "waybound")
 
 KERNELS = {
+    "formulations/auctions/matching_kernels": "formulations/auctions/matching",
     "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
     "heuristics/auctions/auction_steps/bidding_kernels": "heuristics/auctions/sequential_single_item",

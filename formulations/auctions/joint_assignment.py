@@ -161,12 +161,11 @@ class JointAssignment(Problem):
 
         parts = [judge("allowed", np.where(np.isinf(costs), 1.0, 0.0), forbidden)]
         for at, what, count, asked in ((0, "bin", m, self.pickups), (1, "request", q, self.deliveries)):
-            taken = np.array([errand[at] for errand in answer], dtype=np.int64)
-            taken = taken[taken >= 0]
-            crowd = lambda k, what=what: f"{what} {told.name_of(what, k)} is given to several robots"  # noqa: E731
+            taken = np.array([errand[at] for errand in answer if errand[at] >= 0], dtype=np.int64)
+            names = [f"{what} {told.name_of(what, k)} is given to several robots" for k in range(count)]
             lacking = f"{len(taken)} of the {asked} {what}s that there can be"
-            parts.append(judge(f"{what}s", np.bincount(taken, minlength=count) - 1.0, crowd))
-            parts.append(judge(f"{what}s-served", np.array([float(asked - len(taken))]), lambda _, lacking=lacking: lacking))
+            parts.append(judge(f"{what}s", np.bincount(taken, minlength=count) - 1.0, names.__getitem__))
+            parts.append(judge(f"{what}s-served", np.array([float(asked - len(taken))]), [lacking].__getitem__))
         worth = np.where(np.isfinite(costs), costs, 0.0)
         quantities = {"largest": float(worth.max(initial=0.0))}
         violations = tuple(v for _, broken in parts for v in broken)

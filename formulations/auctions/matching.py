@@ -8,9 +8,16 @@ from numpy.typing import NDArray
 Indices = NDArray[np.integer]
 Marks = NDArray[np.bool_]
 
+MANY_PAIRS = 50_000
+"""Pairs from which on a compiled loop is worth loading."""
+
+LOOKS = 8
+"""Times that paths may look at each pair, in the mean."""
+
 
 def largest_matching(indptr: Indices, columns: Indices, num_columns: int) -> NDArray[np.int64]:
-    """A matching of the most pairs (Hopcroft and Karp 1973).
+    """A matching of the most pairs: of many by paths that are found depth first, where these are short, else that of Hopcroft and Karp
+    (1973).
 
     Parameters
     ----------
@@ -26,6 +33,12 @@ def largest_matching(indptr: Indices, columns: Indices, num_columns: int) -> NDA
     rows = len(indptr) - 1
     if len(columns) == rows * num_columns:
         return np.where(np.arange(rows) < num_columns, np.arange(rows), -1)
+    if len(columns) >= MANY_PAIRS:
+        from .matching_kernels import matched
+
+        found, largest = matched(indptr, columns, num_columns, LOOKS * len(columns))
+        if largest:
+            return np.asarray(found)
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import maximum_bipartite_matching
 

@@ -88,6 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for arcs in (0, 2):  # compiles dense and sparse loops
         proved(_made(robots=30, bins=30, arcs=arcs))
         proved(_made(robots=30, bins=40, arcs=arcs))
+    proved(_made(robots=3000, bins=3000, arcs=ARCS))  # loops that only many pairs are worth
     good = True
     for n in sizes:
         for kind, costs in (("whole", {"largest": 999}), ("uniform", {}), ("euclidean", {})):

@@ -165,9 +165,9 @@ def joint_assignment(o: OrchardObservation) -> JointAssignment:
     grid, home = o.rules.grid, (o.cells == o.rules.grid.home)[:, None]
     return JointAssignment(
         JointAssignmentInstance(
-            grid.empty_times[np.ix_(o.cells, o.bin_cells)],
+            grid.empty_times[np.ix_(o.cells, o.bin_cells)].astype(np.float64),
             np.where(home, grid.empty_times[np.ix_(o.cells, o.requests)], math.inf).reshape(len(o.cells), len(o.requests)),
-            grid.empty_times[np.ix_(o.requests, o.bin_cells)], o.remaining.astype(np.float64),
+            grid.empty_times[np.ix_(o.requests, o.bin_cells)].astype(np.float64), o.remaining.astype(np.float64),
             robot_names=tuple(str(r + 1) for r in o.robots.tolist()), bin_names=tuple(str(b + 1) for b in o.bins.tolist()),
             request_names=tuple(f"cell {c}" for c in o.requests.tolist()), name=f"orchard at step {o.time}",
         )

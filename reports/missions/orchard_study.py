@@ -13,7 +13,6 @@ All rules meet the same days. Intervals are of confidence 95 %, by Student's t; 
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import dataclass
 from itertools import product
@@ -23,9 +22,9 @@ from typing import TYPE_CHECKING, Any
 from waybound.instances.atomic import atomic_write
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_rules import OrchardRules, draw_routes
-from waybound.instances.errors import WayboundError
 
 from ._mean_intervals import mean_interval
+from ._study_command import study_command
 from .tracking_study import markdown, records
 
 if TYPE_CHECKING:
@@ -211,21 +210,7 @@ def study(folder: Path, size: Size) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Play the study and print its summary."""
-    name = "python -m waybound.reports.missions.orchard_study"
-    parser = argparse.ArgumentParser(prog=name, description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--out", type=Path, required=True, help="folder for tables and figures; made where it is missing")
-    parser.add_argument("--short", action="store_true", help="a few days of everything, to see that it works")
-    given = parser.parse_args(arguments)
-    try:
-        given.out.mkdir(parents=True, exist_ok=True)
-        print(study(given.out, SHORT if given.short else Size()), end="")
-    except (WayboundError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return getattr(error, "exit_code", 2)
-    except KeyboardInterrupt:
-        print("error: interrupted", file=sys.stderr)
-        return 130
-    return 0
+    return study_command("orchard_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "days")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ All methods meet the same worlds: the same seeds give the same targets. The sour
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import math
 import sys
@@ -21,7 +20,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from waybound.instances.atomic import atomic_write
-from waybound.instances.errors import WayboundError
+
+from ._study_command import study_command
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -249,20 +249,10 @@ def study(folder: Path, size: Size) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Play the study and print its summary."""
-    parser = argparse.ArgumentParser(prog="python -m waybound.reports.missions.tracking_study", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--out", type=Path, required=True, help="folder for tables, figures and the animation; made where it is missing")
-    parser.add_argument("--short", action="store_true", help="a few steps of everything, to see that it works")
-    given = parser.parse_args(arguments)
-    try:
-        given.out.mkdir(parents=True, exist_ok=True)
-        print(study(given.out, SHORT if given.short else Size()), end="")
-    except (WayboundError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return getattr(error, "exit_code", 2)
-    except KeyboardInterrupt:
-        print("error: interrupted", file=sys.stderr)
-        return 130
-    return 0
+    return study_command(
+        "tracking_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "steps",
+        "tables, figures and the animation",
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ standard errors are those of the graphs' means.
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 from collections.abc import Sequence
@@ -20,8 +19,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from waybound.instances.atomic import atomic_write
-from waybound.instances.errors import WayboundError
 
+from ._study_command import study_command
 from .tracking_study import markdown, records
 
 if TYPE_CHECKING:
@@ -144,21 +143,9 @@ def study(folder: Path, size: Size) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Play the study and print its summary."""
-    name = "python -m waybound.reports.missions.uncertain_graph_study"
-    parser = argparse.ArgumentParser(prog=name, description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--out", type=Path, required=True, help="folder for tables and figures; made where it is missing")
-    parser.add_argument("--short", action="store_true", help="a few walks of everything, to see that it works")
-    given = parser.parse_args(arguments)
-    try:
-        given.out.mkdir(parents=True, exist_ok=True)
-        print(study(given.out, SHORT if given.short else Size()), end="")
-    except (WayboundError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return getattr(error, "exit_code", 2)
-    except KeyboardInterrupt:
-        print("error: interrupted", file=sys.stderr)
-        return 130
-    return 0
+    return study_command(
+        "uncertain_graph_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "walks"
+    )
 
 
 if __name__ == "__main__":

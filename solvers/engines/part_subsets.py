@@ -9,9 +9,7 @@ import numpy as np
 
 from ...formulations.auctions.balanced_partition import EDGES, OBJECTIVES, BalancedPartition
 from ...formulations.problem import Problem
-from ...formulations.stop import Stop
 from ...formulations.tolerance import EQUAL
-from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 
 MOST_TASKS = 16
@@ -48,13 +46,8 @@ class PartSubsets(Engine):
         from .task_subset_steps.part_kernels import CLIQUE, NONE, TREE, costs_of_sets, least_spread
         from .task_subset_steps.subset_kernels import best_shares
 
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
-        self.converted(options)
+        stop = self.begin(problem, options, control)
         asked = cast("BalancedPartition", problem)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
         kind = {"none": NONE, "clique": CLIQUE, "mst": TREE}[asked.edges]
         cost = costs_of_sets(stop.flag, np.array(asked.weights), np.array(asked.instance.between), kind)
         if stop.reached():

@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 from ...formulations.problem import Problem
 from ...formulations.risk.risky_path import Path, RiskyPath
 from ...formulations.stop import Stop
-from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from .risk_labels import FEATURES
 from .risky_path_steps.memories import Memories
@@ -41,13 +40,8 @@ class PathEnumeration(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
-        self.converted(options)
+        stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskyPath)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
         best, value, paths, limit = _enumerate(problem, stop, options.iterations, control)
         statistics = {"paths": paths}
         if best is None:

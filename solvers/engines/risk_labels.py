@@ -8,8 +8,6 @@ from typing import Any, ClassVar
 
 from ...formulations.problem import Problem
 from ...formulations.risk.risky_path import RiskyPath, unreachable
-from ...formulations.stop import Stop
-from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from .risky_path_steps.least_hazard import least_hazard
 from .risky_path_steps.most_reward import most_reward
@@ -38,13 +36,8 @@ class RiskLabels(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
-        self.converted(options)
+        stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskyPath)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
         if problem.objective == "reward-per-risk":
             return most_reward(problem, stop, options, control)
         found = least_hazard(problem, problem.graph.goals, stop, labels=options.iterations)

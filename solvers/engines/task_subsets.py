@@ -6,8 +6,6 @@ from typing import cast
 
 from ...formulations.auctions.task_allocation import OBJECTIVES, TaskAllocation
 from ...formulations.problem import Problem
-from ...formulations.stop import Stop
-from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 from .task_subset_steps.shares import MOST_TASKS, best_paths
 
@@ -39,12 +37,7 @@ class TaskSubsets(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
-        self.converted(options)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
+        stop = self.begin(problem, options, control)
         found = best_paths(cast("TaskAllocation", problem), stop)
         if found is None:
             return RawResult("unknown", stop.reached())

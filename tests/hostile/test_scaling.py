@@ -84,6 +84,12 @@ def _exact(problem: Problem) -> bool:
         data = [p.graph.mean, p.graph.variance]
     elif p.family == "bin-assignment":
         data = [p.cost]
+    elif p.family == "generalised-assignment":
+        data = [p.instance.values[p.instance.listed], p.instance.consumption, p.instance.capacity]
+    elif p.family == "joint-assignment":
+        data = [p.costs[np.isfinite(p.costs)], p.instance.between]
+    elif p.family == "room-exploration":
+        data = [p.instance.exploring, p.instance.mapping, p.instance.searching]
     elif p.family == "risky-path":
         data = [p.rewards]
     elif p.family == "risk-allocation":
@@ -121,7 +127,10 @@ def _factors(problem: Problem, unit: Callable[[str], float]) -> list[float]:
         return [unit("weight") / unit("load") if problem.sense == "max" else unit("load") / unit("weight")]
     if problem.family == "risky-path":
         return [unit("reward") if problem.sense == "max" else 1.0]
-    return [unit("cost") if problem.family in ("arrays", "uncertain-path", "risk-allocation", "bin-assignment") else unit("weight")]
+    if problem.family == "room-exploration":
+        return [unit("reward")]
+    costs = ("arrays", "uncertain-path", "risk-allocation", "bin-assignment", "generalised-assignment", "joint-assignment")
+    return [unit("cost" if problem.family in costs else "weight")]
 
 
 def listed(value: Any, factors: Iterable[float] = ()) -> list[float | None]:
@@ -275,7 +284,8 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
         "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
         "too-little-time": {"from": unit("time"), "until": unit("time")}, "all-paths": {"target": factor},
         "path-potentials": {"potentials": factor}, "task-forest": {"tasks": factor, "robots": factor},
-        "assignment-prices": {"prices": factor, "level": factor},
+        "assignment-prices": {"prices": factor, "level": factor}, "job-prices": {"prices": factor},
+        "errand-prices": dict.fromkeys(("bins", "requests", "pickup", "delivery"), factor),
         "risk-allocation-duals": {
             "rows": factor / unit("budget"), "chance": factor / unit("weight"), "budgets": factor, "terms": factor / unit("distance"),
         },

@@ -3,6 +3,10 @@
 All m parts together cost the sum of all weights, and distances: spanning trees of all parts are a spanning forest of at most m trees, no
 shorter than a minimum spanning tree of all tasks without its m - 1 longest edges; pairs within parts are at least as many as in parts of
 equal size, and no shorter than the shortest of all pairs. And whatever part a task is in costs its weight, and the negative ones.
+
+Of the difference of two parts, with fewer tasks than parts one is empty, so that it is at least the largest part. Without distances, where
+all weights are multiples of g and their sum is none of m g, not all parts are equal, and the difference is g at least; and with weights of
+0 at least it is that of the heaviest task and the mean of what is left for the other parts.
 """
 
 from __future__ import annotations
@@ -15,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ...checking.granularity import grain
 from ...evidence import CHECKERS
 
 Floats = NDArray[np.float64]
@@ -24,7 +29,7 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @CHECKERS.register("average-part")
 def check_average_part(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the largest part, or 0 for the difference of two; the data of the problem suffice, and none are read.
+    """Lower bound on the largest part, or on the difference of two; the data of the problem suffice, and none are read.
 
     Returns
     -------
@@ -42,10 +47,32 @@ def check_average_part(problem: Any, data: Mapping[str, Any]) -> float:
     """
     if problem.family != "balanced-partition":
         raise InputError("the average part is evidence for balanced-partition problems", found=problem.problem)
-    if problem.objective == "min-difference":
-        return 0.0
     instance = problem.instance
     weights, parts = np.asarray(instance.weights), int(instance.num_robots)
+    if problem.objective == "min-difference":
+        if len(weights) < parts:
+            return max(0.0, _largest_part(problem, weights, parts))
+        return _difference(weights, parts) if problem.edges == "none" and parts > 1 else 0.0
+    return _largest_part(problem, weights, parts)
+
+
+def _difference(weights: Floats, parts: int) -> float:
+    """At least the largest part less the smallest, without distances."""
+    size = math.fsum(np.abs(weights))
+    exact = bool((np.floor(weights) == weights).all()) and size < 2.0**53
+    bound, unit = 0.0, grain(weights)
+    if unit is not None and size < 2.0**40 * unit.size and int(np.rint(weights / unit.size).astype(np.int64).sum()) % parts:
+        bound = unit.size
+    if (weights >= 0.0).all():
+        heaviest = float(weights.max())
+        left = math.fsum([*weights.tolist(), -heaviest]) * (1.0 + 4.0 * _EPS) / (parts - 1)
+        bound = max(bound, math.nextafter(heaviest - left * (1.0 + 4.0 * _EPS), -math.inf))
+    return max(0.0, bound if exact else bound - 16.0 * _EPS * size)
+
+
+def _largest_part(problem: Any, weights: Floats, parts: int) -> float:
+    """At least the largest part."""
+    instance = problem.instance
     between = np.asarray(instance.distances)[parts:]
     edges: list[float] = []
     if problem.edges != "none":

@@ -64,13 +64,13 @@ def check_best_increments(problem: Any, data: Mapping[str, Any]) -> float:
         for room, row in enumerate(table.tolist()):
             if first[room] >= 0 and soonest[room] <= steps:
                 gains += [(value, int(soonest[room])) for value in row if value > 0.0]
-    room_left = [robots * (steps - step + 1) for step in range(steps + 1)]  # for gains that are had from that step on
+    room_left = [robots * (steps - each + 1) for each in range(steps + 1)]  # for gains that are had from that step on
     taken = []
-    for value, soonest in sorted(gains, reverse=True):
-        if min(room_left[1 : soonest + 1]) > 0:
+    for value, since in sorted(gains, reverse=True):
+        if min(room_left[1 : since + 1]) > 0:
             taken.append(value)
-            for step in range(1, soonest + 1):
-                room_left[step] -= 1
+            for each in range(1, since + 1):
+                room_left[each] -= 1
         if len(taken) == robots * steps:
             break
     total = math.fsum(taken)

@@ -78,8 +78,8 @@ def build(problem: OrchardDay) -> Compiled:
     names = [str(k + 1) for k in range(n)], [str(k + 1) for k in range(jobs.num_robots)]
     zeros, ones, counted = np.zeros, np.ones, 0.0 if makespan else 1.0
     variables = [
-        Variables("x", (b, t), (names[0], None), zeros(len(b)), ones(len(b)), counted * (t + length[b]), integer=True),
-        Variables("y", (out[r], first), (names[1], names[0]), zeros(len(r)), ones(len(r)), counted * ends, integer=True),
+        Variables("x", (b, t), (names[0], None), zeros(len(b)), ones(len(b)), counted * (t + length[b]).astype(np.float64), integer=True),
+        Variables("y", (out[r], first), (names[1], names[0]), zeros(len(r)), ones(len(r)), counted * ends.astype(np.float64), integer=True),
         Variables("g", (out,), (names[1],), zeros(len(out)), ones(len(out)), zeros(len(out)), integer=True),
     ]
     steps = np.arange(max(last, int(ends.max(initial=0)), int(goes.max(initial=0))))

@@ -107,7 +107,8 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
     tables = [np.tile(weight * gain, (rooms, 1)) for weight, gain in zip(weigh, gains, strict=True)]
     tables[0][0] = np.append(tables[0][0][1:], 0.0)  # robots are in the base already
     return ExplorationMap(
-        np.array(sorted(doors), dtype=np.int64).reshape(-1, 2), *tables, np.zeros(settings["robots"], dtype=np.int64), 0,
+        np.array(sorted(doors), dtype=np.int64).reshape(-1, 2), tables[0], tables[1], tables[2],
+        np.zeros(settings["robots"], dtype=np.int64), 0,
         np.array(sorted(doors), dtype=np.int64).reshape(-1, 2), settings["silence"], settings["steps"],
         positions=places[:, ::-1].astype(np.float64), name=settings["name"] or f"exploration-{rooms}-s{settings['seed']}",
         format="generated",

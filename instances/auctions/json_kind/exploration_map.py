@@ -54,7 +54,7 @@ def decode(data: dict[str, Any]) -> ExplorationMap:
         for key in ("doors", "heard")
     ]
     return ExplorationMap(
-        pairs[0], *gains, wholes(data["robots"], "robots"), integer(data["base"], "base", 0), pairs[1],
+        pairs[0], gains[0], gains[1], gains[2], wholes(data["robots"], "robots"), integer(data["base"], "base", 0), pairs[1],
         integer(data["silence"], "silence", 0), integer(data["steps"], "steps", 1),
         strings(rooms["name"], "rooms.name") if "name" in rooms else None, positions, name=string(data["name"], "name"), format="json",
         notes=strings(data.get("notes", []), "notes"),

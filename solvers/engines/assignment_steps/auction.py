@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FACTOR = 10
 """By which epsilon falls from phase to phase."""
 
-START = 30
+START = 100
 """Epsilon of the first phase is this part of the range of the costs."""
 
 BITS = 56
@@ -169,26 +169,24 @@ def _phases(
     from . import auction_kernels as kernels
 
     n, m = part.num_rows, part.num_columns
-    price, owner, column = np.zeros(m, np.int64), np.full(m, -1, np.int64), np.full(n, -1, np.int64)
+    price, owner = np.zeros(m, np.int64), np.full(m, -1, np.int64)
     span, counts = int(cost.max(initial=0)), np.zeros(2, np.int64)
     dense = part.complete and m > kernels.KEPT
     many = kernels.KEPT if dense else kernels.KEPT_SPARSE if len(part.columns) > kernels.MANY_PAIRS * n else 0
-    memory = np.zeros((n, many), np.int32), np.zeros((n, many), np.int64), np.full(n, -1, np.int64)
-    state = price, owner, column
+    memory = np.full((n, 2 * many + 2), -1, np.int64)
+    pairs = part.indptr, part.columns, cost, price, owner
     ended, waiting = 0, 0
     while True:
-        owner[:], column[:] = -1, -1
+        owner[:] = -1
         made.phases += 1
         began, cap = int(counts[0]), most if not waiting else min(most, int(counts[0]) + TRIED * n)
         while True:
             limits = epsilon, span, cap
-            if dense:
-                ended = kernels.dense_phase(stop.flag, cost.reshape(n, m), *state, *limits, *memory, counts)
-            elif many:
-                ended = kernels.remembering_phase(stop.flag, part.indptr, part.columns, cost, *state, *limits, *memory, counts)
+            if many:
+                ended = kernels.remembering_phase(stop.flag, *pairs, *limits, memory, counts)
             else:
-                ended = kernels.sparse_phase(stop.flag, part.indptr, part.columns, cost, *state, *limits, counts)
-            if ended or not _outbid(price, owner, column, epsilon):
+                ended = kernels.sparse_phase(stop.flag, *pairs, *limits, counts)
+            if ended or not _outbid(price, owner, epsilon):
                 break
         if waiting and ended == 3 and cap < most:  # not as settled as it seemed
             ended, epsilon, waiting = 0, waiting, 0
@@ -200,10 +198,12 @@ def _phases(
             waiting, epsilon = epsilon, least
     made.bids += int(counts[0])
     made.looks += int(counts[1])
+    column, held = np.full(n, -1, np.int64), owner >= 0
+    column[owner[held]] = np.nonzero(held)[0]
     return int(ended), column, price
 
 
-def _outbid(price: Wholes, owner: Wholes, column: Wholes, epsilon: int) -> bool:
+def _outbid(price: Wholes, owner: Wholes, epsilon: int) -> bool:
     """Whether columns that are left over were dearer than taken ones; as many of the cheapest are then taken away from rows.
 
     Further bidders that are indifferent between all columns hold those left over; who cannot hold a dear one bids for the cheapest of
@@ -221,7 +221,5 @@ def _outbid(price: Wholes, owner: Wholes, column: Wholes, epsilon: int) -> bool:
     order = asked[np.argsort(price[asked], kind="stable")]
     taken = order[:many]
     price[taken] = price[order[many]] + epsilon
-    rows = owner[taken]
-    column[rows[rows >= 0]] = -1
     owner[taken] = -1
     return True

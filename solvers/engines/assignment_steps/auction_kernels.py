@@ -11,9 +11,9 @@ NONE = 1 << 61
 """Cost of a forbidden pair; prices stay below half of it."""
 
 KEPT = 24
-"""Columns that a row of a dense matrix remembers, the cheapest when it last looked at all."""
+"""Pairs that a row remembers where there are all, the cheapest when it last looked at all of its own."""
 
-KEPT_SPARSE = 8
+KEPT_SPARSE = 11
 """Pairs that a row of a sparse matrix remembers."""
 
 MANY_PAIRS = 12
@@ -21,29 +21,28 @@ MANY_PAIRS = 12
 
 
 @kernel()
-def dense_phase(flag, cost, price, owner, column, epsilon, span, most, kept, kept_cost, limit, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Rows without a column bid until none is left, the one that was outbid last first.
 
     A row looks at the columns that it remembers. Prices only rise, so these are the cheapest as long as its two best are no dearer than
-    ``limit``, the least that any other cost when it last looked at all of them.
+    its limit, the least that any other cost when it last looked at all of them.
 
     Parameters
     ----------
     flag : array
         Of a ``Stop``.
-    cost : array of shape (rows, columns), whole
+    indptr, columns, cost : arrays
+        Pairs as a CSR matrix, whole costs.
     price, owner : arrays of shape (columns,)
-    column : array of shape (rows,)
-        -1 for none.
+        -1 for no owner.
     epsilon : int
         By which a bid goes beyond the second best.
     span : int
         By how much a row that has one column alone bids.
     most : int
         Bids, all phases together.
-    kept, kept_cost : arrays of shape (rows, KEPT)
-    limit : array of shape (rows,)
-        -1 where the row never looked.
+    memory : array of shape (rows, 2 KEPT + 2)
+        Of each row the limit, -1 where it never looked, then costs and columns of the pairs that it remembers.
     counts : array of shape (2,)
         Bids, and looks at a whole row.
 
@@ -52,124 +51,46 @@ def dense_phase(flag, cost, price, owner, column, epsilon, span, most, kept, kep
     int
         0; 1 where it was stopped, 2 where prices grow beyond all bounds, 3 where ``most`` bids were not enough.
     """
-    rows, columns = cost.shape
-    many = kept.shape[1]
-    stack = np.empty(rows, np.int64)
-    top = 0
-    for i in range(rows - 1, -1, -1):
-        if column[i] < 0:
-            stack[top] = i
-            top += 1
+    many = memory.shape[1] // 2 - 1
+    stack, top = _bidders(owner, len(indptr) - 1)
     while top > 0:
         if asked(flag):
             return 1
-        top -= 1
-        i = stack[top]
+        i = stack[top - 1]
         best, first, second = -1, NONE, NONE
-        if limit[i] >= 0:
-            for k in range(many):
-                value = kept_cost[i, k] + price[kept[i, k]]
+        if memory[i, 0] >= 0:
+            for k in range(1, many + 1):
+                value = memory[i, k] + price[memory[i, many + k]]
                 if value < second:
                     if value < first:
-                        best, first, second = kept[i, k], value, first
+                        best, first, second = memory[i, many + k], value, first
                     else:
                         second = value
-        if limit[i] < 0 or second > limit[i]:
+        if memory[i, 0] < 0 or second > memory[i, 0]:
             counts[1] += 1
             size, worst = 0, NONE
-            values = kept_cost[i]
-            for j in range(columns):
-                value = cost[i, j] + price[j]
-                if value < worst:
-                    at = size if size < many else many - 1
-                    if size < many:
-                        size += 1
-                    while at > 0 and values[at - 1] > value:
-                        values[at] = values[at - 1]
-                        kept[i, at] = kept[i, at - 1]
-                        at -= 1
-                    values[at] = value
-                    kept[i, at] = j
-                    if size == many:
-                        worst = values[many - 1]
-            limit[i] = worst
-            best, first = kept[i, 0], values[0]
-            second = values[1] if size > 1 else NONE
-            for k in range(size):
-                values[k] = cost[i, kept[i, k]]
-            for k in range(size, many):
-                values[k] = NONE
-                kept[i, k] = 0
-        counts[0] += 1
-        price[best] += (second - first if second < NONE else span) + epsilon
-        if price[best] > NONE // 2:
-            return 2
-        if counts[0] > most:
-            return 3
-        before = owner[best]
-        owner[best] = i
-        column[i] = best
-        if before >= 0:
-            column[before] = -1
-            stack[top] = before
-            top += 1
-    return 0
-
-
-@kernel()
-def remembering_phase(flag, indptr, columns, cost, price, owner, column, epsilon, span, most, kept, kept_cost, limit, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """``dense_phase`` for the pairs of a CSR matrix, of which a row remembers as many as ``kept`` has columns."""
-    rows = len(indptr) - 1
-    many = kept.shape[1]
-    stack = np.empty(rows, np.int64)
-    top = 0
-    for i in range(rows - 1, -1, -1):
-        if column[i] < 0:
-            stack[top] = i
-            top += 1
-    while top > 0:
-        if asked(flag):
-            return 1
-        top -= 1
-        i = stack[top]
-        best, first, second = -1, NONE, NONE
-        if limit[i] >= 0:
-            for k in range(many):
-                value = kept_cost[i, k] + price[kept[i, k]]
-                if value < second:
-                    if value < first:
-                        best, first, second = kept[i, k], value, first
-                    else:
-                        second = value
-        if limit[i] < 0 or second > limit[i]:
-            counts[1] += 1
-            size, worst = 0, NONE
-            values = kept_cost[i]
             for k in range(indptr[i], indptr[i + 1]):
-                j = columns[k]
-                value = cost[k] + price[j]
+                value = cost[k] + price[columns[k]]
                 if value < worst:
-                    at = size if size < many else many - 1
+                    at = size + 1 if size < many else many
                     if size < many:
                         size += 1
-                    while at > 0 and values[at - 1] > value:
-                        values[at] = values[at - 1]
-                        kept[i, at] = kept[i, at - 1]
+                    while at > 1 and memory[i, at - 1] > value:
+                        memory[i, at] = memory[i, at - 1]
+                        memory[i, many + at] = memory[i, many + at - 1]
                         at -= 1
-                    values[at] = value
-                    kept[i, at] = k
+                    memory[i, at] = value
+                    memory[i, many + at] = k
                     if size == many:
-                        worst = values[many - 1]
-            limit[i] = worst
-            first = values[0]
-            second = values[1] if size > 1 else NONE
-            for k in range(size):
-                values[k] = cost[kept[i, k]]
-                kept[i, k] = columns[kept[i, k]]
-            for k in range(size, many):
-                values[k] = NONE
-                kept[i, k] = 0
-            best = kept[i, 0]
+                        worst = memory[i, many]
+            memory[i, 0] = worst
+            first = memory[i, 1]
+            second = memory[i, 2] if size > 1 else NONE
+            for k in range(1, many + 1):
+                pair = memory[i, many + k] if k <= size else 0
+                memory[i, k] = cost[pair] if k <= size else NONE
+                memory[i, many + k] = columns[pair]
+            best = memory[i, many + 1]
         counts[0] += 1
         price[best] += (second - first if second < NONE else span) + epsilon
         if price[best] > NONE // 2:
@@ -178,29 +99,21 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, column, epsilon
             return 3
         before = owner[best]
         owner[best] = i
-        column[i] = best
         if before >= 0:
-            column[before] = -1
-            stack[top] = before
-            top += 1
+            stack[top - 1] = before
+        else:
+            top -= 1
     return 0
 
 
 @kernel()
-def sparse_phase(flag, indptr, columns, cost, price, owner, column, epsilon, span, most, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """``dense_phase`` for the pairs of a CSR matrix, each row looking at all of its own."""
-    rows = len(indptr) - 1
-    stack = np.empty(rows, np.int64)
-    top = 0
-    for i in range(rows - 1, -1, -1):
-        if column[i] < 0:
-            stack[top] = i
-            top += 1
+def sparse_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """``remembering_phase`` with each row looking at all of its own pairs."""
+    stack, top = _bidders(owner, len(indptr) - 1)
     while top > 0:
         if asked(flag):
             return 1
-        top -= 1
-        i = stack[top]
+        i = stack[top - 1]
         best, first, second = -1, NONE, NONE
         for k in range(indptr[i], indptr[i + 1]):
             value = cost[k] + price[columns[k]]
@@ -217,9 +130,24 @@ def sparse_phase(flag, indptr, columns, cost, price, owner, column, epsilon, spa
             return 3
         before = owner[best]
         owner[best] = i
-        column[i] = best
         if before >= 0:
-            column[before] = -1
-            stack[top] = before
-            top += 1
+            stack[top - 1] = before
+        else:
+            top -= 1
     return 0
+
+
+@kernel()
+def _bidders(owner, rows):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Rows that own no column, the first one on top, and how many they are."""
+    owning = np.zeros(rows, np.bool_)
+    for j in range(len(owner)):
+        if owner[j] >= 0:
+            owning[owner[j]] = True
+    stack = np.empty(rows, np.int64)
+    top = 0
+    for i in range(rows - 1, -1, -1):
+        if not owning[i]:
+            stack[top] = i
+            top += 1
+    return stack, top

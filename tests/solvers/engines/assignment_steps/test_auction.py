@@ -53,13 +53,13 @@ def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> 
     problem = BinAssignment.from_matrix([[5.0, 3.0]])
     (part,) = sides(problem)
     cost, unit, _ = auctions.whole_costs(part, 40, finest=True)
-    price, owner, column = np.array([0, round(10 * unit)]), np.full(2, -1), np.full(1, -1)
+    price, owner = np.array([0, round(10 * unit)]), np.full(2, -1)
     epsilon, counts = round(0.1 * unit), np.zeros(2, np.int64)
-    bid = lambda: sparse_phase(NEVER.flag, part.indptr, part.columns, cost, price, owner, column, epsilon, 0, 1 << 60, counts)  # noqa: E731
-    assert bid() == 0 and column.tolist() == [0]
-    while auctions._outbid(price, owner, column, epsilon):
+    bid = lambda: sparse_phase(NEVER.flag, part.indptr, part.columns, cost, price, owner, epsilon, 0, 1 << 60, counts)  # noqa: E731
+    assert bid() == 0 and owner.tolist() == [0, -1]
+    while auctions._outbid(price, owner, epsilon):
         bid()
-    assert column.tolist() == [1]
+    assert owner.tolist() == [-1, 0]
 
 
 def test_costs_are_counted_exactly_where_they_can_be() -> None:

@@ -1,0 +1,77 @@
+"""Largest matchings, compiled. Imports numba: import it inside functions only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..kernels import kernel
+
+
+@kernel()
+def matched(indptr, columns, num_columns, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """A matching, and whether it is a largest one.
+
+    Rows take free columns, then alternating paths are looked for from each row that is left, depth first with a look ahead for a free
+    column, until a round finds none (Pothen and Fan 1990).
+
+    Parameters
+    ----------
+    indptr, columns : arrays
+        Allowed pairs as a CSR matrix.
+    num_columns : int
+    most : int
+        Pairs that paths may look at: they could be rows times pairs.
+
+    Returns
+    -------
+    array of shape (rows,), bool
+        Column of each row, -1 for none.
+    """
+    rows = len(indptr) - 1
+    own, holder = np.full(rows, -1, np.int64), np.full(num_columns, -1, np.int64)
+    for i in range(rows):
+        for k in range(indptr[i], indptr[i + 1]):
+            if holder[columns[k]] < 0:
+                own[i], holder[columns[k]] = columns[k], i
+                break
+    ahead, seen = indptr[:-1].copy(), np.full(rows, -1, np.int64)
+    at, path = np.zeros(rows, np.int64), np.zeros(rows, np.int64)
+    left, turn = np.nonzero(own < 0)[0], 0
+    while len(left):
+        found = 0
+        for start in left:
+            if most < 0:
+                return own, False
+            depth, path[0], at[start], seen[start] = 0, start, indptr[start], turn
+            while depth >= 0:
+                i = path[depth]
+                free = -1
+                while ahead[i] < indptr[i + 1]:  # a column that was taken once stays so
+                    if holder[columns[ahead[i]]] < 0:
+                        free = columns[ahead[i]]
+                        break
+                    ahead[i] += 1
+                if free >= 0:
+                    for d in range(depth, -1, -1):
+                        before = own[path[d]]
+                        own[path[d]], holder[free] = free, path[d]
+                        free = before
+                    found += 1
+                    break
+                deeper = False
+                while at[i] < indptr[i + 1]:
+                    other = holder[columns[at[i]]]
+                    at[i] += 1
+                    most -= 1
+                    if seen[other] != turn:
+                        seen[other], at[other] = turn, indptr[other]
+                        depth += 1
+                        path[depth] = other
+                        deeper = True
+                        break
+                if not deeper:
+                    depth -= 1
+        if not found:
+            break
+        left, turn = left[own[left] < 0], turn + 1
+    return own, True
