@@ -14,7 +14,8 @@ from ..instances.atomic import atomic_write
 from ..instances.document import parse_json
 from ..instances.errors import InputError, UsageError
 from ..instances.printable import printable
-from ..instances.text import read_text
+from ..instances.text import decode, read_bytes
+from .answer_tables import first_sheet, frame_of, is_table, workbook
 from .problem import Problem
 from .solution import Solution
 
@@ -48,7 +49,10 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
     UsageError
         If the file's format cannot express answers to this problem.
     """
-    text = read_text(path)
+    data = read_bytes(path)
+    if data.startswith(b"PK\x03\x04"):
+        return ReadAnswer(problem.answer_from_frame(first_sheet(path, data)))
+    text = decode(data, path)
     try:
         if text.lstrip().startswith("{"):
             data = parse_json(text)
@@ -58,6 +62,8 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
             if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
                 raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
             return answer_in_json(problem, data)
+        if is_table(text) and ".csv" not in problem.answer_suffixes:
+            return ReadAnswer(problem.answer_from_frame(frame_of(text)))
         return ReadAnswer(*problem.answer_from_text(text))
     except InputError as error:
         raise error.at(file=path) from None
@@ -103,7 +109,7 @@ def check_answer_path(problem: Problem, path: str | PathLike[str]) -> None:
 def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
     """Write the answer of ``solution`` by the suffix of ``path``, whole or not at all.
 
-    ``.json`` holds all that ``Solution.to_json`` tells, other files what their format can express.
+    ``.json`` holds all that ``Solution.to_json`` tells, ``.csv`` and ``.xlsx`` tables, other files what their format can express.
 
     Raises
     ------
@@ -112,8 +118,13 @@ def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
     """
     check_answer_path(solution.problem, path)
     suffix = Path(path).suffix.lower()
+    text: str | bytes
     if suffix == ".json":
         text = json_text(solution.to_json())
+    elif suffix == ".xlsx":
+        text = workbook({**solution.problem.answer_frames(solution.answer), "left out": solution.left_out()})
+    elif suffix == ".csv" and suffix not in solution.problem.answer_suffixes:
+        text = solution.to_frame().to_csv(index=False, lineterminator="\n")
     else:
         objective = solution.objective if isinstance(solution.objective, float) else None
         text = solution.problem.answer_to_text(solution.answer, suffix, objective)

@@ -61,7 +61,7 @@ class PyVRP(Bisecting):
         """See ``Bisecting.beyond``."""
         lacking = unscalable(problem) | entangled(problem)
         driven = [v.energy is not None and v.energy.charge == "travel" for v in problem.fleet]
-        if any(d and problem.travel_of(k).duration_matrix is not None for k, d in enumerate(driven)):
+        if any(d and problem.travel_of(k).own_durations for k, d in enumerate(driven)):
             # Time on the move can only be limited as a distance.
             lacking |= {"energy:travel with separate-durations"}
         if {"shipments", "reloads"} <= problem.features():

@@ -20,7 +20,8 @@ def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[
     problem : Problem
     given : object or None
         A ``Solution``; an answer of the problem, or what its ``answer_of`` takes for one (routing: a list of routes, each a list of site
-        indices or ids); the JSON of either, as a mapping; or the path of a solution file. None says none.
+        indices or ids, or of each vehicle by its name, or a frame of visits); the JSON of either, as a mapping; or the path of a solution
+        file. None says none.
     called : str
         What it is, for messages: ``the start``.
 
@@ -42,8 +43,12 @@ def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[
         if isinstance(given, Solution):
             given = given.answer if given.problem is problem else given.to_json()  # which speaks of sites by name
         if isinstance(given, Mapping):
-            read = answer_in_json(problem, given)
-            return read.answer, tuple(f"{called}: {note}" for note in read.notes)
+            foreign = None if given.keys() & {"answer", "kind"} else problem.foreign_answer(given)
+            if foreign is not None:
+                return foreign, ()
+            if given.keys() & {"answer", "kind"}:
+                read = answer_in_json(problem, given)
+                return read.answer, tuple(f"{called}: {note}" for note in read.notes)
         return problem.answer_of(given), ()
     except (InputError, UsageError) as error:
         raise UsageError(f"{called} cannot be read: {error}") from None

@@ -572,7 +572,7 @@ def _written_matrices(
         return [[int(v) for v in row] for row in whole.tolist()]
 
     costs: dict[str, Any] = {}
-    if travel.duration_matrix is None:
+    if not travel.own_durations:
         lengths = rows(travel.distances, "distance")
         held = {"durations": lengths, "distances": lengths}  # VROOM asks for distances even where they cost nothing
         if vehicle.unit_cost != 1:
