@@ -20,7 +20,7 @@ VISITS = frozenset({"vehicle", "site"})
 def is_table(text: str) -> bool:
     """Whether a text is a CSV of visits."""
     first = next((line for line in text.split("\n") if line.strip()), "")
-    return VISITS <= {title.strip().strip('"').casefold() for title in first.replace(";", ",").split(",")}
+    return {title.strip().strip('"').casefold() for title in first.replace(";", ",").split(",")} >= VISITS
 
 
 def frame_of(text: str) -> pd.DataFrame:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..instances.errors import InputError, UsageError
+from ..instances.instance import settings_of
 from ..instances.registry import Registry
 from ..instances.text import shown
 from .evaluation import Evaluation
@@ -14,9 +15,9 @@ from .evidence import Evidence, LeftOut, Reason
 from .forms import FORMS, compile_form
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from os import PathLike
+
+    import pandas as pd
 
     from ..instances.instance import Instance
     from .programs.compiled import Compiled
@@ -274,7 +275,8 @@ def problem_from_instance(instance: Instance, problem: str | None = None, **sett
     Keyword arguments are the settings of ``--set`` and ``convention``.
     """
     name = problem or instance.problem
-    return PROBLEMS[name](instance, name, settings)
+    kept = settings_of(instance) if name == instance.problem else {}
+    return PROBLEMS[name](instance, name, {**kept, **settings})
 
 
 PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry(

@@ -51,7 +51,9 @@ class Clock:
             try:
                 datetime.datetime.fromisoformat(self.origin)
             except ValueError:
-                raise InputError("the origin of time is no moment", expected="ISO 8601, as 2026-05-04T00:00:00", found=self.origin) from None
+                raise InputError(
+                    "the origin of time is no moment", expected="ISO 8601, as 2026-05-04T00:00:00", found=self.origin
+                ) from None
 
     @property
     def seconds(self) -> float:
@@ -148,7 +150,9 @@ class Times:
         if isinstance(value, datetime.timedelta | np.timedelta64):
             return pd.Timedelta(value).total_seconds() / self._seconds(what, "timedeltas")
         if isinstance(value, bool) or _is_moment(value):
-            raise InputError(f"{what} must be a length of time", expected=f"a number of {self.unit or 'units'} or a timedelta", found=str(value))
+            raise InputError(
+                f"{what} must be a length of time", expected=f"a number of {self.unit or 'units'} or a timedelta", found=str(value)
+            )
         try:
             return float(value)
         except (TypeError, ValueError):

@@ -86,7 +86,9 @@ def _of_frame(problem: RoutingProblem, frame: Any) -> dict[Any, list[Any]]:
     order = next((titles[t] for t in ORDER if t in titles), None)
     if site is None or vehicle is None:
         lacking = "site" if site is None else "vehicle"
-        raise UsageError(f"a table of visits needs the column {lacking!r}{did_you_mean(lacking, titles)}; it has {', '.join(map(str, frame.columns))}")
+        raise UsageError(
+            f"a table of visits needs the column {lacking!r}{did_you_mean(lacking, titles)}; it has {', '.join(map(str, frame.columns))}"
+        )
     if frame[[site, vehicle]].isna().to_numpy().any():
         raise UsageError(f"a table of visits has a row without {site} or {vehicle}")
     rows = frame if order is None else frame.sort_values([order], kind="stable")

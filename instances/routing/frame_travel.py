@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
-from .routing_service import is_table, table_from_file, table_of
+from .routing_service import table_from_file, table_of
 
 Floats = NDArray[np.float64]
 Ids = tuple[str, ...]
@@ -184,7 +184,9 @@ def _along_roads(graph: Any, nodes: Ids, ids: Ids, weight: str, what: str) -> Fl
     named = {str(node): k for node, k in number.items()}
     absent = next((k for k, node in enumerate(nodes) if node not in named), None)
     if absent is not None:
-        raise InputError(f"the graph has no node {nodes[absent]!r} for site {ids[absent]}", expected="a node named as the site, or a column node")
+        raise InputError(
+            f"the graph has no node {nodes[absent]!r} for site {ids[absent]}", expected="a node named as the site, or a column node"
+        )
     lengths: dict[tuple[int, int], float] = {}
     for tail, head, data in graph.edges(data=True):
         if weight not in data:
@@ -211,7 +213,9 @@ def _refuse_cut_off(ways: Floats, ids: Ids, what: str) -> None:
     apart = np.isinf(ways)
     np.fill_diagonal(apart, True)
     for k in np.nonzero(apart.all(axis=1) | apart.all(axis=0))[0].tolist():
-        raise InputError(f"no road leads {'from' if apart[k].all() else 'to'} site {ids[k]}", expected=f"{what}s that connect it to some site")
+        raise InputError(
+            f"no road leads {'from' if apart[k].all() else 'to'} site {ids[k]}", expected=f"{what}s that connect it to some site"
+        )
 
 
 def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..clock import Clock, Times
-from ..errors import InputError, UsageError
+from ..clock import Times
+from ..errors import InputError
 from ..suggestions import did_you_mean
 from ..text import label
 from .fleet import equal_fleet, with_problems
@@ -99,8 +99,12 @@ def instance_from_frame(
         held = None if durations is None else matrix_of(durations, table.ids, "duration", times)
         ways = Travel(moves, coordinates=xy, duration_matrix=held, **own)
     ways = ways.at_speed(_speed(speed, ways, times))
-    if fleet is not None and (vehicles is not None or (capacity, max_duration, max_distance, fixed_cost) != (math.inf, math.inf, math.inf, 0)):
-        raise InputError("fleet tells the vehicles already", expected="fleet, or vehicles, capacity, max_duration, max_distance and fixed_cost")
+    if fleet is not None and (
+        vehicles is not None or (capacity, max_duration, max_distance, fixed_cost) != (math.inf, math.inf, math.inf, 0)
+    ):
+        raise InputError(
+            "fleet tells the vehicles already", expected="fleet, or vehicles, capacity, max_duration, max_distance and fixed_cost"
+        )
     if fleet is None:
         kinds = _equal(made, vehicles, capacity, times.span(max_duration, "max_duration"), max_distance, fixed_cost)
     else:
@@ -111,14 +115,29 @@ def instance_from_frame(
     if clock is not None:
         notes += (f"times are in {clock}",)
     instance = RoutingInstance(
-        label(name), "frame", made, ways, kinds, min_vehicles=min_vehicles, notes=notes, team_risk=team_risk, forbidden=forbidden, clock=clock
+        label(name),
+        "frame",
+        made,
+        ways,
+        kinds,
+        min_vehicles=min_vehicles,
+        notes=notes,
+        team_risk=team_risk,
+        forbidden=forbidden,
+        clock=clock,
     )
     refuse_powerless(instance)
     return with_problems(instance)
 
 
 def _sites(
-    table: Columns, times: Times, xy: Floats | None, geographic: bool, windows: Mapping[Any, Any] | None, shipments: Iterable[Any], groups: Iterable[Any]
+    table: Columns,
+    times: Times,
+    xy: Floats | None,
+    geographic: bool,
+    windows: Mapping[Any, Any] | None,
+    shipments: Iterable[Any],
+    groups: Iterable[Any],
 ) -> Sites:
     index = {site: k for k, site in enumerate(table.ids)}
     held: dict[str, Any] = {key: table.reals(key) for key in ("reward", "penalty") if key in table}
@@ -151,7 +170,9 @@ def _moves(
             expected = f"a matrix, the file of a table, or one of {', '.join(METRICS)}"
             raise InputError(f"travel by {travel!r} is unknown{did_you_mean(travel, METRICS)}", expected=expected)
         if xy is None:
-            raise InputError(f"travel by {travel} needs coordinates", expected="columns lat and lon" if travel in GEOGRAPHIC else "columns x and y")
+            raise InputError(
+                f"travel by {travel} needs coordinates", expected="columns lat and lon" if travel in GEOGRAPHIC else "columns x and y"
+            )
         if (travel in GEOGRAPHIC) != geographic:
             expected = "columns lat and lon" if travel in GEOGRAPHIC else "travel='haversine', or columns x and y"
             raise InputError(f"travel by {travel} does not fit the coordinates", expected=expected)
@@ -169,13 +190,21 @@ def _moves(
 
 
 def _need_units(
-    sites: Sites, moves: Moves | str, durations: Any, speed: float, fleet: Any, unit: str | None, max_duration: Any, geographic: bool, travel: Any
+    sites: Sites,
+    moves: Moves | str,
+    durations: Any,
+    speed: float,
+    fleet: Any,
+    unit: str | None,
+    max_duration: Any,
+    geographic: bool,
+    travel: Any,
 ) -> None:
     """Raise InputError where times of sites or vehicles would be compared with distances, or with durations of another unit."""
     timed = bool(sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or max_duration != math.inf)
     if not timed:
         return
-    service = isinstance(travel, str | PathLike) and not isinstance(moves, str) or is_table(travel)
+    service = (isinstance(travel, str | PathLike) and not isinstance(moves, str)) or is_table(travel)
     if service and unit is None:
         raise InputError("durations of the routing service are in seconds, and the unit of the other times is not said",
                          expected="time_unit='s', min, h or d")  # fmt: skip

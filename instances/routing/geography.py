@@ -42,7 +42,9 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None, tuple[str, ...]
         bad = ~(np.abs(values) <= most)
         if bad.any():
             k = int(np.argmax(bad))
-            swapped = "; are lat and lon swapped?" if what == "latitude" and np.abs(lon).max() <= 90.0 and np.abs(lat).max() <= 180.0 else ""
+            swapped = (
+                "; are lat and lon swapped?" if what == "latitude" and np.abs(lon).max() <= 90.0 and np.abs(lat).max() <= 180.0 else ""
+            )
             found = f"{values[k]}{swapped}"
             raise InputError(f"{what} of site {table.ids[k]} is out of range", expected=f"{-most:g} to {most:g} degrees", found=found)
     return True, np.column_stack([lon, lat]), ()

@@ -138,7 +138,9 @@ def _attributes(data: Any, n: int) -> dict[str, Any]:
 
 def plain_json(value: Any) -> Any:
     """An attribute as JSON has it."""
-    return value if value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value)) else str(value)
+    return (
+        value if value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value)) else str(value)
+    )
 
 
 def _decode_sites(data: Any) -> Sites:

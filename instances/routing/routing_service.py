@@ -56,7 +56,9 @@ class ServiceTable:
 def unit_of_distance(name: str) -> str:
     """``name``, if it is a unit of distance."""
     if name not in UNITS_OF_DISTANCE:
-        raise UsageError(f"unknown unit of distance {name!r}; choose from {', '.join(UNITS_OF_DISTANCE)}{did_you_mean(name, UNITS_OF_DISTANCE)}")
+        raise UsageError(
+            f"unknown unit of distance {name!r}; choose from {', '.join(UNITS_OF_DISTANCE)}{did_you_mean(name, UNITS_OF_DISTANCE)}"
+        )
     return name
 
 
