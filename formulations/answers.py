@@ -17,7 +17,9 @@ from ..instances.printable import printable
 from ..instances.text import decode, read_bytes
 from .answer_tables import first_sheet, frame_of, is_table, workbook
 from .problem import Problem
+from .programs.solution_files import SolverFile, is_solver_json, solver_file, solver_json
 from .solution import Solution
+from .solver_solutions import answer_of_solver
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,16 @@ class ReadAnswer:
     notes: tuple[str, ...] = ()
 
 
-def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
-    """The answer in a solution file, recognised by content: JSON, or what else the problem's answers are written as.
+def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = None) -> ReadAnswer:
+    """The answer in a solution file, recognised by content: JSON, a table, what else the problem's answers are written as, or what a
+    solver wrote of an exported form.
+
+    Parameters
+    ----------
+    problem : Problem
+    path : path-like
+    form : str, optional
+        For a solver's file: the form that was exported; by default whichever fits.
 
     Raises
     ------
@@ -49,19 +59,24 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
     UsageError
         If the file's format cannot express answers to this problem.
     """
-    data = read_bytes(path)
-    if data.startswith(b"PK\x03\x04"):
-        return ReadAnswer(problem.answer_from_frame(first_sheet(path, data)))
-    text = decode(data, path)
+    held = read_bytes(path)
+    if held.startswith(b"PK\x03\x04"):
+        return ReadAnswer(problem.answer_from_frame(first_sheet(path, held)))
+    text = decode(held, path)
     try:
         if text.lstrip().startswith("{"):
             data = parse_json(text)
+            if is_solver_json(data):
+                return _of_solver(problem, solver_json(data), form)
             foreign = problem.foreign_answer(data) if isinstance(data, dict) else None
             if foreign is not None:
                 return ReadAnswer(foreign)
             if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
                 raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
             return answer_in_json(problem, data)
+        solved = solver_file(text)
+        if solved is not None:
+            return _of_solver(problem, solved, form)
         if is_table(text) and ".csv" not in problem.answer_suffixes:
             return ReadAnswer(problem.answer_from_frame(frame_of(text)))
         return ReadAnswer(*problem.answer_from_text(text))
@@ -69,6 +84,11 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
         raise error.at(file=path) from None
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from None
+
+
+def _of_solver(problem: Problem, solved: SolverFile, form: str | None) -> ReadAnswer:
+    answer, name = answer_of_solver(problem, solved, form)
+    return ReadAnswer(answer, notes=(f"a solution of {solved.solver} to the form {name}",))
 
 
 def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:

@@ -12,7 +12,7 @@ from ..formulations.solution import Solution
 from ..instances.errors import InputError, UsageError
 
 
-def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[str, ...]]:
+def answer_given(problem: Problem, given: Any, called: str, form: str | None = None) -> tuple[Any, tuple[str, ...]]:
     """The answer of ``problem`` that ``given`` says, and what a user should be told about the reading.
 
     Parameters
@@ -24,6 +24,8 @@ def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[
         file. None says none.
     called : str
         What it is, for messages: ``the start``.
+    form : str, optional
+        For a solver's solution file: the form that was exported.
 
     Raises
     ------
@@ -37,7 +39,7 @@ def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[
     if isinstance(given, Solution) and given.answer is None:
         return None, (f"{called} holds no answer",)
     if isinstance(given, str | PathLike):
-        read = read_answer(problem, given)
+        read = read_answer(problem, given, form)
         return read.answer, tuple(f"{given}: {note}" for note in read.notes)
     try:
         if isinstance(given, Solution):
