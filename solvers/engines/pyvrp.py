@@ -51,7 +51,7 @@ class PyVRP(Bisecting):
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
             "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "overtime",
             "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "several-windows", "skills",
-            "reloads",
+            "reloads", "forbidden-moves",
             "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties",
             "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
         }
@@ -114,7 +114,7 @@ class _Search:
         statistics: dict[str, Any] = {"iterations": result.num_iterations, "scale": self.data.scales}
         if self.options.start is not None:
             statistics["start"] = "refused" if start is None else "used"
-        if not result.is_feasible():
+        if not result.is_feasible() or not self.model.keeps_to_moves(result.best):
             return RawResult("unknown", self.limit, statistics=statistics, message="PyVRP found no feasible answer")
         answer = self.model.routes(result.best)
         return RawResult("feasible", self.limit, answer, self._claim(result.best, answer), statistics=statistics)
@@ -152,7 +152,7 @@ class _Search:
                 this.on_best(ils.initial_solution)
 
             def on_best(this, best: Any) -> None:
-                if best.is_feasible():
+                if best.is_feasible() and self.model.keeps_to_moves(best):
                     self.pending = best
 
         return Hear()
