@@ -44,7 +44,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
             "latest": float(due.max()) if len(due) else None,
             "depot": [[float(s.ready[i]), float(s.due[i])] for i in s.depots],
         },
-        "travel": _travel(problem.travel, s),
+        "travel": _travel(problem.travel, s) | ({} if problem.forbidden is None else {"forbidden_moves": int(problem.forbidden.sum())}),
         "fleet": [_vehicle(v, s) for v in problem.fleet],
         "min_vehicles": problem.min_vehicles,
         **({} if problem.team_risk is None else {"team_risk": problem.team_risk}),
