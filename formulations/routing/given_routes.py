@@ -46,6 +46,8 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
         return given
     if hasattr(given, "columns") and hasattr(given, "groupby"):
         given = _of_frame(problem, given)
+    if isinstance(given, Mapping) and given.keys() == {"routes"} and _is_list(given["routes"]):
+        given = given["routes"]
     if isinstance(given, Mapping):
         return _of_mapping(problem, given)
     listed: list[Any] = list(given) if isinstance(given, Iterable) and not isinstance(given, str | bytes) else [None]
