@@ -15,11 +15,11 @@ from . import FORMATS, Format
 VERSION = 1
 
 
-_VERSION, _VEHICLES = re.compile(r'"waybound"\s*:'), re.compile(r'"vehicles"\s*:')
+_VERSION, _VEHICLES = re.compile(r'"waybound"\s*:'), re.compile(r'"vehicles"\s*:|"type"\s*:\s*"FeatureCollection"')
 
 
 def recognises(text: str) -> bool:
-    """Whether the text is meant as a JSON object, and not as VROOM's, which has vehicles."""
+    """Whether the text is meant as a JSON object, and not as VROOM's, which has vehicles, or as GeoJSON."""
     return text.lstrip().startswith("{") and (_VERSION.search(text) is not None or _VEHICLES.search(text) is None)
 
 

@@ -57,13 +57,14 @@ def instance_from_frame(
     groups: Iterable[Any] = (),
     variances: Any = None,
     team_risk: float | None = None,
+    source: str = "frame",
 ) -> RoutingInstance:
-    """An instance from pandas frames; parameters as of ``RoutingProblem.from_frame``.
+    """An instance from pandas frames; parameters as of ``RoutingProblem.from_frame``, and the ``source`` that is told as its format.
 
     Returns
     -------
     RoutingInstance
-        Of format ``frame``.
+        Of format ``source``.
 
     Raises
     ------
@@ -116,7 +117,7 @@ def instance_from_frame(
         notes += (f"times are in {clock}",)
     instance = RoutingInstance(
         label(name),
-        "frame",
+        source,
         made,
         ways,
         kinds,
