@@ -179,7 +179,8 @@ def _meant(title: str, found: Mapping[str, Any]) -> str | None:
         if plain in others and known not in found:
             return known
     absent = [c for c in COLUMNS if c not in found and len(c) > 2]
-    return next((word for word in plain.split("_") if word in absent), None) or nearest(plain, absent)
+    word = next((word for word in plain.split("_") if word in absent), None) or nearest(plain, [*absent, *ALIASES])
+    return next((known for known in (word, ALIASES.get(word or "")) if known in absent), None)
 
 
 def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
