@@ -37,4 +37,6 @@ def answer_of_solver(problem: Problem, read: SolverFile, form: str | None = None
     if first is None:
         raise InputError(f"is a solution of {read.solver}, and no form writes {problem.name} down")
     why, expected, found = (first.message, first.expected, first.found) if isinstance(first, InputError) else (str(first), None, None)
-    raise InputError(f"is a solution of another model than {problem.name}: as of its form {names[0]} it {why}", expected=expected, found=found)
+    raise InputError(
+        f"is a solution of another model than {problem.name}: as of its form {names[0]} it {why}", expected=expected, found=found
+    )

@@ -136,7 +136,7 @@ class Times:
         if value is None or value is pd.NaT:
             return math.nan
         if _is_moment(value):
-            return (pd.Timestamp(value) - self.origin).total_seconds() / self._seconds(what, "timestamps")
+            return float((pd.Timestamp(value) - self.origin).total_seconds()) / self._seconds(what, "timestamps")
         if isinstance(value, datetime.time):
             return (value.hour * 3600 + value.minute * 60 + value.second + value.microsecond / 1e6) / self._seconds(what, "times of day")
         return self.span(value, what)
@@ -196,5 +196,6 @@ def _flat(values: Any) -> Iterator[Any]:
     if isinstance(values, str) or not isinstance(values, Iterable):
         yield values
         return
-    for part in [values[title] for title in values.columns] if hasattr(values, "columns") else values:
+    frame: Any = values
+    for part in [frame[title] for title in frame.columns] if hasattr(frame, "columns") else values:
         yield from _flat(part)

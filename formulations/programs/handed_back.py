@@ -20,14 +20,15 @@ def vector_from(program: Program, solution: Any) -> Floats:
         return vector_in_file(program, solution)
     module = type(solution).__module__.partition(".")[0]
     if module == "highspy" and hasattr(solution, "getSolution"):
-        return _vector(program, solution.getSolution().col_value, "HiGHS")
+        found = solution.getSolution()
+        return _vector(program, found.col_value if found.value_valid else [], "the model")
     if module == "pulp":
         return vector_of(program, SolverFile("PuLP", _valued({v.name: v.value() for v in solution.variables() if v.name != "__dummy"})))
     if module == "cvxpy":
         from .export.cvxpy import vector_of as values_of
 
-        found = values_of(program, solution)
-        return _vector(program, [] if found is None else found, "CVXPY")
+        made = values_of(program, solution)
+        return _vector(program, [] if made is None else made, "the model")
     if module == "ortools" and hasattr(solution, "to_proto"):
         return vector_of(program, of_mathopt(solution.to_proto()))
     if isinstance(solution, Mapping):

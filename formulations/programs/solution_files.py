@@ -1,8 +1,8 @@
 """What solvers write of a program that they were given as a file: values of variables by name.
 
-Read are the files of HiGHS (raw and table), SCIP, CBC, and Gurobi (``name value``, which others write too), and MathOpt's results as text or
-JSON. Zeros may be left out. Names are those of the exports; positions (``x3``, ``c3``, ``X0000003``), which solvers make up where a model has
-none, are taken where every name is one.
+Read are the files of HiGHS (raw and table), SCIP, CBC, and Gurobi (``name value``, which others write too), and MathOpt's results as
+text or JSON. Zeros may be left out. Names are those of the exports; positions (``x3``, ``c3``, ``X0000003``), which solvers make up where a
+model has none, are taken where every name is one.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -230,11 +230,11 @@ def vector_of(program: Program, read: SolverFile) -> Floats:
         If the file cannot be one of this program: it names other variables, has another number of them, or states another objective than
         its values have here.
     """
-    n, values = program.num_variables, _named(program, read)
+    n = program.num_variables
     if read.columns is not None and read.columns != n:
         raise InputError("has another number of variables", expected=str(n), found=str(read.columns))
     x = np.zeros(n)
-    for column, value in values.items():
+    for column, value in _named(program, read).items():
         x[column] = value
     if read.stated is not None and not _agrees(program, x, read.stated):
         here = f"{program.value(x):.10g}"

@@ -147,12 +147,12 @@ class RoutingProblem(Problem):
         sites : DataFrame
             Columns ``id`` (else the index, or ``name``), ``x, y`` or ``lat, lon`` (decimal degrees), ``demand, pickup, ready, due,
             service, reward, required, penalty, depot, skills``, all but the coordinates (or ``travel``) optional; ``demand2, pickup2, ...``
-            are further load dimensions, ``skills`` words with commas between. Without ``depot`` the first row is the depot. All other columns
-            are kept, shown, and not used; one that looks like a misspelt title is refused.
+            are further load dimensions, ``skills`` words with commas between. Without ``depot`` the first row is the depot. All other
+            columns are kept, shown, and not used; one that looks like a misspelt title is refused.
         travel : optional
             Distances, Euclidean or on the globe without it: a matrix (array, or frame with the ids as labels) in which ``inf`` stands for a
-            move that cannot be made; a frame with one row a move (``from, to, distance`` and perhaps ``duration``); a scipy.sparse matrix or a
-            networkx graph, whose shortest paths are taken; a routing service's table (OSRM, Valhalla), parsed or as the path of its JSON
+            move that cannot be made; a frame with one row a move (``from, to, distance`` and perhaps ``duration``); a scipy.sparse matrix
+            or a networkx graph, whose shortest paths are taken; a routing service's table (OSRM, Valhalla), parsed or as the path of its JSON
             file; or the name of a metric (``manhattan``, ...).
         durations : optional
             A matrix or frame, of numbers or timedeltas; of a networkx graph the name of an attribute of edges. Without, the distances.
@@ -168,7 +168,8 @@ class RoutingProblem(Problem):
         extra : list of titles, or bool
             Columns that are kept though they look like misspelt ones; True for all.
         time_unit : str, optional
-            ``s, min, h`` or ``d``: what times count. Needed where any are timestamps or timedeltas; time 0 is then midnight of the first day.
+            ``s, min, h`` or ``d``: what times count. Needed where any are timestamps or timedeltas; time 0 is then midnight of the first
+            day.
         distance_unit : str
             ``km, m`` or ``mi``, for distances on the globe and those of a routing service.
         weight : str

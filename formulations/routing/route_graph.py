@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 from .routes import Routes
@@ -26,7 +27,7 @@ def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
         vehicle, travel = problem.fleet[route.vehicle], problem.travel_of(route.vehicle)
         stops, plan = (vehicle.start, *route.visits, vehicle.end), schedule(problem, route)
         ends = [0.0, *plan.distance.tolist(), plan.total_distance]
-        for k, (tail, head) in enumerate(zip(stops, stops[1:], strict=False)):
+        for k, (tail, head) in enumerate(itertools.pairwise(stops)):
             told = {"vehicle": name, "position": k + 1, "distance": ends[k + 1] - ends[k], "duration": float(travel.duration(tail, head))}
             graph.add_edge(sites.ids[tail], sites.ids[head], **told)
     return graph

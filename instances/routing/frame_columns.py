@@ -151,6 +151,7 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
 def _mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
     """``mapping`` from waybound's titles to the frame's, whichever way round it is given."""
     found: dict[str, Any] = {}
+    own: Any
     for one, other in mapping.items():
         own, theirs = (one, other) if _known(one) else (other, one) if _known(other) else (None, None)
         if own is None:

@@ -190,7 +190,7 @@ def _along_roads(graph: Any, nodes: Ids, ids: Ids, weight: str, what: str) -> Fl
     lengths: dict[tuple[int, int], float] = {}
     for tail, head, data in graph.edges(data=True):
         if weight not in data:
-            raise InputError(f"the edge from {tail} to {head} has no attribute {weight!r}", expected="weight= the attribute that holds distances",
+            raise InputError(f"the edge from {tail} to {head} has no attribute {weight!r}", expected="weight= the one that holds distances",
                              found=", ".join(map(str, data)) or "none")  # fmt: skip
         length = float(data[weight])
         if not length >= 0 or math.isinf(length):

@@ -90,7 +90,8 @@ def instance_from_frame(
     if hasattr(variances, "tocsr"):
         raise InputError("variances belong to moves, not to roads", expected="a full matrix", found="a sparse one")
     own: dict[str, Any] = {
-        "convention": convention, "closing": closes, "variances": None if variances is None else matrix_of(variances, table.ids, "variance", None)
+        "convention": convention, "closing": closes,
+        "variances": None if variances is None else matrix_of(variances, table.ids, "variance", None),
     }  # fmt: skip
     forbidden = None
     if isinstance(moves, Moves):

@@ -16,8 +16,10 @@ from .instance import Group, RoutingInstance, Shipment, Sites
 from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
 from .reach import refuse_powerless, refuse_unreachable
 
-KEYS = ("name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "team_risk", "objective", "notes", "forbidden",
-        "clock")  # fmt: skip
+KEYS = (
+    "name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "team_risk", "objective", "notes", "forbidden",
+    "clock",
+)  # fmt: skip
 SITE_KEYS = (
     "id", "depot", "x", "y", "demand", "pickup", "ready", "due", "windows", "service", "reward", "required", "penalty", "skills",
     "shipments", "groups", "lat", "lon", "attributes",

@@ -1,7 +1,7 @@
 """Tables of distances and durations as routing services answer them: OSRM's ``table`` and Valhalla's ``sources_to_targets``.
 
-OSRM: ``distances`` in metres, ``durations`` in seconds, null where there is no way. Valhalla: a list of ``distance`` in ``units`` (kilometres or miles)
-and ``time`` in seconds. Sources and destinations must be the sites, all of them in their order.
+OSRM: ``distances`` in metres, ``durations`` in seconds, null where there is no way. Valhalla: a list of ``distance`` in ``units``
+(kilometres or miles) and ``time`` in seconds. Sources and destinations must be the sites, all of them in their order.
 
 Source: OSRM API documentation, "Table service"; Valhalla documentation, "Matrix service".
 """

@@ -289,8 +289,8 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
 """By feature: what it changes. Those of objectives choose among ``GOALS``."""
 
 TURNS = tuple(name for name in CHANGES if name not in RISKS | {"uncertain-durations", "forbidden-moves"})
-"""Features that ``drawn`` has in turn, and chooses more from. Risks are ``risky``'s, and moves are forbidden by ``with_features`` alone, so that
-problems stay what they were without."""
+"""Features that ``drawn`` has in turn, and chooses more from. Risks are ``risky``'s, and moves are forbidden by ``with_features`` alone, so
+that problems stay what they were without."""
 
 TWO_DEPOTS = {"multiple-depots", "open-routes", "reloads", "recharging"}
 

@@ -21,7 +21,9 @@ def test_answers_are_written_as_json_unless_a_problem_says_more():
     problem = wb.read("cover-30")
     problem.check_answer_suffix(".json")
     for suffix in (".sol", ".txt", ""):
-        with pytest.raises(wb.UsageError, match=r"answers to selection problems are written as \.json, \.csv, \.xlsx, not under the suffix"):
+        with pytest.raises(
+            wb.UsageError, match=r"answers to selection problems are written as \.json, \.csv, \.xlsx, not under the suffix"
+        ):
             problem.check_answer_suffix(suffix)
     with pytest.raises(NotImplementedError, match=r"SubmodularSelection .* \.sol"):
         problem.answer_to_text(wb.Selection.of([0]), ".sol")

@@ -44,7 +44,9 @@ def test_moments_of_every_kind_are_the_same(values: Any) -> None:
     assert np.ravel(reading("min", values).moments(values, "ready")).tolist() == [540.0]
 
 
-@pytest.mark.parametrize("value", [pd.Timedelta("90min"), datetime.timedelta(minutes=90), np.timedelta64(5400, "s"), 90, 90.0, np.int64(90)])
+@pytest.mark.parametrize(
+    "value", [pd.Timedelta("90min"), datetime.timedelta(minutes=90), np.timedelta64(5400, "s"), 90, 90.0, np.int64(90)]
+)
 def test_spans_of_every_kind_are_the_same(value: Any) -> None:
     assert Times("min").span(value, "service") == 90.0
     assert Times("min").spans(pd.Series([value]), "service").tolist() == [90.0]
@@ -55,15 +57,18 @@ def test_times_of_day_count_from_midnight() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "kind"), [(pd.Series([NINE]), "timestamps"), (pd.Series([pd.Timedelta("1h")]), "timedeltas"), ([datetime.time(9)], "times of day")]
+    ("values", "kind"),
+    [(pd.Series([NINE]), "timestamps"), (pd.Series([pd.Timedelta("1h")]), "timedeltas"), ([datetime.time(9)], "times of day")],
 )
 def test_nothing_is_converted_without_a_unit(values: Any, kind: str) -> None:
-    with pytest.raises(InputError, match=f"column ready holds {kind}: say in which unit of time the problem counts; expected time_unit='min'"):
+    with pytest.raises(
+        InputError, match=f"column ready holds {kind}: say in which unit of time the problem counts; expected time_unit='min'"
+    ):
         reading(None, values).moments(values, "column ready")
 
 
 def test_what_is_no_time_says_how_it_becomes_one() -> None:
-    with pytest.raises(InputError, match="pd.to_datetime"):
+    with pytest.raises(InputError, match=r"pd\.to_datetime"):
         Times("min").moments(pd.Series(["08:00"]), "column ready")
     with pytest.raises(InputError, match="must be a length of time"):
         reading("min", [NINE]).span(NINE, "service")

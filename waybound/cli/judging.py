@@ -41,7 +41,12 @@ STATED_TOLERANCE = 1e-6
 def check(
     file: File,
     solution: Annotated[
-        Path, typer.Argument(metavar="SOLUTION", help="Solution file: .json, .csv, .xlsx, of routes .sol, .tour, .vroom, .geojson; or a solver's, of an exported model.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="SOLUTION",
+            help="Solution file: .json, .csv, .xlsx, of routes .sol, .tour, .vroom, .geojson; or a solver's, of an exported model.",
+            show_default=False,
+        ),
     ],
     certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Verify this certificate's bound too.")] = None,
     format: Format = None,  # noqa: A002
@@ -49,7 +54,8 @@ def check(
     convention: Convention = None,
     settings: Set = None,
     form: Annotated[
-        str | None, typer.Option("--form", metavar="NAME", help="For a solver's file: the form that was exported; whichever fits by default.")
+        str | None,
+        typer.Option("--form", metavar="NAME", help="For a solver's file: the form that was exported; whichever fits by default."),
     ] = None,
     json: Json = False,
     verbose: Verbose = False,

@@ -63,7 +63,9 @@ def _site(feature: Any, path: str) -> dict[str, Any]:
         raise InputError("is a solution file, not an instance")
     if what != "Point":
         raise InputError(f"{path}.geometry is no point", expected="Point", found=kind_of(what))
-    numbers = isinstance(place, list) and len(place) in (2, 3) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in place)
+    numbers = (
+        isinstance(place, list) and len(place) in (2, 3) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in place)
+    )
     if not numbers:
         raise InputError(f"{path}.geometry.coordinates must be longitude and latitude", found=kind_of(place))
     if {"lat", "lon"} & told.keys():

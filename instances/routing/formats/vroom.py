@@ -61,7 +61,12 @@ _VEHICLES, _WAYBOUND = re.compile(r'"vehicles"\s*:'), re.compile(r'"waybound"\s*
 
 def recognises(text: str) -> bool:
     """Whether a JSON object has vehicles, and is none of waybound's and no GeoJSON."""
-    return '"FeatureCollection"' not in text and text.lstrip().startswith("{") and _VEHICLES.search(text) is not None and _WAYBOUND.search(text) is None
+    return (
+        '"FeatureCollection"' not in text
+        and text.lstrip().startswith("{")
+        and _VEHICLES.search(text) is not None
+        and _WAYBOUND.search(text) is None
+    )
 
 
 # -- reading -------------------------------------------------------------------------------------------------------------

@@ -10,7 +10,12 @@ import pytest
 import waybound as wb
 from waybound.formulations.routing.geojson import answer_geojson, visits_of_geojson
 
-SITES = pd.DataFrame({"id": ["yard", "a", "b", "c"], "lat": [45.0, 45.1, 45.2, 45.3], "lon": [9.0, 9.1, 9.0, 9.2], "phone": list("-123"), "required": [True, True, True, False]})  # fmt: skip
+SITES = pd.DataFrame(
+    {
+        "id": ["yard", "a", "b", "c"], "lat": [45.0, 45.1, 45.2, 45.3], "lon": [9.0, 9.1, 9.0, 9.2], "phone": list("-123"),
+        "required": [True, True, True, False],
+    }
+)  # fmt: skip
 
 
 def test_lines_and_points_tell_who_goes_where_when_and_who_is_left_out() -> None:

@@ -46,7 +46,8 @@ def test_ids_are_the_column_the_index_or_the_names(frame: pd.DataFrame, ids: tup
 @pytest.mark.parametrize(
     ("title", "meant"),
     [
-        ("dmand", "demand"), ("Demands", "demand"), ("demand_kg", "demand"), ("ready time", "ready"), ("due_date", "due"), ("tw_end", "due"),
+        ("dmand", "demand"), ("Demands", "demand"), ("demand_kg", "demand"), ("ready time", "ready"), ("due_date", "due"),
+        ("tw_end", "due"),
         ("service_time", "service"), ("Latitud", "lat"),
     ],
 )  # fmt: skip
@@ -90,6 +91,8 @@ def test_missing_values_are_nothing_at_a_depot_and_a_fault_elsewhere() -> None:
 
 
 def test_words_have_commas_between() -> None:
-    assert words_of("cold, tall", "skills") == ["cold", "tall"] and words_of(["cold"], "skills") == ["cold"] and words_of(None, "skills") == []
+    assert (
+        words_of("cold, tall", "skills") == ["cold", "tall"] and words_of(["cold"], "skills") == ["cold"] and words_of(None, "skills") == []
+    )
     with pytest.raises(InputError, match="must hold words"):
         words_of(3, "skills")

@@ -34,7 +34,11 @@ def test_a_frame_without_count_has_one_vehicle_a_row() -> None:
 
 def test_times_of_vehicles_are_read_in_the_unit() -> None:
     frame = pd.DataFrame(
-        {"shift_start": [DAY + pd.Timedelta("7h"), pd.NaT], "shift_end": [DAY + pd.Timedelta("15h")] * 2, "max_duration": pd.Timedelta("6h")}
+        {
+            "shift_start": [DAY + pd.Timedelta("7h"), pd.NaT],
+            "shift_end": [DAY + pd.Timedelta("15h")] * 2,
+            "max_duration": pd.Timedelta("6h"),
+        }
     )
     van, other = fleet(frame, "h")
     assert van.shift == (7, 15) and other.shift == (-math.inf, 15) and van.max_duration == 6

@@ -38,7 +38,9 @@ def test_a_frame_with_labels_is_put_in_order_and_holds_timedeltas() -> None:
 
 
 def test_a_list_of_moves_lacks_what_cannot_be_made() -> None:
-    frame = pd.DataFrame({"from": ["o", "a", "b"], "to": ["a", "b", "o"], "distance": [1, 4, 5], "duration": pd.to_timedelta([2, 3, 9], "min")})
+    frame = pd.DataFrame(
+        {"from": ["o", "a", "b"], "to": ["a", "b", "o"], "distance": [1, 4, 5], "duration": pd.to_timedelta([2, 3, 9], "min")}
+    )
     made = moves(frame, unit="min")
     assert made.forbidden is not None and np.argwhere(made.forbidden).tolist() == [[0, 2], [1, 0], [2, 1]]
     assert made.distances[0, 1] == 1 and made.durations is not None and made.durations[2, 0] == 9
@@ -62,7 +64,11 @@ def test_of_edges_beside_each_other_the_shortest_counts_and_sites_may_be_called_
 @pytest.mark.parametrize(
     ("travel", "given_more", "message"),
     [
-        (roads(), {"weight": "length"}, "has no attribute 'length'; expected weight= the attribute that holds distances; found km, minutes"),
+        (
+            roads(),
+            {"weight": "length"},
+            "has no attribute 'length'; expected weight= the one that holds distances; found km, minutes",
+        ),
         (roads(), {"weight": "km", "nodes": ("o", "a", "z")}, "the graph has no node 'z' for site b"),
         (nx.DiGraph([("o", "a", {"weight": 1}), ("a", "b", {"weight": 1})]), {}, "no road leads to site o"),
         (nx.DiGraph([("o", "a", {"weight": -1}), ("a", "b", {"weight": 1})]), {}, "weight of the edge from o to a must be finite"),

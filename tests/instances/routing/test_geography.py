@@ -61,7 +61,10 @@ def test_the_warning_reaches_who_makes_the_problem() -> None:
 @pytest.mark.parametrize(
     ("columns", "message"),
     [
-        ({"lat": [0.0, 151.2], "lon": [0.0, -33.9]}, "latitude of site 1 is out of range; expected -90 to 90 degrees; found 151.2; are lat and lon swapped?"),
+        (
+            {"lat": [0.0, 151.2], "lon": [0.0, -33.9]},
+            "latitude of site 1 is out of range; expected -90 to 90 degrees; found 151.2; are lat and lon swapped?",
+        ),
         ({"lat": [0.0, 95.0], "lon": [0.0, 120.0]}, "latitude of site 1 is out of range; expected -90 to 90 degrees; found 95.0"),
         ({"lat": [0.0, 1.0], "lon": [0.0, 181.0]}, "longitude of site 1 is out of range"),
         ({"lat": [0.0, np.nan], "lon": [0.0, 1.0]}, "latitude of site 1 is out of range"),
