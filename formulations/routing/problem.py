@@ -152,8 +152,8 @@ class RoutingProblem(Problem):
         travel : optional
             Distances, Euclidean or on the globe without it: a matrix (array, or frame with the ids as labels) in which ``inf`` stands for a
             move that cannot be made; a frame with one row a move (``from, to, distance`` and perhaps ``duration``); a scipy.sparse matrix
-            or a networkx graph, whose shortest paths are taken; a routing service's table (OSRM, Valhalla), parsed or as the path of its JSON
-            file; or the name of a metric (``manhattan``, ...).
+            or a networkx graph, whose shortest paths are taken; a routing service's table (OSRM, Valhalla), parsed or as the path of its
+            JSON file; or the name of a metric (``manhattan``, ...).
         durations : optional
             A matrix or frame, of numbers or timedeltas; of a networkx graph the name of an attribute of edges. Without, the distances.
         vehicles, capacity, max_duration, max_distance, fixed_cost
