@@ -14,9 +14,12 @@ from ..instances.atomic import atomic_write
 from ..instances.document import parse_json
 from ..instances.errors import InputError, UsageError
 from ..instances.printable import printable
-from ..instances.text import read_text
+from ..instances.text import decode, read_bytes
+from .answer_tables import first_sheet, frame_of, is_table, workbook
 from .problem import Problem
+from .programs.solution_files import SolverFile, is_solver_json, solver_file, solver_json
 from .solution import Solution
+from .solver_solutions import answer_of_solver
 
 
 @dataclass(frozen=True)
@@ -38,8 +41,16 @@ class ReadAnswer:
     notes: tuple[str, ...] = ()
 
 
-def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
-    """The answer in a solution file, recognised by content: JSON, or what else the problem's answers are written as.
+def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = None) -> ReadAnswer:
+    """The answer in a solution file, recognised by content: JSON, a table, what else the problem's answers are written as, or what a
+    solver wrote of an exported form.
+
+    Parameters
+    ----------
+    problem : Problem
+    path : path-like
+    form : str, optional
+        For a solver's file: the form that was exported; by default whichever fits.
 
     Raises
     ------
@@ -48,21 +59,36 @@ def read_answer(problem: Problem, path: str | PathLike[str]) -> ReadAnswer:
     UsageError
         If the file's format cannot express answers to this problem.
     """
-    text = read_text(path)
+    held = read_bytes(path)
+    if held.startswith(b"PK\x03\x04"):
+        return ReadAnswer(problem.answer_from_frame(first_sheet(path, held)))
+    text = decode(held, path)
     try:
         if text.lstrip().startswith("{"):
             data = parse_json(text)
+            if is_solver_json(data):
+                return _of_solver(problem, solver_json(data), form)
             foreign = problem.foreign_answer(data) if isinstance(data, dict) else None
             if foreign is not None:
                 return ReadAnswer(foreign)
             if not isinstance(data, dict) or not ({"answer", "kind"} & data.keys()) or "waybound" in data:
                 raise InputError("is JSON, but no solution", expected='an object with the key "answer", or an answer itself')
             return answer_in_json(problem, data)
+        solved = solver_file(text)
+        if solved is not None:
+            return _of_solver(problem, solved, form)
+        if is_table(text) and ".csv" not in problem.answer_suffixes:
+            return ReadAnswer(problem.answer_from_frame(frame_of(text)))
         return ReadAnswer(*problem.answer_from_text(text))
     except InputError as error:
         raise error.at(file=path) from None
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from None
+
+
+def _of_solver(problem: Problem, solved: SolverFile, form: str | None) -> ReadAnswer:
+    answer, name = answer_of_solver(problem, solved, form)
+    return ReadAnswer(answer, notes=(f"a solution of {solved.solver} to the form {name}",))
 
 
 def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:
@@ -103,7 +129,7 @@ def check_answer_path(problem: Problem, path: str | PathLike[str]) -> None:
 def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
     """Write the answer of ``solution`` by the suffix of ``path``, whole or not at all.
 
-    ``.json`` holds all that ``Solution.to_json`` tells, other files what their format can express.
+    ``.json`` holds all that ``Solution.to_json`` tells, ``.csv`` and ``.xlsx`` tables, other files what their format can express.
 
     Raises
     ------
@@ -112,8 +138,13 @@ def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
     """
     check_answer_path(solution.problem, path)
     suffix = Path(path).suffix.lower()
+    text: str | bytes
     if suffix == ".json":
         text = json_text(solution.to_json())
+    elif suffix == ".xlsx":
+        text = workbook({**solution.problem.answer_frames(solution.answer), "left out": solution.left_out()})
+    elif suffix == ".csv" and suffix not in solution.problem.answer_suffixes:
+        text = solution.to_frame().to_csv(index=False, lineterminator="\n")
     else:
         objective = solution.objective if isinstance(solution.objective, float) else None
         text = solution.problem.answer_to_text(solution.answer, suffix, objective)

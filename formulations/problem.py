@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..instances.errors import InputError, UsageError
+from ..instances.instance import settings_of
 from ..instances.registry import Registry
 from ..instances.text import shown
 from .evaluation import Evaluation
@@ -14,10 +15,13 @@ from .evidence import Evidence, LeftOut, Reason
 from .forms import FORMS, compile_form
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     import pandas as pd
 
     from ..instances.instance import Instance
     from .programs.compiled import Compiled
+    from .rendering import Line
 
 Decision = tuple[Any, bool]
 """A statement about an answer, in the problem's words, and whether it holds."""
@@ -165,11 +169,62 @@ class Problem(ABC):
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """The answer as a table."""
 
+    def answer_frames(self, answer: Any) -> dict[str, pd.DataFrame]:
+        """All tables of an answer by name; ``answer`` is that of ``answer_to_frame``, unless the family has another name for it."""
+        return {"answer": self.answer_to_frame(answer)}
+
+    def answer_lines(self, answer: Any) -> list[Line]:
+        """An answer in a few lines, for printing; none where it is told by a table alone."""
+        return []
+
+    def answer_routes(self, answer: Any) -> list[Any]:
+        """The routes of an answer by the ids of sites; raises UsageError in families without routes."""
+        raise UsageError(f"answers to {self.problem} problems have no routes; to_frame() tells what they have")
+
+    def answer_to_networkx(self, answer: Any) -> Any:
+        """An answer as a networkx graph; raises UsageError in families that have none."""
+        raise UsageError(f"answers to {self.problem} problems are no graphs; to_frame() tells what they are")
+
+    def to_instance(self) -> Instance:
+        """The data of this problem as an instance that files can hold, and of which ``read`` makes the same problem.
+
+        Raises
+        ------
+        UsageError
+            If there is no file for what the problem holds.
+        """
+        raise UsageError(f"{type(self).__name__} problems have no file format, so that {self.name} cannot be saved")
+
+    def save(self, path: str | PathLike[str], format: str | None = None) -> None:  # noqa: A002
+        """Write the problem to a file, whole or not at all; ``wb.read(path)`` makes the same problem of it.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.json`` holds everything; other suffixes (docs/formats.md) what their format has a place for.
+        format : str, optional
+            Name of the format, where the suffix does not say it.
+
+        Raises
+        ------
+        UsageError
+            For a suffix that is unknown, and for what the format cannot express, by name.
+        InputError
+            If the file cannot be written.
+        """
+        from ..instances.writing import write_instance
+
+        write_instance(self.to_instance(), path, format)
+
     def check_answer_suffix(self, suffix: str) -> None:
         """Raise UsageError unless solution files of ``suffix`` can hold an answer to this problem."""
-        known = (".json", *self.answer_suffixes)
+        known = (".json", *self.answer_suffixes, *(s for s in (".csv", ".xlsx") if s not in self.answer_suffixes))
         if suffix not in known:
             raise UsageError(f"answers to {self.problem} problems are written as {', '.join(known)}, not under the suffix {suffix!r}")
+
+    def answer_from_frame(self, frame: pd.DataFrame) -> Any:
+        """The answer in a table as ``answer_to_frame`` makes it; raises UsageError in families that do not read it back."""
+        raise UsageError(f"answers to {self.problem} problems are not read from tables; use .json")
 
     def foreign_answer(self, data: Mapping[str, Any]) -> Any | None:
         """The answer in a JSON document of another tool, None where it is no such document; raises InputError where it is broken."""
@@ -220,7 +275,8 @@ def problem_from_instance(instance: Instance, problem: str | None = None, **sett
     Keyword arguments are the settings of ``--set`` and ``convention``.
     """
     name = problem or instance.problem
-    return PROBLEMS[name](instance, name, settings)
+    kept = settings_of(instance) if name == instance.problem else {}
+    return PROBLEMS[name](instance, name, {**kept, **settings})
 
 
 PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry(

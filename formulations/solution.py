@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from ..instances.errors import UsageError
+from ..instances.suggestions import did_you_mean
 from . import plotting
 from .certificate import Certificate, answer_lines, ratio_lines
 from .evaluation import Evaluation
@@ -15,6 +17,8 @@ from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .tolerance import EQUAL, gap, same
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     import pandas as pd
 
 Value = float | list[float] | list[float | None]
@@ -131,10 +135,66 @@ class Solution:
     opinions: tuple[Opinion, ...] = ()
     faults: tuple[str, ...] = ()
 
-    def to_frame(self) -> pd.DataFrame:
-        """The answer as a table (routing: one row a visit)."""
+    def to_frame(self, of: str | None = None) -> pd.DataFrame:
+        """The answer as a table.
+
+        Parameters
+        ----------
+        of : str, optional
+            Of routing: ``visits``, one row a stop, the default; ``routes``, one row each; ``left-out``, as ``left_out()``.
+        """
         self._need_answer()
-        return self.problem.answer_to_frame(self.answer)
+        if of is None:
+            return self.problem.answer_to_frame(self.answer)
+        if of == "left-out":
+            return self.left_out()
+        frames = self.problem.answer_frames(self.answer)
+        if of not in frames:
+            names = (*frames, "left-out")
+            raise UsageError(f"there is no table of {of!r}; choose from {', '.join(names)}{did_you_mean(of, names)}")
+        return frames[of]
+
+    @property
+    def routes(self) -> list[Any]:
+        """The routes by ids of sites, without the depots at both ends; each knows its ``vehicle``.
+
+        Raises
+        ------
+        NoAnswerError
+            If there is no answer.
+        UsageError
+            If answers of this family have no routes.
+        """
+        self._need_answer()
+        return self.problem.answer_routes(self.answer)
+
+    def to_networkx(self) -> Any:
+        """The answer as a networkx graph (routing: a ``MultiDiGraph`` of sites and moves)."""
+        self._need_answer()
+        return self.problem.answer_to_networkx(self.answer)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the answer to a file, whole or not at all, in the form that the suffix stands for.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.json`` (everything, certificate included), ``.csv`` and ``.xlsx`` (tables); of routes also ``.sol``, ``.tour``,
+            ``.geojson`` and ``.vroom``. ``wb.judge(problem, path)`` reads any of them back.
+
+        Raises
+        ------
+        NoAnswerError
+            If there is no answer.
+        UsageError, InputError
+            If the suffix cannot hold the answer, or the file cannot be written.
+        MissingPackageError
+            If ``.xlsx`` lacks the package openpyxl.
+        """
+        from .answers import write_answer
+
+        self._need_answer()
+        write_answer(self, path)
 
     def left_out(self) -> pd.DataFrame:
         """What the answer leaves out, one row each.
@@ -217,13 +277,18 @@ class Solution:
         return f"<Solution of {self.problem.name} by {self.solver}: {self.status}, objective {self.objective}, {bound}{faults}>"
 
     def __str__(self) -> str:
-        return as_text(solution_title(self), solution_lines(self))
+        return as_text(solution_title(self), self._lines())
 
     def _repr_html_(self) -> str:
-        return as_html(solution_title(self), solution_lines(self))
+        return as_html(solution_title(self), self._lines())
 
     def __rich__(self) -> Any:
-        return as_rich(solution_title(self), solution_lines(self))
+        return as_rich(solution_title(self), self._lines())
+
+    def _lines(self) -> list[Line]:
+        """The answer, then what is known of it."""
+        told = [] if self.answer is None else self.problem.answer_lines(self.answer)
+        return [*told, *solution_lines(self)]
 
 
 # -- for people ------------------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
@@ -28,6 +29,17 @@ class Instance(Protocol):
     def problems(self) -> tuple[str, ...]: ...
     @property
     def notes(self) -> tuple[str, ...]: ...
+
+
+def with_settings(instance: Any, settings: Mapping[str, Any]) -> Any:
+    """``instance``, an immutable one, with the ``--set`` values that its file says the problem was made with."""
+    object.__setattr__(instance, "_settings", dict(settings))
+    return instance
+
+
+def settings_of(instance: Any) -> dict[str, Any]:
+    """Those of ``with_settings``."""
+    return dict(getattr(instance, "_settings", {}))
 
 
 def digest(*parts: Any) -> str:

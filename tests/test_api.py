@@ -175,3 +175,19 @@ def test_solution_and_certificate_show_themselves_as_text_html_and_rich(solved):
 def test_a_problem_shows_itself_in_one_line():
     expected = "<RoutingProblem demo-tiny: vrptw, 7 customers, at most 3 vehicles, min total-cost, convention exact>"
     assert repr(wb.read("demo-tiny")) == expected
+
+
+@pytest.mark.parametrize("given", [[["1", "2"], ["3"]], {"vehicle": [["1", "2"], ["3"]]}, wb.Routes.of([[1, 2], [3]])])
+def test_judge_takes_anything_and_says_what_is_broken(given):
+    verdict = wb.judge(wb.read("demo-tiny"), given)
+    assert not verdict.feasible and {v.check for v in verdict.violations} == {"visits"}
+
+
+def test_judge_refuses_what_it_cannot_read():
+    problem = wb.read("demo-tiny")
+    with pytest.raises(wb.UsageError, match="judge takes a problem, not a path"):
+        wb.judge("demo-tiny", [[1]])
+    with pytest.raises(wb.UsageError, match="there is no answer to judge"):
+        wb.judge(problem, None)
+    with pytest.raises(wb.UsageError, match="is no list of routes"):
+        wb.judge(problem, 5)

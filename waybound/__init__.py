@@ -14,7 +14,7 @@ from ._version import __version__ as __version__
 from .formulations import plotting
 
 if TYPE_CHECKING:
-    from .api import bound, check, explain, generate, read
+    from .api import bound, check, explain, generate, judge, read
     from .formulations.auctions.balanced_partition import BalancedPartition
     from .formulations.auctions.bin_assignment import BinAssignment
     from .formulations.auctions.generalised_assignment import GeneralisedAssignment
@@ -94,7 +94,7 @@ if TYPE_CHECKING:
     from .solving.solve import solve
 
 _MODULES = {
-    "api": ("bound", "check", "explain", "generate", "read"),
+    "api": ("bound", "check", "explain", "generate", "judge", "read"),
     "formulations.auctions.balanced_partition": ("BalancedPartition",),
     "formulations.auctions.task_allocation": ("TaskAllocation",),
     "formulations.auctions.bin_assignment": ("BinAssignment",),
@@ -256,6 +256,7 @@ __all__ = [
     "explain",
     "generate",
     "heuristics",
+    "judge",
     "makespan_orienteering",
     "mdvrp",
     "min_cost_vrp",

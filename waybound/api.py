@@ -146,6 +146,44 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     return check_certificate(problem, certificate, evaluation)
 
 
+def judge(problem: Problem, answer: Any, *, form: str | None = None) -> Certificate:
+    """The verdict on anybody's answer, whatever it came as: is it feasible, what is it worth, and what does it break?
+
+    Parameters
+    ----------
+    problem : Problem
+    answer : object
+        A ``Solution`` or the problem's own answer; of routes a list of lists of sites, such a list by the name of each vehicle, or a frame
+        with the columns ``vehicle`` and ``site``; the parsed JSON of an answer; or the path of a file: all that ``Solution.save`` writes,
+        VROOM's output, and solution files of HiGHS, SCIP, CBC, Gurobi and MathOpt to an exported model.
+    form : str, optional
+        For a solver's file: the form that was exported; by default whichever the file is a solution of.
+
+    Returns
+    -------
+    Certificate
+        ``feasible`` tells the verdict, ``violations`` what is broken, ``objective`` the value recomputed from the data.
+
+    Raises
+    ------
+    UsageError, InputError
+        If ``answer`` cannot be read as one of this problem, or is a solver's solution of another model.
+
+    Examples
+    --------
+    >>> judge(read("demo-tiny"), [["1", "2"], ["3"]]).feasible
+    False
+    """
+    from .formulations.certificate import certify
+    from .solving.answers import answer_given
+
+    _refuse_path("judge", problem)
+    given, _ = answer_given(problem, answer, "the answer", form)
+    if given is None:
+        raise UsageError("there is no answer to judge")
+    return certify(problem, problem.evaluate(given))
+
+
 def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads: int = 1, lp_solver: str | None = None) -> Certificate:
     """The best verified bound that ``bound_time`` allows, as a certificate without an answer.
 
@@ -215,4 +253,4 @@ def _dashed(settings: Mapping[str, Any]) -> dict[str, Any]:
     return {name.replace("_", "-"): value for name, value in settings.items()}
 
 
-__all__ = ["bound", "check", "explain", "generate", "read", "read_source"]
+__all__ = ["bound", "check", "explain", "generate", "judge", "read", "read_source"]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ...instances.errors import InputError, UnsupportedError
+from ...instances.errors import InputError, UnsupportedError, UsageError
 from ...instances.instance import digest
 from ...instances.printable import printable
 from ..evaluation import Evaluation, judge
@@ -214,6 +214,9 @@ class ArrayProblem(Problem):
         if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data["values"]):
             raise InputError("the answer's values must be numbers")
         return self._vector(data["values"])
+
+    def to_instance(self) -> Any:
+        raise UsageError(f"{self.name} is a bare program, which problem.program.write('model.mps') writes")
 
     def answer_of(self, given: Any) -> Floats:
         """A vector of shape (variables,)."""

@@ -15,7 +15,7 @@ from ...instances.generators.settings import Setting
 from ...instances.instance import digest
 from ..evaluation import Evaluation
 from ..problem import PROBLEMS
-from .robot_shares import RobotShares, Shares, robot_tasks, settings_of
+from .robot_shares import RobotShares, Shares, robot_tasks, saved, settings_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -129,6 +129,9 @@ class BalancedPartition(RobotShares):
             for task in part
         ]
         return pd.DataFrame(rows, columns=["robot", "task", "weight", "part_cost"])
+
+    def to_instance(self) -> RobotTasks:
+        return saved(self, objective=self.objective, edges=self.edges)
 
     def __repr__(self) -> str:
         return f"<BalancedPartition {self.name}: {self.num_tasks} tasks, {self.num_robots} parts, {self.objective}, edges {self.edges}>"

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from ...instances.auctions.assignment import AssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
-from ...instances.instance import digest
+from ...instances.instance import digest, with_settings
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
 from ..problem import PROBLEMS, Problem
@@ -310,6 +311,11 @@ class BinAssignment(Problem):
 
         pairs, costs = self._named(answer), self.costs_of(answer)[np.array(answer) >= 0]
         return pd.DataFrame({"robot": [robot for robot, _ in pairs], "bin": [name for _, name in pairs], "cost": costs})
+
+    def to_instance(self) -> AssignmentInstance:
+        settings = {name: getattr(self, name) for name in SETTINGS}
+        made: AssignmentInstance = with_settings(replace(self.instance, problem=self.problem), settings)
+        return made
 
     def __repr__(self) -> str:
         return f"<BinAssignment {self.name}: {self.num_robots} robots, {self.num_bins} bins, {len(self.bins)} pairs, {self.objective}>"

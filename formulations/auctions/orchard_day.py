@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from ...instances.auctions.orchard_jobs import OrchardJobs
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
-from ...instances.instance import digest
+from ...instances.instance import digest, with_settings
 from ..evaluation import Checklist, Evaluation
 from ..problem import PROBLEMS, Problem
 from ..stop import NEVER, Stop
@@ -186,6 +187,9 @@ class OrchardDay(Problem):
         ]
         frame = pd.DataFrame(rows, columns=["robot", "trip", "bring", "fetch", "home"])
         return frame.astype("Int64")  # nothing where there is no such bin
+
+    def to_instance(self) -> OrchardJobs:
+        return with_settings(replace(self.jobs), {"objective": self.objective})  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         return f"<OrchardDay {self.name}: {self.jobs.num_robots} robots, {self.jobs.num_bins} bins, {self.objective}>"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ...instances.auctions.robot_tasks import RobotTasks
 from ...instances.errors import InputError, UsageError
+from ...instances.instance import with_settings
 from ...instances.printable import printable
 from ..evaluation import Check, Violation, judge
 from ..problem import Problem
@@ -142,3 +144,9 @@ def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) 
     if unknown:
         raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes {', '.join(known)}")
     return given
+
+
+def saved(problem: RobotShares, **settings: Any) -> RobotTasks:
+    """The instance, with what makes the problem of it."""
+    made: RobotTasks = with_settings(replace(problem.instance, problem=problem.problem), settings)
+    return made

@@ -14,7 +14,7 @@ from ...instances.generators.settings import Setting
 from ...instances.instance import digest
 from ..evaluation import Evaluation
 from ..problem import PROBLEMS
-from .robot_shares import RobotShares, Shares, robot_tasks, settings_of
+from .robot_shares import RobotShares, Shares, robot_tasks, saved, settings_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -108,6 +108,9 @@ class TaskAllocation(RobotShares):
             columns["leg"] += legs.tolist()
             columns["distance"] += np.cumsum(legs).tolist()
         return pd.DataFrame(columns)
+
+    def to_instance(self) -> RobotTasks:
+        return saved(self, objective=self.objective)
 
     def __repr__(self) -> str:
         return f"<TaskAllocation {self.name}: {self.num_robots} robots, {self.num_tasks} tasks, {self.objective}>"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -217,6 +218,9 @@ class BottleneckSATA(DecidedElements):
                 "targets": [int(g.indptr[a + 1] - g.indptr[a]) for a in used],
             }
         )
+
+    def to_instance(self) -> SensingGraph:
+        return replace(self.graph, problem=self.problem)
 
     def __repr__(self) -> str:
         kind = "BottleneckSATA" + (" (fractional)" if self.fractional else "")

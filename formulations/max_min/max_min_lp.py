@@ -180,6 +180,9 @@ class MaxMinLP(Problem):
         used = np.nonzero(x)[0].tolist()
         return pd.DataFrame({"variable": [self.variable_name(k) for k in used], "value": x[used]})
 
+    def to_instance(self) -> MaxMinInstance:
+        return self.instance
+
     def __repr__(self) -> str:
         kind = "max-min" if self.sense == "max" else "min-max"
         rows = f"{self.packing.rows} packing and {self.covering.rows} covering rows"

@@ -83,21 +83,39 @@ class Compiled:
         """See ``Program.write``."""
         self.program.write(path)
 
-    def to_highs(self) -> Any:
-        """See ``Program.to_highs``."""
-        return self.program.to_highs()
+    def answer(self, solution: Any) -> Any:
+        """The problem's answer that a solver found of this model; the problem judges it (``wb.judge``).
 
-    def to_pulp(self) -> Any:
+        Parameters
+        ----------
+        solution : path, mapping, array or model
+            A solver's solution file (HiGHS, SCIP, CBC, Gurobi, MathOpt); values by name, names as exported; the vector of shape
+            (variables,); or what ``to_highs``, ``to_pulp`` or ``to_cvxpy`` made, solved, or MathOpt's result.
+
+        Raises
+        ------
+        InputError
+            If it holds no solution, or one of another model.
+        """
+        from .handed_back import vector_from
+
+        return self.decode(vector_from(self.program, solution))
+
+    def to_highs(self, *, names: bool = True) -> Any:
+        """See ``Program.to_highs``."""
+        return self.program.to_highs(names=names)
+
+    def to_pulp(self, *, names: bool = True) -> Any:
         """See ``Program.to_pulp``."""
-        return self.program.to_pulp()
+        return self.program.to_pulp(names=names)
 
     def to_cvxpy(self) -> Any:
         """See ``Program.to_cvxpy``."""
         return self.program.to_cvxpy()
 
-    def to_mathopt(self) -> Any:
+    def to_mathopt(self, *, names: bool = True) -> Any:
         """See ``Program.to_mathopt``."""
-        return self.program.to_mathopt()
+        return self.program.to_mathopt(names=names)
 
     def __repr__(self) -> str:
         return f"<Compiled {self.problem.name}, {self.exactness.value}: {self.program!r}>"

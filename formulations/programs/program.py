@@ -260,17 +260,17 @@ class Program:
 
         write_program(self, path)
 
-    def to_highs(self) -> Any:
+    def to_highs(self, *, names: bool = False) -> Any:
         """A ``highspy.Highs`` model, ready to run."""
         from .export.highs import to_highs
 
-        return to_highs(self)
+        return to_highs(self, names=names)
 
-    def to_pulp(self) -> Any:
-        """A ``pulp.LpProblem``; ``variables()`` lists them in column order, named ``x`` and the column, padded with zeros."""
+    def to_pulp(self, *, names: bool = False) -> Any:
+        """A ``pulp.LpProblem``; without names ``variables()`` lists them in column order, as ``x`` and the column, padded with zeros."""
         from .export.pulp import to_pulp
 
-        return to_pulp(self)
+        return to_pulp(self, names=names)
 
     def to_cvxpy(self) -> Any:
         """A ``cvxpy.Problem`` with one vector variable a block."""
@@ -278,11 +278,11 @@ class Program:
 
         return to_cvxpy(self)
 
-    def to_mathopt(self) -> Any:
+    def to_mathopt(self, *, names: bool = False) -> Any:
         """An OR-Tools ``mathopt.Model``."""
         from .export.mathopt import to_mathopt
 
-        return to_mathopt(self)
+        return to_mathopt(self, names=names)
 
     def __repr__(self) -> str:
         return f"<Program {self.name}: {self.kind}, {self.num_variables} variables, {self.num_rows} rows, {len(self.data)} nonzeros>"

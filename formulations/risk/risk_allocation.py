@@ -307,5 +307,8 @@ class RiskAllocation(Problem):
         factor = min([factor, *(self.risk.each[own > 0.0] / own[own > 0.0]).tolist()]) if (own > 0.0).any() else 1.0
         return Allocation(x, own * factor * (1.0 - 1e-14) if factor > 1.0 else own)
 
+    def to_instance(self) -> RiskAllocationInstance:
+        return self.instance
+
     def __repr__(self) -> str:
         return f"<RiskAllocation {self.name}: {self.risk.kind}, {len(self.lower)} decisions, {len(self.names)} chance constraints>"

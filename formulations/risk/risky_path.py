@@ -250,6 +250,9 @@ class RiskyPath(Problem):
         columns["risk"] = 1.0 - np.exp(-np.cumsum(hazard))
         return pd.DataFrame(columns)
 
+    def to_instance(self) -> RiskyGraph:
+        return self.graph
+
     def __repr__(self) -> str:
         return f"<RiskyPath {self.name}: {self.objective}, {self.graph!r}>"
 

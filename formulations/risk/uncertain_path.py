@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
-from ...instances.instance import digest
+from ...instances.instance import digest, with_settings
 from ...instances.risk.uncertain_graph import UncertainGraph
 from ..evaluation import Checklist, Evaluation
 from ..problem import PROBLEMS, Problem
@@ -152,6 +153,9 @@ class UncertainPath(Problem):
         columns = {"from": names[:-1], "to": names[1:], "mean": g.mean[edges], "variance": g.variance[edges]}
         until = {"mean_so_far": np.cumsum(g.mean[edges]), "deviation_so_far": np.sqrt(np.cumsum(g.variance[edges]))}
         return pd.DataFrame({**columns, **until})
+
+    def to_instance(self) -> UncertainGraph:
+        return with_settings(replace(self.graph), {"risk": self.risk})  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         return f"<UncertainPath {self.name}: {self.graph.num_vertices} vertices, {self.graph.num_edges} edges, risk {self.risk:g}>"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...instances.errors import InputError
 from ...instances.printable import printable
+from ..rendering import Line
 from .routes import Route, Routes
 from .schedule import schedule
 
@@ -53,7 +55,7 @@ def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
     """One row a stop; see ``RoutingProblem.answer_to_frame``."""
     import pandas as pd
 
-    held = problem.features()
+    held, sites = problem.features(), problem.sites
     carried, filled = bool({"pickups", "shipments", "reloads"} & held), "recharging" in held
     rows = []
     for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
@@ -61,17 +63,105 @@ def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
         left = _energy_left(problem, route) if filled else []
         for k, site in enumerate(route.visits):
             row: dict[str, Any] = {
-                "vehicle": name, "position": k + 1, "site": problem.sites.ids[site],
-                "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.begin[k] + problem.sites.service[site],
+                "vehicle": name, "position": k + 1, "site": sites.ids[site],
+                "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.begin[k] + sites.service[site],
                 "load": float(plan.load[k]), "distance": float(plan.distance[k]),
             }  # fmt: skip
             if carried:
                 row["on_board"] = float(plan.on_board[0, k + 1])
             if filled:
                 row["energy"] = left[k]
-            rows.append(row)
-    columns = ["vehicle", "position", "site", "arrival", "begin", "departure", "load", "distance"]
-    return pd.DataFrame(rows, columns=[*columns, *(["on_board"] if carried else []), *(["energy"] if filled else [])])
+            rows.append(row | {_title(title): values[site] for title, values in sites.attributes.items()})
+    columns = [*VISIT, *(["on_board"] if carried else []), *(["energy"] if filled else []), *map(_title, sites.attributes)]
+    return _dated(problem, pd.DataFrame(rows, columns=columns), ("arrival", "begin", "departure"))
+
+
+VISIT = ("vehicle", "position", "site", "arrival", "begin", "departure", "load", "distance")
+
+
+def _title(title: str) -> str:
+    """Of a column with an attribute of sites, beside those of visits."""
+    return f"{title} (given)" if title in (*VISIT, "on_board", "energy") else title
+
+
+def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
+    """The frame with moments in place of times, where the problem knows from when these count."""
+    if problem.clock is not None and problem.clock.origin:
+        for title in columns:
+            frame[title] = problem.clock.moments(frame[title].tolist())
+    return frame
+
+
+def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
+    """One row a route: vehicle, type, stops, load, distance, duration, departure (the latest that delays nothing), return, cost, and the
+    sites in order, from the depot on."""
+    import pandas as pd
+
+    ids, rows = problem.sites.ids, []
+    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
+        plan, vehicle = schedule(problem, route), problem.fleet[route.vehicle]
+        rows.append(
+            {
+                "vehicle": name, "type": vehicle.name, "stops": len(route), "load": plan.total_load, "distance": plan.total_distance,
+                "duration": plan.duration, "departure": max(plan.departure, plan.finish - plan.duration), "return": plan.finish,
+                "cost": vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance + vehicle.unit_duration_cost * plan.duration
+                + vehicle.unit_overtime_cost * max(0.0, plan.duration - vehicle.regular_duration if vehicle.unit_overtime_cost else 0.0),
+                "sites": " > ".join((ids[vehicle.start], *(ids[k] for k in route.visits), ids[vehicle.end])),
+            }
+        )  # fmt: skip
+    columns = ["vehicle", "type", "stops", "load", "distance", "duration", "departure", "return", "cost", "sites"]
+    return _dated(problem, pd.DataFrame(rows, columns=columns), ("departure", "return"))
+
+
+class Visits(tuple[str, ...]):
+    """Ids of the sites of one route in order, without the depots at both ends.
+
+    Attributes
+    ----------
+    vehicle : str
+        Name of the vehicle, as tables have it.
+    """
+
+    vehicle: str
+
+    @classmethod
+    def of(cls, ids: Iterable[str], vehicle: str) -> Visits:
+        made = cls(ids)
+        made.vehicle = vehicle
+        return made
+
+    def __repr__(self) -> str:
+        return repr(list(self))
+
+    def __reduce__(self) -> Any:
+        return Visits.of, (tuple(self), self.vehicle)
+
+
+def visits_of(problem: RoutingProblem, answer: Routes) -> list[Visits]:
+    """The routes by ids."""
+    ids = problem.sites.ids
+    return [Visits.of((ids[k] for k in r.visits), name) for name, r in zip(problem.vehicle_names(answer), answer, strict=True)]
+
+
+SHOWN_ROUTES = 20
+"""Routes, and sites left out, that are printed."""
+
+
+def routes_lines(problem: RoutingProblem, answer: Routes) -> list[Line]:
+    """A line a route, and one a site that is left out, with the reason."""
+    ids, lines = problem.sites.ids, []
+    for name, route in itertools.islice(zip(problem.vehicle_names(answer), answer, strict=True), SHOWN_ROUTES):
+        plan, vehicle = schedule(problem, route), problem.fleet[route.vehicle]
+        stops = " > ".join((ids[vehicle.start], *(ids[k] for k in route.visits), ids[vehicle.end]))
+        load = f", load {plan.total_load:.6g}" if plan.total_load else ""
+        lines.append(Line(name, f"{stops} (distance {plan.total_distance:.6g}{load})"))
+    if len(answer) > SHOWN_ROUTES:
+        lines.append(Line("", f"and {len(answer) - SHOWN_ROUTES} more routes; to_frame() and routes have all", "quiet"))
+    left = problem.left_out(answer)
+    lines += [Line("left out", f"{one.where}: {one.reason}") for one in left[:SHOWN_ROUTES]]
+    if len(left) > SHOWN_ROUTES:
+        lines.append(Line("", f"and {len(left) - SHOWN_ROUTES} more; left_out() has all", "quiet"))
+    return lines
 
 
 def _energy_left(problem: RoutingProblem, route: Route) -> list[float | None]:

@@ -44,7 +44,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
             "latest": float(due.max()) if len(due) else None,
             "depot": [[float(s.ready[i]), float(s.due[i])] for i in s.depots],
         },
-        "travel": _travel(problem.travel, s),
+        "travel": _travel(problem.travel, s) | ({} if problem.forbidden is None else {"forbidden_moves": int(problem.forbidden.sum())}),
         "fleet": [_vehicle(v, s) for v in problem.fleet],
         "min_vehicles": problem.min_vehicles,
         **({} if problem.team_risk is None else {"team_risk": problem.team_risk}),
@@ -79,7 +79,7 @@ def _further(problem: RoutingProblem) -> dict[str, Any]:
 
 def _travel(travel: Travel, sites: Sites) -> dict[str, Any]:
     made = {
-        "metric": travel.metric, "coordinates": sites.coordinates is not None, "own_durations": travel.duration_matrix is not None
+        "metric": travel.metric, "coordinates": sites.coordinates is not None, "own_durations": travel.own_durations
     }  # fmt: skip
     if travel.closing is not None:
         made["closing_moves"] = int(np.isfinite(travel.closing).sum())
@@ -133,7 +133,8 @@ def digested(problem: RoutingProblem) -> str:
 
 def _moves(travel: Travel) -> list[Any]:
     raw = travel.matrix if travel.metric == EXPLICIT else travel.coordinates
-    return [travel.metric, raw, travel.duration_matrix, travel.convention]
+    pace = [] if travel.pace == 1.0 else ["pace", travel.pace]
+    return [travel.metric, raw, travel.duration_matrix, travel.convention, *pace]
 
 
 def _variances(travel: Travel) -> list[Any]:

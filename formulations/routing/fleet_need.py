@@ -251,7 +251,7 @@ def _compatible(problem: RoutingProblem, wanted: Indices) -> tuple[Flags, Flags]
     with np.errstate(over="ignore", invalid="ignore"):
         time = shortest_ways(travel.durations, problem.customers)
         ways = {"time": time, "travel": time}
-        ways["distance"] = time if travel.duration_matrix is None else shortest_ways(travel.distances, problem.customers)
+        ways["distance"] = time if not travel.own_durations else shortest_ways(travel.distances, problem.customers)
         grid = np.ix_(wanted, wanted)
         for v in problem.fleet:
             one = {name: (w[v.start, wanted], w[wanted, v.end]) for name, w in ways.items()}

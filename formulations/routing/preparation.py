@@ -221,6 +221,8 @@ def _possible(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64],
     stop = np.arange(len(at)) > customers
     stop[-1] = False
     allowed &= ~(stop[:, None] & stop[None, :] & (at[:, None] == at[None, :]))
+    if problem.forbidden is not None:
+        allowed &= ~problem.forbidden[np.ix_(at, at)]
     if kind.energy is not None and kind.stations:
         allowed &= kind.energy.rate * duration <= widened(kind.energy.capacity)
     return allowed

@@ -17,25 +17,29 @@ from ...instances.document import dump_json
 from ...instances.errors import InputError, UsageError
 from ...instances.printable import printable
 from ...instances.routing.features import restrictions
-from ...instances.routing.instance import RoutingInstance, Sites, VehicleType, check_routing_data, fleet_size
+from ...instances.routing.instance import Clock, RoutingInstance, Sites, VehicleType, check_moves, check_routing_data, fleet_size
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
 from ...instances.routing.travel import Travel
 from ..evaluation import Evaluation
 from ..evidence import Evidence, LeftOut, Reason
 from ..problem import Decision, Problem
-from ..references import indices_of
-from .answers import routes_from_json, routes_to_frame, routes_to_json
+from .answers import Visits, routes_frame, routes_from_json, routes_lines, routes_to_frame, routes_to_json, visits_of
 from .facts import digested, facts
 from .fleet_need import fleet_conflicts, none
+from .geojson import answer_geojson, visits_of_geojson
+from .given_routes import routes_given
 from .judge import evaluate_routes
 from .left_out import left_out
 from .objective import Composable, Objective, Reward
 from .reachability import unreachable
-from .routes import Route, Routes
+from .route_graph import answer_graph
+from .routes import Routes
 from .vroom_answers import is_vroom_output, routes_from_vroom, vroom_output
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from ..rendering import Line
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -52,9 +56,11 @@ class RoutingProblem(Problem):
     min_vehicles : int
         Routes that must be used at least.
     forbidden : bool array of shape (sites, sites), optional
-        Moves that no route makes. Checkers and the judge know them; what is for whole problems refuses them.
+        Moves that no route makes.
     team_risk : float, optional
         Largest probability that any route overruns a limit, where durations are uncertain.
+    clock : Clock, optional
+        What times count, where that is known: tables of an answer then tell moments where it has an origin.
     name : str
     problem : str
         Name of the member of the family ("vrptw", "cvrp", "tsp", ...).
@@ -66,7 +72,7 @@ class RoutingProblem(Problem):
     """
 
     family: ClassVar[str] = "routing"
-    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour", ".vroom")
+    answer_suffixes: ClassVar[tuple[str, ...]] = (".sol", ".tour", ".vroom", ".geojson")
     sites: Sites
     travel: Travel
     fleet: tuple[VehicleType, ...]
@@ -77,6 +83,7 @@ class RoutingProblem(Problem):
     notes: tuple[str, ...]
     forbidden: NDArray[np.bool_] | None
     team_risk: float | None
+    clock: Clock | None
 
     def __init__(
         self,
@@ -90,16 +97,14 @@ class RoutingProblem(Problem):
         notes: Sequence[str] = (),
         forbidden: NDArray[np.bool_] | None = None,
         team_risk: float | None = None,
+        clock: Clock | None = None,
     ) -> None:
         aim = Objective() if objective is None else Objective.of(objective)
         self.__dict__.update(
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
-            notes=tuple(notes), forbidden=forbidden, team_risk=team_risk,
+            notes=tuple(notes), forbidden=forbidden, team_risk=team_risk, clock=clock,
         )  # fmt: skip
-        if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
-            raise InputError(
-                "forbidden moves must be truth values, one for each pair of sites", found=f"{forbidden.dtype} {forbidden.shape}"
-            )
+        check_moves(sites, forbidden)
         check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk)
 
     # -- construction ------------------------------------------------------------------------------------------------
@@ -112,36 +117,70 @@ class RoutingProblem(Problem):
         travel: Any = None,
         durations: Any = None,
         vehicles: int | None = None,
-        capacity: float = math.inf,
-        max_duration: float = math.inf,
+        capacity: float | Sequence[float] = math.inf,
+        max_duration: Any = math.inf,
+        max_distance: float = math.inf,
+        fixed_cost: float = 0.0,
+        speed: float = 1.0,
+        fleet: Any = None,
+        columns: Mapping[Any, Any] | None = None,
+        extra: Iterable[Any] | bool = (),
+        time_unit: str | None = None,
+        distance_unit: str = "km",
+        weight: str = "weight",
+        objective: Composable | str | None = None,
         convention: str = "",
-        objective: Composable | None = None,
         name: str = "frame",
         closing: Any = None,
-        fleet: Any = None,
         min_vehicles: int = 0,
-        windows: Mapping[Any, Sequence[tuple[float, float]]] | None = None,
+        windows: Mapping[Any, Sequence[tuple[Any, Any]]] | None = None,
         shipments: Iterable[Sequence[Any]] = (),
         groups: Iterable[Any] = (),
         variances: Any = None,
         team_risk: float | None = None,
         problem: str | None = None,
     ) -> RoutingProblem:
-        """A problem from a pandas frame, one row a site.
+        """A problem from a pandas frame, one row a site; docs/data.md has an example of each.
 
         Parameters
         ----------
         sites : DataFrame
-            Columns ``id`` (or the index), ``x, y, demand, pickup, ready, due, service, reward, required, penalty, depot, skills``, all
-            but the coordinates (or ``travel``) optional; ``demand2, pickup2, ...`` are further load dimensions. Without ``depot`` the
-            first row is the depot.
-        travel, durations, closing : array or DataFrame of shape (sites, sites), or (the first two) scipy.sparse (CSR), optional
-            Distances, durations, and latest times at which moves may begin; Euclidean from ``x, y`` without them. A sparse matrix stands
-            for a road graph: its shortest paths are the distances.
-        vehicles, capacity, max_duration
-            The fleet, all alike.
-        fleet : DataFrame or sequence of mappings, optional
-            In their place: one entry a vehicle type, with the keys of waybound's JSON (docs/formats.md).
+            Columns ``id`` (else the index, or ``name``), ``x, y`` or ``lat, lon`` (decimal degrees), ``demand, pickup, ready, due,
+            service, reward, required, penalty, depot, skills``, all but the coordinates (or ``travel``) optional; ``demand2, pickup2, ...``
+            are further load dimensions, ``skills`` words with commas between. Without ``depot`` the first row is the depot. All other
+            columns are kept, shown, and not used; one that looks like a misspelt title is refused.
+        travel : optional
+            Distances, Euclidean or on the globe without it: a matrix (array, or frame with the ids as labels) in which ``inf`` stands for a
+            move that cannot be made; a frame with one row a move (``from, to, distance`` and perhaps ``duration``); a scipy.sparse matrix
+            or a networkx graph, whose shortest paths are taken; a routing service's table (OSRM, Valhalla), parsed or as the path of its
+            JSON file; or the name of a metric (``manhattan``, ...).
+        durations : optional
+            A matrix or frame, of numbers or timedeltas; of a networkx graph the name of an attribute of edges. Without, the distances.
+        vehicles, capacity, max_duration, max_distance, fixed_cost
+            The fleet, all alike: ``vehicles`` at each depot, any number by default; a list of capacities for several loads.
+        speed : float
+            Of all vehicles: durations are divided by it. Where sites have latitude and longitude it is a distance in an hour.
+        fleet : DataFrame or sequence of mappings or VehicleType, optional
+            In their place: one entry a vehicle type, with the keys of waybound's JSON (docs/formats.md), sites by id. A frame without the
+            column ``count`` has one vehicle a row; ``shift_start, shift_end`` and ``capacity2, ...`` stand for the JSON's lists.
+        columns : mapping, optional
+            From the titles above to those of the frame, or the other way round.
+        extra : list of titles, or bool
+            Columns that are kept though they look like misspelt ones; True for all.
+        time_unit : str, optional
+            ``s, min, h`` or ``d``: what times count. Needed where any are timestamps or timedeltas; time 0 is then midnight of the first
+            day.
+        distance_unit : str
+            ``km, m`` or ``mi``, for distances on the globe and those of a routing service.
+        weight : str
+            Attribute of a networkx graph's edges that holds distances.
+        objective : optional
+            Terms (``Vehicles().then(TotalCost())``), or their text (``"vehicles"``); the usual one of the problem by default.
+        convention : str
+            Distance convention, ``exact`` by default.
+        name : str
+        closing : array or DataFrame of shape (sites, sites), optional
+            Latest times at which moves may begin.
         min_vehicles : int
             Routes that must be used at least.
         windows : mapping from id to a list of pairs, optional
@@ -155,16 +194,27 @@ class RoutingProblem(Problem):
             Largest probability that any route overruns its longest duration or its store.
         problem : str, optional
             Name of the member of the family.
+
+        Raises
+        ------
+        InputError
+            Naming the column, site or pair of sites that is wrong, and what to do.
+        UsageError
+            For a unit, a problem or a term that does not exist.
         """
         from ...instances.routing.frames import instance_from_frame
 
         instance = instance_from_frame(
             sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity, max_duration=max_duration,
-            convention=convention, name=name, closing=closing, fleet=fleet, min_vehicles=min_vehicles, windows=windows,
-            shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
+            max_distance=max_distance, fixed_cost=fixed_cost, speed=speed, fleet=fleet, columns=columns, extra=extra, time_unit=time_unit,
+            distance_unit=distance_unit, weight=weight, convention=convention, name=name, closing=closing, min_vehicles=min_vehicles,
+            windows=windows, shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
         )  # fmt: skip
         made = cls.from_instance(instance, problem)
-        return made if objective is None else replace(made, objective=Objective.of(objective))
+        if objective is None:
+            return made
+        aim = Objective.named(tuple(objective.split(" then "))) if isinstance(objective, str) else Objective.of(objective)
+        return replace(made, objective=aim)
 
     @classmethod
     def from_instance(
@@ -218,8 +268,7 @@ class RoutingProblem(Problem):
 
     def features(self) -> frozenset[str]:
         """Features a solver must support: those of ``instances.routing.features`` that restrict routes, and those of the objective."""
-        moves = frozenset() if self.forbidden is None else frozenset({"forbidden-moves"})
-        return restrictions(self) | self.objective.features() | moves
+        return restrictions(self) | self.objective.features()
 
     @property
     def size(self) -> int:
@@ -353,17 +402,12 @@ class RoutingProblem(Problem):
         return routes_from_json(self, data)
 
     def answer_of(self, given: Any) -> Routes:
-        """``Routes``; or a list of routes, each a ``Route`` or, where all vehicles are alike, a list of site indices or ids."""
-        listed: list[Any] = list(given) if isinstance(given, Iterable) else [None]
-        if all(isinstance(route, Route) for route in listed):
-            return Routes.of(listed)
-        if not all(isinstance(route, Sequence | np.ndarray) and not isinstance(route, str | bytes) for route in listed):
-            raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer")
-        if len(self.fleet) > 1:
-            raise UsageError(f"lists do not say which of the {len(self.fleet)} vehicle types drives a route; Route(visits, type) does")
-        sites = indices_of(itertools.chain.from_iterable(listed), self.sites.index(), "site")
-        ends = itertools.accumulate(map(len, listed), initial=0)
-        return Routes.of(sites[first:last] for first, last in itertools.pairwise(ends))
+        """``Routes``; or what says clearly which: a list of routes, each a ``Route`` or a list of site indices or ids, with or without the
+        depot at its ends; such a list by the name of each vehicle; or a frame with the columns ``vehicle`` and ``site``."""
+        return routes_given(self, given)
+
+    def answer_from_frame(self, frame: pd.DataFrame) -> Routes:
+        return routes_given(self, frame)
 
     def check_start(self, answer: Routes) -> None:
         for number, route in enumerate(answer, start=1):
@@ -375,25 +419,51 @@ class RoutingProblem(Problem):
 
     def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
         """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated); ``on_board`` where loads are
-        collected or shipped, ``energy`` where stores are filled on the way.
+        collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites. Times are moments where the
+        problem was made of timestamps.
         """
         return routes_to_frame(self, answer)
 
+    def answer_frames(self, answer: Routes) -> dict[str, pd.DataFrame]:
+        """``visits``, as of ``answer_to_frame``, and ``routes``, one row each."""
+        return {"visits": routes_to_frame(self, answer), "routes": routes_frame(self, answer)}
+
+    def answer_lines(self, answer: Routes) -> list[Line]:
+        return routes_lines(self, answer)
+
+    def answer_routes(self, answer: Routes) -> list[Visits]:
+        return visits_of(self, answer)
+
+    def answer_to_networkx(self, answer: Routes) -> Any:
+        """A ``MultiDiGraph`` of sites and the moves between them."""
+        return answer_graph(self, answer)
+
+    def to_instance(self) -> RoutingInstance:
+        return RoutingInstance(
+            self.name, "json", self.sites, self.travel, self.fleet, self.problem, (), self.min_vehicles,
+            tuple(str(level) for level in self.objective.levels()), self.notes, self.team_risk, self.forbidden, self.clock,
+        )  # fmt: skip
+
     def check_answer_suffix(self, suffix: str) -> None:
         super().check_answer_suffix(suffix)
-        if suffix not in (".json", ".vroom"):
+        if suffix in (".sol", ".tour"):
             self._need_one_type()
         if suffix == ".tour" and self.vehicle_limit != 1:
             raise UsageError("a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
+        if suffix == ".geojson":
+            answer_geojson(self, Routes(()))
 
     def foreign_answer(self, data: Mapping[str, Any]) -> Routes | None:
-        """VROOM's output."""
-        return routes_from_vroom(self, data) if is_vroom_output(data) else None
+        """VROOM's output, or GeoJSON."""
+        if is_vroom_output(data):
+            return routes_from_vroom(self, data)
+        lines = visits_of_geojson(data)
+        return None if lines is None else routes_given(self, lines)
 
     def answer_to_text(self, answer: Routes, suffix: str, objective: float | None = None) -> str:
-        """CVRPLIB's ``.sol``, TSPLIB's ``.tour``, or ``.vroom``, VROOM's output."""
-        if suffix == ".vroom":
-            return dump_json(vroom_output(self, answer))
+        """CVRPLIB's ``.sol``, TSPLIB's ``.tour``, ``.geojson``, or ``.vroom``, VROOM's output."""
+        if suffix in (".vroom", ".geojson"):
+            return dump_json(vroom_output(self, answer) if suffix == ".vroom" else answer_geojson(self, answer))
         routes = [route.visits for route in answer]
         return sol_text(self.sites, routes, objective) if suffix == ".sol" else tour_text(self.sites, routes, objective, self.name)
 

@@ -75,6 +75,7 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
     return {
         "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": objective, "min_vehicles": least, "name": instance.name,
         "problem": name, "notes": notes, "team_risk": risks.get("team-risk", instance.team_risk),
+        "forbidden": instance.forbidden, "clock": instance.clock,
     }  # fmt: skip
 
 

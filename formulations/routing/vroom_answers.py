@@ -46,17 +46,21 @@ def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Route
     if code:
         said = data.get("error", "")
         raise InputError(f"VROOM found no answer: error {code}", found=printable(said if isinstance(said, str) else kind_of(said), 80))
-    index, types = problem.sites.index(), _types(problem)
+    index = problem.sites.index() if _numbered(problem) else {str(k): k for k in problem.customers.tolist()}
+    types = _types(problem)
     routes = []
     for k, route in enumerate(array(data.get("routes"), "routes")):
         path = f"routes[{k}]"
         if not isinstance(route, dict) or not {"vehicle", "steps"} <= route.keys():
             raise InputError(f"{path} must be an object with the keys vehicle and steps", found=kind_of(route))
         number = integer(route["vehicle"], f"{path}.vehicle", 0)
-        if types and number not in types:
+        kind = types.get(number, 0)
+        if types is not NAMED and types and number not in types:
             raise InputError(f"{path}.vehicle names no vehicle", expected=", ".join(map(str, sorted(types)[:20])), found=str(number))
         steps = [_step(step, f"{path}.steps[{s}]", index) for s, step in enumerate(array(route["steps"], f"{path}.steps"))]
-        routes.append(Route(tuple(site for site in steps if site is not None), types.get(number, 0)))
+        if types is NAMED:
+            kind = _named(problem, route.get("description"), f"{path}.description")
+        routes.append(Route(tuple(site for site in steps if site is not None), kind))
     return Routes(tuple(routes))
 
 
@@ -64,8 +68,31 @@ def _types(problem: RoutingProblem) -> dict[int, int]:
     """Type of each vehicle number; empty where one type drives all."""
     found = {number: kind for kind in range(len(problem.fleet)) for number in _numbers(problem, kind)}
     if len(problem.fleet) > 1 and {found.get(number) for number in found} != set(range(len(problem.fleet))):
-        raise UsageError("VROOM names vehicles by numbers, which the vehicle types of this problem have not; use .json")
+        return NAMED
     return found
+
+
+NAMED: dict[int, int] = {}
+"""Stands for vehicles whose types have no numbers: a route's description then names its vehicle."""
+
+
+def _named(problem: RoutingProblem, description: Any, path: str) -> int:
+    """Type of the vehicle that is described so."""
+    names = {v.name: k for k, v in enumerate(problem.fleet)}
+    text = description if isinstance(description, str) else ""
+    short = text if text in names else text.rpartition(" ")[0]
+    if short not in names:
+        raise InputError(f"{path} names no vehicle", expected=", ".join(names), found=printable(text, 60) or "nothing")
+    return names[short]
+
+
+def _numbered(problem: RoutingProblem) -> bool:
+    """Whether sites are named as VROOM's tasks: by a number, or one behind pickup or delivery."""
+    ids = problem.sites.ids
+    return all(_TASK.fullmatch(ids[k]) for k in problem.customers.tolist())
+
+
+_TASK = re.compile(r"(?:(?:pickup|delivery) )?[0-9]{1,18}")
 
 
 def _numbers(problem: RoutingProblem, kind: int) -> list[int]:
@@ -94,25 +121,26 @@ def _step(step: Any, path: str, index: Mapping[str, int]) -> int | None:
 def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
     """``answer`` as VROOM prints its own: times, loads and costs recomputed from the data.
 
-    Raises
-    ------
-    UsageError
-        If sites or vehicle types are not named by numbers.
+    Sites that are not called by numbers get their place in the file, counted from 0, as number, and their name as description; so do
+    vehicles.
     """
     sites, ids = problem.sites, problem.sites.ids
     tasks = {}
+    numbered = _numbered(problem)
     for k in problem.customers.tolist():
         what, _, number = ids[k].rpartition(" ")
-        if what not in ("", "pickup", "delivery") or not re.fullmatch("[0-9]{1,18}", number):
-            raise UsageError(f"VROOM names tasks by numbers, and site {ids[k]} has none; use .json or .sol")
-        tasks[k] = {"type": what or "job", "id": int(number)}
-    _types(problem)
+        tasks[k] = {"type": what or "job", "id": int(number)} if numbered else {"type": "job", "id": k, "description": ids[k]}
+        if sites.geographic and sites.coordinates is not None:
+            tasks[k]["location"] = sites.coordinates[k].tolist()
+    named = _types(problem) is NAMED
     used = [0] * len(problem.fleet)
     routes: list[dict[str, Any]] = []
-    for route in answer:
+    names = problem.vehicle_names(answer)
+    for name, route in zip(names, answer, strict=True):
         if not route.visits:
             continue
-        vehicle, plan, numbers = problem.fleet[route.vehicle], schedule(problem, route), _numbers(problem, route.vehicle)
+        vehicle, plan = problem.fleet[route.vehicle], schedule(problem, route)
+        numbers = [] if named else _numbers(problem, route.vehicle)
         used[route.vehicle] += 1
         at = used[route.vehicle]
         if numbers and at > len(numbers):
@@ -131,6 +159,7 @@ def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
         routes.append(
             {
                 "vehicle": numbers[at - 1] if numbers else len(routes) + 1,
+                **({} if numbers else {"description": name}),
                 "cost": vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance,
                 "waiting_time": plan.waiting,
                 "steps": [ends[0], *visits, ends[1]],

@@ -75,6 +75,9 @@ class SubmodularSelection(DecidedElements):
     def num_elements(self) -> int:
         return self.function.num_elements
 
+    def to_instance(self) -> Any:
+        return SelectionInstance(self.function, self.constraint, self.element_names, self.name, "json", notes=self.notes)
+
     def element_name(self, element: int) -> str:
         return str(element + 1) if self.element_names is None else self.element_names[element]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,6 +57,9 @@ class WinnerTakesAllSATA(SubmodularSelection):
     def facts(self) -> dict[str, Any]:
         """Those of the sensing graph."""
         return {"graph": self.graph.facts()}
+
+    def to_instance(self) -> SensingGraph:
+        return replace(self.graph, problem=self.problem)
 
     def element_name(self, element: int) -> str:
         return self.graph.action_name(element)

@@ -107,7 +107,7 @@ def _assigned(problem: RoutingProblem, context: Context, weight: float) -> Outco
 def _matrices(problem: RoutingProblem, stop: Stop) -> tuple[np.ndarray, np.ndarray] | None:
     every, travel = np.arange(len(problem.sites)), problem.travel
     distance = dense(travel.distance, every, stop, "greedy assignment")
-    time = distance if travel.duration_matrix is None or distance is None else dense(travel.duration, every, stop, "greedy assignment")
+    time = distance if not travel.own_durations or distance is None else dense(travel.duration, every, stop, "greedy assignment")
     return None if distance is None or time is None else (distance, time)
 
 

@@ -107,7 +107,7 @@ def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) ->
         losing = int((gain[order] > 0).sum())
         before, saving = routes, saving + losing
         i, j, length = i[order], j[order], length[order]
-        time = length if travel.duration_matrix is None else travel.duration(i, j)
+        time = length if not travel.own_durations else travel.duration(i, j)
         routes = merge(
             stop.flag, i, j, length, time, losing, routes, n if limit is None else limit, state, bounded, bounds, out, back,
             np.asarray(sites.service), np.asarray(sites.ready), np.asarray(sites.due), vehicle.capacity, both_ways,

@@ -124,7 +124,7 @@ def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: 
     visits, depot = costs.nodes[order], vehicle.start
     moves = ((depot, visits), (visits, np.roll(visits, -1)), (visits, depot))
     distance = np.stack([travel.distance(a, b) for a, b in moves])
-    time = distance if travel.duration_matrix is None else np.stack([travel.duration(a, b) for a, b in moves])
+    time = distance if not travel.own_durations else np.stack([travel.duration(a, b) for a, b in moves])
     limits = (float(sites.ready[depot]), float(sites.due[depot]), vehicle.max_duration, vehicle.max_distance)
     n, limit = len(order), problem.vehicle_limit
     given = (

@@ -8,18 +8,18 @@ from typing import Any
 
 from ..document import dump_json, fields, integer, kind_of, parse_json, string
 from ..errors import InputError, UsageError
-from ..instance import Instance
+from ..instance import Instance, settings_of, with_settings
 from ..kinds import KINDS
 from . import FORMATS, Format
 
 VERSION = 1
 
 
-_VERSION, _VEHICLES = re.compile(r'"waybound"\s*:'), re.compile(r'"vehicles"\s*:')
+_VERSION, _VEHICLES = re.compile(r'"waybound"\s*:'), re.compile(r'"vehicles"\s*:|"type"\s*:\s*"FeatureCollection"')
 
 
 def recognises(text: str) -> bool:
-    """Whether the text is meant as a JSON object, and not as VROOM's, which has vehicles."""
+    """Whether the text is meant as a JSON object, and not as VROOM's, which has vehicles, or as GeoJSON."""
     return text.lstrip().startswith("{") and (_VERSION.search(text) is not None or _VEHICLES.search(text) is None)
 
 
@@ -39,14 +39,26 @@ def read(text: str, path: Path) -> Instance:
     kind = string(data["kind"], "kind")
     if kind not in KINDS:
         raise InputError("kind is unknown", expected=", ".join(KINDS.names()), found=kind)
-    return KINDS[kind].decode({key: value for key, value in data.items() if key not in ("waybound", "kind")})
+    made = KINDS[kind].decode({key: value for key, value in data.items() if key not in ("waybound", "kind", "settings")})
+    return with_settings(made, _settings(data["settings"])) if "settings" in data else made
+
+
+def _settings(data: Any) -> dict[str, Any]:
+    """Plain values by name, as ``--set`` takes them."""
+    given = fields(data, "settings", data if isinstance(data, dict) else ())
+    for name, value in given.items():
+        if not isinstance(value, str | int | float):
+            raise InputError(f"settings.{name} must be a text, a number, true or false", found=kind_of(value))
+    return dict(given)
 
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if instance.kind not in KINDS:
         raise UsageError(f"{instance.name} is of kind {instance.kind}, which has no JSON form")
-    return dump_json({"waybound": VERSION, "kind": instance.kind, **KINDS[instance.kind].encode(instance)})
+    settings = settings_of(instance)
+    more = {"settings": settings} if settings else {}
+    return dump_json({"waybound": VERSION, "kind": instance.kind, **KINDS[instance.kind].encode(instance), **more})
 
 
 FORMATS.add(

@@ -32,6 +32,9 @@ class Data(Protocol):
     @property
     def team_risk(self) -> float | None: ...
 
+    @property
+    def forbidden(self) -> NDArray[np.bool_] | None: ...
+
 
 def _windows(sites: Sites, at: NDArray[np.int64]) -> bool:
     return bool(sites.ready[at].any() or np.isfinite(sites.due[at]).any())
@@ -79,7 +82,7 @@ FEATURES: dict[str, Callable[[Any], bool]] = {
     **{name: partial(_charged, charge=charge) for name, charge in zip(ENERGY, ENERGY_CHARGES, strict=True)},
     "fixed-cost": lambda d: any(v.fixed_cost > 0 for v in d.fleet),
     "unit-cost": lambda d: any(v.unit_cost != 1 for v in d.fleet),
-    "separate-durations": lambda d: d.travel.duration_matrix is not None,
+    "separate-durations": lambda d: d.travel.own_durations,
     "duration-cost": partial(_any, of=lambda v: v.unit_duration_cost > 0),
     "overtime": partial(_any, of=lambda v: v.unit_overtime_cost > 0 and v.regular_duration < math.inf),
     "shifts": partial(_any, of=lambda v: v.shift != (-math.inf, math.inf)),
@@ -96,6 +99,7 @@ FEATURES: dict[str, Callable[[Any], bool]] = {
     "recharging": partial(_any, of=lambda v: v.stations),
     "initial-energy": partial(_any, of=lambda v: v.energy is not None and v.energy.at_departure < v.energy.capacity),
     "closing-moves": _closing,
+    "forbidden-moves": lambda d: d.forbidden is not None,
     "committed-vehicles": partial(_any, of=lambda v: v.committed),
     "uncertain-durations": _uncertain,
     "route-risk": partial(_any, of=lambda v: v.risk is not None),

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..clock import Clock as Clock
 from ..errors import InputError, UsageError
 from .sites import Group as Group
 from .sites import Shipment as Shipment
@@ -51,6 +52,10 @@ class RoutingInstance:
         What a user should be told, such as where the fleet limit comes from.
     team_risk : float, optional
         The largest probability with which any of all routes may overrun a limit, as of ``VehicleType.risk``.
+    forbidden : bool array of shape (sites, sites), optional
+        Moves that no route makes.
+    clock : Clock, optional
+        What times count, where that is known; shown, and never computed with.
     """
 
     kind: ClassVar[str] = "routing"
@@ -65,11 +70,14 @@ class RoutingInstance:
     objective: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     team_risk: float | None = None
+    forbidden: NDArray[np.bool_] | None = None
+    clock: Clock | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "fleet", tuple(self.fleet))
         object.__setattr__(self, "problems", tuple(self.problems) or (self.problem,))
         check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles, self.team_risk)
+        check_moves(self.sites, self.forbidden)
 
     def with_customers(self, count: int) -> RoutingInstance:
         """The depots and the first ``count`` customers, as the short versions of Solomon's files are made."""
@@ -78,7 +86,9 @@ class RoutingInstance:
             raise UsageError(f"customers={count} is out of range: {self.name} has {len(customers)} customers")
         keep = np.sort(np.concatenate([self.sites.depots, customers[:count]]))
         fleet = tuple(placed(v, keep) for v in self.fleet)
-        return replace(self, name=f"{self.name}.{count}", sites=self.sites.subset(keep), travel=self.travel.subset(keep), fleet=fleet)
+        moves = None if self.forbidden is None else self.forbidden[np.ix_(keep, keep)]
+        sites, travel = self.sites.subset(keep), self.travel.subset(keep)
+        return replace(self, name=f"{self.name}.{count}", sites=sites, travel=travel, fleet=fleet, forbidden=moves)
 
 
 def placed(vehicle: VehicleType, keep: NDArray[np.int64]) -> VehicleType:
@@ -115,6 +125,13 @@ def check_routing_data(
     for k, needs in enumerate(sites.skills):
         if needs and sites.required[k] and not any(needs <= v.skills for v in fleet):
             raise InputError(f"no vehicle has the skills that site {sites.ids[k]} asks for", expected=", ".join(sorted(needs)))
+
+
+def check_moves(sites: Sites, forbidden: NDArray[np.bool_] | None) -> None:
+    """Raise InputError unless ``forbidden`` tells of each pair of sites whether it is."""
+    if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
+        found = f"{forbidden.dtype} {forbidden.shape}"
+        raise InputError("forbidden moves must be truth values, one for each pair of sites", found=found)
 
 
 def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel) -> None:

@@ -6,18 +6,23 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..document import array, fields, flags, integer, json_number, json_numbers, real, reals, string, strings
-from ..errors import InputError
+from ..clock import Clock
+from ..document import array, fields, flags, integer, json_number, json_numbers, kind_of, real, reals, string, strings
+from ..errors import InputError, UsageError
 from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
 from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
 from .reach import refuse_powerless, refuse_unreachable
 
-KEYS = ("name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "team_risk", "objective", "notes")
+KEYS = (
+    "name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "team_risk", "objective", "notes", "forbidden",
+    "clock",
+)  # fmt: skip
 SITE_KEYS = (
     "id", "depot", "x", "y", "demand", "pickup", "ready", "due", "windows", "service", "reward", "required", "penalty", "skills",
-    "shipments", "groups",
+    "shipments", "groups", "lat", "lon", "attributes",
 )  # fmt: skip
 
 
@@ -38,13 +43,19 @@ def encode(instance: RoutingInstance) -> dict[str, Any]:
         data["objective"] = list(instance.objective)
     if instance.notes:
         data["notes"] = list(instance.notes)
+    if instance.forbidden is not None:
+        ids = instance.sites.ids
+        data["forbidden"] = [[ids[i], ids[j]] for i, j in np.argwhere(instance.forbidden).tolist()]
+    if instance.clock is not None:
+        data["clock"] = {"unit": instance.clock.unit, **({"origin": instance.clock.origin} if instance.clock.origin else {})}
     return data
 
 
 def _encode_sites(sites: Sites) -> dict[str, Any]:
     data: dict[str, Any] = {"id": list(sites.ids), "depot": sites.depot.tolist()}
     if sites.coordinates is not None:
-        data["x"], data["y"] = (json_numbers(column) for column in sites.coordinates.T)
+        across, along = ("lon", "lat") if sites.geographic else ("x", "y")
+        data[across], data[along] = (json_numbers(column) for column in sites.coordinates.T)
     for name in ("demand", "pickup"):
         loads = np.column_stack([getattr(sites, name), getattr(sites, f"further_{name}")])
         if loads.any() or (name == "demand" and sites.dimensions > 1):
@@ -64,6 +75,8 @@ def _encode_sites(sites: Sites) -> dict[str, Any]:
         data["shipments"] = [_encode_shipment(shipment, sites) for shipment in sites.shipments]
     if sites.groups:
         data["groups"] = [{"sites": [sites.ids[k] for k in group.sites], "required": group.required} for group in sites.groups]
+    if sites.attributes:
+        data["attributes"] = {title: [plain_json(v) for v in values] for title, values in sites.attributes.items()}
     return data
 
 
@@ -91,10 +104,45 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
         string(data["name"], "name"), "json", sites, travel, tuple(fleet), problem=problem, problems=problems,
         min_vehicles=integer(data.get("min_vehicles", 0), "min_vehicles", 0), objective=strings(data.get("objective", []), "objective"),
         notes=strings(data.get("notes", []), "notes"), team_risk=optional_real(data, "team_risk"),
+        forbidden=_forbidden(data["forbidden"], index) if "forbidden" in data else None,
+        clock=_clock(data["clock"]) if "clock" in data else None,
     )  # fmt: skip
     refuse_unreachable(made)
     refuse_powerless(made)
     return made
+
+
+def _forbidden(data: Any, index: dict[str, int]) -> NDArray[np.bool_]:
+    made = np.zeros((len(index), len(index)), dtype=bool)
+    for k, pair in enumerate(array(data, "forbidden")):
+        tail, head = (_site(name, f"forbidden[{k}]", index) for name in array(pair, f"forbidden[{k}]", 2))
+        made[tail, head] = True
+    return made
+
+
+def _clock(data: Any) -> Clock:
+    held = fields(data, "clock", ("unit", "origin"), ("unit",))
+    try:
+        return Clock(string(held["unit"], "clock.unit"), string(held["origin"], "clock.origin") if "origin" in held else "")
+    except UsageError as error:
+        raise InputError(f"clock.unit: {error}") from None
+
+
+def _attributes(data: Any, n: int) -> dict[str, Any]:
+    given = fields(data, "sites.attributes", data if isinstance(data, dict) else ())
+    for title, values in given.items():
+        string(title, "a key of sites.attributes")
+        for k, value in enumerate(array(values, f"sites.attributes.{title}", n)):
+            if value is not None and not isinstance(value, bool | int | float | str):
+                raise InputError(f"sites.attributes.{title}[{k}] must be a text, a number, true, false or null", found=kind_of(value))
+    return dict(given)
+
+
+def plain_json(value: Any) -> Any:
+    """An attribute as JSON has it."""
+    return (
+        value if value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value)) else str(value)
+    )
 
 
 def _decode_sites(data: Any) -> Sites:
@@ -129,7 +177,12 @@ def _decode_sites(data: Any) -> Sites:
     if at_depot.any():
         k = int(np.argmax(at_depot))
         raise InputError(f"sites.required[{k}] asks for a visit to a depot", expected="false", found="true")
-    return Sites.of(ids, coordinates=decode_coordinates(data, "sites", n), **columns)
+    if "attributes" in data:
+        columns["attributes"] = _attributes(data["attributes"], n)
+    here, there = decode_coordinates(data, "sites", n), decode_coordinates(data, "sites", n, ("lon", "lat"))
+    if here is not None and there is not None:
+        raise InputError("sites have two kinds of coordinates", expected="x and y, or lon and lat")
+    return Sites.of(ids, coordinates=there if here is None else here, geographic=there is not None, **columns)
 
 
 def _loads(data: Any, path: str, n: int) -> Any:

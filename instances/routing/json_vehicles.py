@@ -16,7 +16,7 @@ from .vehicle_type import Energy, VehicleType
 
 Floats = NDArray[np.float64]
 
-TRAVEL_KEYS = ("metric", "x", "y", "matrix", "durations", "closing", "variances", "convention")
+TRAVEL_KEYS = ("metric", "x", "y", "matrix", "durations", "closing", "variances", "pace", "convention")
 VEHICLE_KEYS = (
     "name", "count", "capacity", "start", "end", "max_duration", "max_distance", "energy", "fixed_cost", "unit_cost",
     "unit_duration_cost", "regular_duration", "unit_overtime_cost", "shift", "skills", "speed", "travel", "reloads", "max_reloads",
@@ -39,6 +39,8 @@ def encode_travel(travel: Travel, sites: Sites) -> dict[str, Any]:
         data["closing"] = [json_numbers(row) for row in travel.closing]
     if travel.variances is not None:
         data["variances"] = json_numbers(travel.variances)
+    if travel.pace != 1.0:
+        data["pace"] = json_number(travel.pace)
     return data
 
 
@@ -63,15 +65,16 @@ def decode_travel(data: Any, sites: Sites, convention: str, path: str = "travel"
         closing = np.array([reals(row, f"{path}.closing[{k}]", n, null=math.inf) for k, row in enumerate(rows)])
     convention = string(data["convention"], f"{path}.convention") if "convention" in data else convention
     return Travel(
-        metric, coordinates=own, matrix=matrix, duration_matrix=durations, convention=convention, closing=closing, variances=variances
-    )
+        metric, coordinates=own, matrix=matrix, duration_matrix=durations, convention=convention, closing=closing, variances=variances,
+        pace=real(data.get("pace", 1.0), f"{path}.pace"),
+    )  # fmt: skip
 
 
-def decode_coordinates(data: Any, path: str, n: int) -> Floats | None:
-    """The columns x and y, of which there are both or none."""
-    given = [key for key in ("x", "y") if key in data]
+def decode_coordinates(data: Any, path: str, n: int, keys: tuple[str, str] = ("x", "y")) -> Floats | None:
+    """The two columns ``keys``, of which there are both or none."""
+    given = [key for key in keys if key in data]
     if len(given) == 1:
-        raise InputError(f"{path} has {given[0]} alone", expected="x and y")
+        raise InputError(f"{path} has {given[0]} alone", expected=" and ".join(keys))
     return np.column_stack([reals(data[key], f"{path}.{key}", n) for key in given]) if given else None
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,6 +99,10 @@ class Sites:
         Empty, or one entry a site: what a vehicle must be able to do in order to serve it.
     shipments : tuple of Shipment
     groups : tuple of Group
+    attributes : mapping from title to tuple, optional
+        Whatever else is known of the sites, one entry a site: shown in tables and maps, kept in files, and never computed with.
+    geographic : bool
+        Whether coordinates are longitude and latitude in decimal degrees.
 
     Raises
     ------
@@ -122,6 +127,8 @@ class Sites:
     skills: tuple[frozenset[str], ...] = ()
     shipments: tuple[Shipment, ...] = ()
     groups: tuple[Group, ...] = ()
+    attributes: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    geographic: bool = False
 
     @classmethod
     def of(
@@ -142,6 +149,8 @@ class Sites:
         skills: Mapping[int, Iterable[str]] | None = None,
         shipments: Iterable[Shipment] = (),
         groups: Iterable[Group] = (),
+        attributes: Mapping[str, Sequence[Any]] | None = None,
+        geographic: bool = False,
     ) -> Sites:
         """Sites from arrays or scalars; without ``depot`` the first site is the only depot.
 
@@ -185,6 +194,7 @@ class Sites:
             tuple(str(i) for i in ids), flags, delivered[:, 0].copy(), opens, closes, spread(service), spread(reward), must & ~flags,
             spread(penalty), collected[:, 0].copy(), delivered[:, 1:].copy(), collected[:, 1:].copy(), xy,
             tuple(several) if any(several) else (), tuple(able) if any(able) else (), tuple(shipments), chosen,
+            {str(title): tuple(values) for title, values in (attributes or {}).items()}, geographic,
         )  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -225,6 +235,9 @@ class Sites:
             raise InputError("skills must have one entry a site", expected=str(n), found=str(len(self.skills)))
         self._check_groups()
         self._check_shipments()
+        for title, entries in self.attributes.items():
+            if len(entries) != n:
+                raise InputError(f"attribute {title!r} must have one entry a site", expected=str(n), found=str(len(entries)))
 
     def _refuse(self, bad: Flags | np.bool_, message: str, values: Floats) -> None:
         if np.any(bad):
@@ -351,6 +364,8 @@ class Sites:
             skills=tuple(self.skills[k] for k in keep.tolist()) if self.skills else (),
             shipments=tuple(shipments),
             groups=tuple(Group(kept, required) for kept, required in members if kept),
+            attributes={title: tuple(entries[k] for k in keep.tolist()) for title, entries in self.attributes.items()},
+            geographic=self.geographic,
             **{name: np.array(getattr(self, name)[keep]) for name in COLUMNS},
         )
 

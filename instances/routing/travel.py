@@ -86,6 +86,21 @@ def _geo(a: Floats, b: Floats) -> Floats:
     return np.asarray(6378.388 * np.arccos(cosine))
 
 
+EARTH = 6371.0088
+"""Mean radius of the Earth in km (IUGG)."""
+
+UNITS_OF_DISTANCE = {"km": 1.0, "m": 1000.0, "mi": 1.0 / 1.609344}
+"""How many there are in a km."""
+
+
+def _haversine(a: Floats, b: Floats, unit: str = "km") -> Floats:
+    """Great-circle distance between (longitude, latitude) in decimal degrees, on a sphere (Sinnott 1984)."""
+    p, q = np.radians(a), np.radians(b)
+    half = np.sin((q - p) / 2.0) ** 2
+    h = half[..., 1] + np.cos(p[..., 1]) * np.cos(q[..., 1]) * half[..., 0]
+    return np.asarray(2.0 * EARTH * UNITS_OF_DISTANCE[unit] * np.arcsin(np.sqrt(np.clip(h, 0.0, 1.0))))
+
+
 def _file_att(d: Floats) -> Floats:
     t = _nint(d)
     return np.where(t < d, t + 1.0, t)
@@ -114,8 +129,13 @@ METRICS: dict[str, Metric] = {
         Metric("CEIL_2D", _euclidean, np.ceil),
         Metric("ATT", _att, _file_att),
         Metric("GEO", _geo, _file_geo),
+        Metric("haversine", _haversine, None),
+        *(Metric(f"haversine-{unit}", partial(_haversine, unit=unit), None) for unit in UNITS_OF_DISTANCE if unit != "km"),
     )
 }
+GEOGRAPHIC = frozenset(name for name in METRICS if name.startswith("haversine"))
+"""Metrics whose coordinates are longitude and latitude in decimal degrees."""
+
 EXPLICIT = "EXPLICIT"
 
 STRIP = 1 << 20
@@ -140,6 +160,8 @@ class Travel:
         Latest time at which a direct move may begin, infinite where it never closes: roads and cells that close with time.
     variances : array of shape (sites, sites), optional
         Variances of the durations, which are then means of independent normal times. Taken as they are.
+    pace : float
+        Without a duration matrix: how many units of time a unit of distance takes.
     convention : str
         ``file, exact, trunc1, trunc2, round`` or ``ceil``; ``dimacs`` is ``trunc1``. The default is ``file`` where the
         metric prescribes a rounding and ``exact`` elsewhere.
@@ -153,7 +175,7 @@ class Travel:
 
     Notes
     -----
-    Without a duration matrix one unit of distance takes one unit of time, and durations are rounded as distances are,
+    Without a duration matrix one unit of distance takes ``pace`` units of time, one by default, and it is distances that are rounded,
     which is how Solomon's files are scored. Source of the metrics: TSPLIB 95, section 2.
     """
 
@@ -164,6 +186,7 @@ class Travel:
     convention: str = ""
     closing: Floats | None = None
     variances: Floats | None = None
+    pace: float = 1.0
     _rounding: Callable[[Floats], Floats] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -193,6 +216,8 @@ class Travel:
                     raise InputError(f"the {what} matrix has another size than the sites", found=str(len(given)))
         if self.closing is not None:
             put("closing", self._closing(self.closing))
+        if not 0.0 < self.pace < np.inf:
+            raise InputError("the time that a unit of distance takes must be positive and finite", found=str(self.pace))
         file_rounding = METRICS[self.metric].file_rounding if self.metric in METRICS else _ROUNDING["exact"]
         convention = convention_named(self.convention or ("file" if file_rounding is not None else "exact"))
         if convention == "file":
@@ -227,9 +252,15 @@ class Travel:
         """The same distances, in durations divided by ``speed``."""
         if speed == 1.0:
             return self
-        return replace(
-            self, duration_matrix=self.durations / speed, variances=None if self.variances is None else self.variances / speed / speed
-        )
+        varied = None if self.variances is None else self.variances / speed / speed
+        if self.duration_matrix is None:
+            return replace(self, pace=self.pace / speed, variances=varied)
+        return replace(self, duration_matrix=self.duration_matrix / speed, variances=varied)
+
+    @property
+    def own_durations(self) -> bool:
+        """Whether durations are anything else than the distances."""
+        return self.duration_matrix is not None or self.pace != 1.0
 
     @property
     def uncertain(self) -> bool:
@@ -254,7 +285,7 @@ class Travel:
     def duration(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
         """Durations of the moves ``origin[k] -> destination[k]``; broadcasts like numpy."""
         if self.duration_matrix is None:
-            return self.distance(origin, destination)
+            return self.distance(origin, destination) if self.pace == 1.0 else self.pace * self.distance(origin, destination)
         return np.asarray(self.duration_matrix[np.asarray(origin, dtype=np.int64), np.asarray(destination, dtype=np.int64)])
 
     def least_distance(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
@@ -263,7 +294,9 @@ class Travel:
 
     def least_duration(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
         """Durations that no convention undercuts."""
-        return self.least_distance(origin, destination) if self.duration_matrix is None else self.duration(origin, destination)
+        if self.duration_matrix is None:
+            return self.pace * self.least_distance(origin, destination)
+        return self.duration(origin, destination)
 
     def _between(self, origin: ArrayLike, destination: ArrayLike, rounding: Callable[[Floats], Floats]) -> Floats:
         i, j = np.asarray(origin, dtype=np.int64), np.asarray(destination, dtype=np.int64)
@@ -297,7 +330,9 @@ class Travel:
     @cached_property
     def durations(self) -> Floats:
         """All durations, shape (sites, sites), zero diagonal, read-only."""
-        return self.distances if self.duration_matrix is None else _frozen_matrix(self.duration_matrix.copy())
+        if not self.own_durations:
+            return self.distances
+        return _frozen_matrix(self.pace * self.distances if self.duration_matrix is None else self.duration_matrix.copy())
 
 
 def _frozen_matrix(matrix: Floats) -> Floats:

@@ -45,7 +45,7 @@ def generate(actions: int, seed: int) -> SensingGraph:
 
 def with_waybound(graph: SensingGraph) -> Any:
     """From the graph to a HiGHS model ready to start."""
-    return BottleneckSATA(graph, fractional=True).compile().to_highs()
+    return BottleneckSATA(graph, fractional=True).compile().to_highs(names=False)
 
 
 def lists_for_pulp(graph: SensingGraph) -> dict[str, Any]:

@@ -53,7 +53,7 @@ def generate(customers: int, vehicles: int, windows: str, seed: int) -> RoutingP
 
 def with_waybound(problem: RoutingProblem) -> Any:
     """From the problem to a HiGHS model ready to start."""
-    return problem.compile("three-index").to_highs()
+    return problem.compile("three-index").to_highs(names=False)
 
 
 def with_bare_highs(program: Program) -> tuple[Any, float]:

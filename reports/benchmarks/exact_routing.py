@@ -108,7 +108,7 @@ class Roads:
             k for k, both in enumerate(zip(self.demand, self.pickup, strict=True)) if any(any(a) for a in both) or self.shipments
         }
         self.skills: Sequence[frozenset[str]] = s.skills or [frozenset()] * len(s)
-        self.fleet, self.depot = fleet, s.depot
+        self.fleet, self.depot, self.forbidden = fleet, s.depot, problem.forbidden
         self.customers = [k for k in range(len(s)) if not s.depot[k]]
         self.clock = 0
 
@@ -149,6 +149,8 @@ class Roads:
         """Whether a route may begin so: none of these grows less by going on."""
         vehicle = self.fleet[kind]
         stops = (vehicle.start, *visits)
+        if self.forbidden is not None and any(self.forbidden[i, j] for i, j in itertools.pairwise(stops)):
+            return False
         if any(last in visits and first not in visits[: visits.index(last)] for first, last, _ in self.shipments):
             return False
         tests = [(sum(self.d[kind][i][j] for i, j in itertools.pairwise(stops)), ints(vehicle.max_distance, self.unit), 0)]
@@ -226,6 +228,8 @@ class Roads:
             return None
         stops = (vehicle.start, *visits, vehicle.end)
         legs = list(itertools.pairwise(stops))
+        if self.forbidden is not None and any(self.forbidden[i, j] for i, j in legs):
+            return None
         distance, moving = sum(self.d[kind][i][j] for i, j in legs), [self.t[kind][i][j] for i, j in legs]
         busy = [m + (self.service[i] if k else 0) for k, ((i, _), m) in enumerate(zip(legs, moving, strict=True))]
         tests = [(max(levels), ints(limit, u), 0) for levels, limit in zip(self._carried(kind, visits), vehicle.capacities, strict=False)]

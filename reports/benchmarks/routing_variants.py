@@ -52,6 +52,7 @@ class _Draft:
     vehicle: dict[str, Any] = field(default_factory=dict)
     others: list[dict[str, Any]] = field(default_factory=list)
     closing: Any = None
+    forbidden: Any = None
     durations: Any = None
     variances: Any = None
     team_risk: float | None = None
@@ -216,6 +217,11 @@ def _closing(d: _Draft) -> None:
     d.closing = np.where(d.rng.random((d.size, d.size)) < 0.6, drawn, math.inf)
 
 
+def _forbidden(d: _Draft) -> None:
+    d.forbidden = d.rng.random((d.size, d.size)) < 0.3
+    np.fill_diagonal(d.forbidden, False)
+
+
 def _uncertain(d: _Draft) -> None:
     d.variances = d.numbers(0, 9, (d.size, d.size))
 
@@ -273,6 +279,7 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
     "recharging": _recharging,
     "initial-energy": _initial,
     "closing-moves": _closing,
+    "forbidden-moves": _forbidden,
     "committed-vehicles": lambda d: _second(d, committed=True),
     "uncertain-durations": _uncertain,
     "route-risk": _set(risk=_risks),
@@ -281,8 +288,9 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
 }  # fmt: skip
 """By feature: what it changes. Those of objectives choose among ``GOALS``."""
 
-TURNS = tuple(name for name in CHANGES if name not in RISKS | {"uncertain-durations"})
-"""Features that ``drawn`` has in turn, and chooses more from. Risks are ``risky``'s, so that problems stay what they were without."""
+TURNS = tuple(name for name in CHANGES if name not in RISKS | {"uncertain-durations", "forbidden-moves"})
+"""Features that ``drawn`` has in turn, and chooses more from. Risks are ``risky``'s, and moves are forbidden by ``with_features`` alone, so
+that problems stay what they were without."""
 
 TWO_DEPOTS = {"multiple-depots", "open-routes", "reloads", "recharging"}
 
@@ -355,7 +363,7 @@ def _made(rng: np.random.Generator, wanted: tuple[str, ...], name: str) -> Routi
     total = fleet_size(fleet)
     least = d.min_vehicles if total is None else min(d.min_vehicles, total)
     sites = Sites.of(range(d.size), depot=d.depot, coordinates=d.xy, **d.sites)
-    return RoutingProblem(sites, travel, fleet, goal, least, name, team_risk=d.team_risk)
+    return RoutingProblem(sites, travel, fleet, goal, least, name, team_risk=d.team_risk, forbidden=d.forbidden)
 
 
 def features_of(problem: RoutingProblem) -> frozenset[str]:

@@ -101,6 +101,7 @@ def _windows(windows: dict[str, Any]) -> list[Row]:
 def _travel(travel: dict[str, Any]) -> list[Row]:
     own = ", durations of their own" if travel["own_durations"] else ""
     closing = f", {travel['closing_moves']} moves close" if "closing_moves" in travel else ""
+    closing += f", {travel['forbidden_moves']} moves are forbidden" if "forbidden_moves" in travel else ""
     spread = f", uncertain durations of variance up to {travel['largest_variance']:g}" if "largest_variance" in travel else ""
     return [("travel", f"{travel['metric']}{own}" + ("" if travel["coordinates"] else ", no coordinates") + closing + spread)]
 

@@ -76,7 +76,7 @@ class ORTools(Bisecting):
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
             "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "initial-energy", "shifts",
             "duration-cost", "overtime", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
-            "several-windows", "skills", "reloads", "recharging", "closing-moves", "committed-vehicles", "min-vehicles",
+            "several-windows", "skills", "reloads", "recharging", "closing-moves", "forbidden-moves", "committed-vehicles", "min-vehicles",
             "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
             "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
             "objective:priorities",

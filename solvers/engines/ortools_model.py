@@ -105,6 +105,7 @@ class Model:
         self._skills()
         self._shipments()
         self._stores()
+        self._forbidden()
         customers = [self.index(site) for site in problem.customers.tolist()]
         count_routes(self.routing, len(self.types), customers, problem.min_vehicles, bool(self.stops))
 
@@ -299,6 +300,20 @@ class Model:
         if data.maxima[0]:  # nobody waits: see ``missing``
             routing.AddDimensionWithVehicleTransits(evaluators, 0, horizon, True, "duration")
             routing.GetDimensionOrDie("duration").SetGlobalSpanCostCoefficient(int(data.maxima[0]))
+
+    def _forbidden(self) -> None:
+        """No move is made that is forbidden; who stays at home makes none."""
+        shut = self.problem.forbidden
+        if shut is None:
+            return
+        routing, manager = self.routing, self.manager
+        starts = {routing.Start(vehicle): k for vehicle, k in enumerate(self.types)}
+        heads = self.sites[[manager.IndexToNode(index) for index in range(routing.Size() + len(self.types))]]
+        for index in range(routing.Size()):
+            free = {index}  # a site that is left out is its own next
+            if index in starts and not self.problem.fleet[starts[index]].committed:
+                free.update(routing.End(vehicle) for vehicle in range(len(self.types)))
+            routing.NextVar(index).RemoveValues([j for j in np.nonzero(shut[heads[index], heads])[0].tolist() if j not in free])
 
     def _closing(self, clock: Any, closing: Integers, first: int, horizon: int) -> None:
         """Moves begin in time; that to the own index, of a site left out, always does."""

@@ -51,7 +51,7 @@ class PyVRP(Bisecting):
             "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
             "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "overtime",
             "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "several-windows", "skills",
-            "reloads",
+            "reloads", "forbidden-moves",
             "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties",
             "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
         }
@@ -61,7 +61,7 @@ class PyVRP(Bisecting):
         """See ``Bisecting.beyond``."""
         lacking = unscalable(problem) | entangled(problem)
         driven = [v.energy is not None and v.energy.charge == "travel" for v in problem.fleet]
-        if any(d and problem.travel_of(k).duration_matrix is not None for k, d in enumerate(driven)):
+        if any(d and problem.travel_of(k).own_durations for k, d in enumerate(driven)):
             # Time on the move can only be limited as a distance.
             lacking |= {"energy:travel with separate-durations"}
         if {"shipments", "reloads"} <= problem.features():
@@ -114,7 +114,7 @@ class _Search:
         statistics: dict[str, Any] = {"iterations": result.num_iterations, "scale": self.data.scales}
         if self.options.start is not None:
             statistics["start"] = "refused" if start is None else "used"
-        if not result.is_feasible():
+        if not result.is_feasible() or not self.model.keeps_to_moves(result.best):
             return RawResult("unknown", self.limit, statistics=statistics, message="PyVRP found no feasible answer")
         answer = self.model.routes(result.best)
         return RawResult("feasible", self.limit, answer, self._claim(result.best, answer), statistics=statistics)
@@ -152,7 +152,7 @@ class _Search:
                 this.on_best(ils.initial_solution)
 
             def on_best(this, best: Any) -> None:
-                if best.is_feasible():
+                if best.is_feasible() and self.model.keeps_to_moves(best):
                     self.pending = best
 
         return Hear()

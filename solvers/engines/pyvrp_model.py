@@ -62,7 +62,7 @@ class Model:
         for k, moves in enumerate(integers.moves):
             # One matrix serves as cost and as distance limit; only where there is a limit does it have to be rounded up.
             limited = any(t.max_distance != UNLIMITED for t in types if t.profile == k)
-            distances.append(moves.distance_up if limited else moves.distance)
+            distances.append(self._dear(moves.distance_up if limited else moves.distance))
         self.data = pyvrp.ProblemData(
             locations=[pyvrp.Location(float(x), float(y)) for x, y in xy],
             clients=[self._client(pyvrp, site, window, member.get(site)) for site in self.places for window in integers.windows[site]],
@@ -72,10 +72,32 @@ class Model:
             ],
             vehicle_types=types,
             distance_matrices=distances,
-            duration_matrices=[moves.duration for moves in integers.moves],
+            duration_matrices=[self._dear(moves.duration) for moves in integers.moves],
             groups=groups,
             shipments=[self._shipment(pyvrp, k) for k in range(len(sites.shipments))],
         )
+
+    def _dear(self, moves: Integers) -> Integers:
+        """Moves that are forbidden cost more than anything that they could save; PyVRP has no other way to say so."""
+        shut = self.problem.forbidden
+        if shut is None:
+            return moves
+        data, most = self.integers, 4 * len(moves)
+        price = max(1, int(data.unit.max()), int((data.time + data.overtime).max()))
+        gain = int(data.fixed.max()) * len(moves) + int(data.prize.sum()) + most * int(moves.max(initial=0)) * price
+        return np.where(shut, min(max(2 * gain, 10 * int(moves.max(initial=0)) * most), UNLIMITED // (most * price)), moves)
+
+    def keeps_to_moves(self, solution: Any) -> bool:
+        """Whether a solution makes no move that is forbidden."""
+        shut = self.problem.forbidden
+        if shut is None:
+            return True
+        for route in self.routes(solution):
+            vehicle = self.problem.fleet[route.vehicle]
+            stops = [vehicle.start, *route.visits, vehicle.end]
+            if shut[stops[:-1], stops[1:]].any():
+                return False
+        return True
 
     def routes(self, solution: Any) -> Routes:
         """The routes of a solution."""

@@ -74,8 +74,8 @@ FRAMES = {
     "a negative reward": ({"reward": [0, 1, -2, 1]}, {}, "reward of site b must be finite and not negative; found -2.0"),
     "more routes than vehicles": ({}, {"vehicles": 2, "min_vehicles": 3}, "at least 3 vehicles are asked for, but the fleet has 2"),
     "no energy": ({}, {"fleet": [{"energy": {"capacity": 2}}]}, "the energy of no vehicle lasts to any site and back"),
-    "an infinite distance": ({}, {"travel": np.array(bent(math.inf))}, "distance from site a to site b must be finite"),
-    "a negative duration": ({}, {"durations": np.array(bent(-1))}, "duration from site a to site b must be finite and not negative"),
+    "a distance that is none": ({}, {"travel": np.array(bent(math.nan))}, "distance from site a to site b must be a number"),
+    "a negative duration": ({}, {"durations": np.array(bent(-1))}, "duration from site a to site b must be a number and not negative"),
     "two conventions": (
         {}, {"fleet": [{"travel": {"metric": "euclidean", "convention": "round"}}]}, "travels under another convention than the others"
     ),

@@ -125,6 +125,7 @@ def test_bounds_that_prove_nothing_say_why(feature):
 def pool():
     """Problems of two or three sites, by their names; some with risks."""
     every = [*(drawn(7, number) for number in range(432)), *(risky(7, number) for number in range(60))]
+    every += [p for seed in range(20) if (p := with_features(["forbidden-moves"], seed)) is not None]
     return {p.name: p for p in every if len(p.customers) in (2, 3)}
 
 

@@ -92,7 +92,9 @@ def test_a_spoilt_file_is_read_or_refused_with_its_name(solution, tmp_path, at, 
 
 def test_answers_of_other_families_are_json_alone(tmp_path):
     problem = wb.read("cover-30")
-    with pytest.raises(wb.UsageError, match=r"a\.sol: answers to selection problems are written as \.json, not under the suffix '\.sol'$"):
+    with pytest.raises(
+        wb.UsageError, match=r"a\.sol: answers to selection problems are written as \.json, \.csv, \.xlsx, not under the suffix '\.sol'$"
+    ):
         check_answer_path(problem, "a.sol")
     (tmp_path / "a.sol").write_text("Route #1: 1 2\n")
     with pytest.raises(wb.InputError, match=r"a\.sol:1: is no solution file of selection problems; expected JSON"):
@@ -106,7 +108,7 @@ def test_a_tour_cannot_hold_several_routes():
 
 def test_an_unknown_suffix_names_the_known_ones():
     with pytest.raises(wb.UsageError, match=r"\.json, \.sol, \.tour"):
-        check_answer_path(wb.read("demo-tiny"), "a.xlsx")
+        check_answer_path(wb.read("demo-tiny"), "a.pdf")
 
 
 def test_a_mixed_fleet_needs_json(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import pickle
 
 import pytest
 
@@ -76,3 +77,32 @@ def test_without_an_answer_there_is_nothing_to_draw_or_to_tabulate(problem):
     for shown in (empty.plot, empty.to_frame):
         with pytest.raises(wb.NoAnswerError, match="found no answer"):
             shown()
+
+
+def test_a_printed_solution_shows_its_routes_and_what_they_leave_out():
+    import pandas as pd
+
+    sites = pd.DataFrame({"name": ["Yard", "Aldi", "Bakery"], "x": [0, 3, 30], "y": 0, "required": [False, True, False]})
+    asked = wb.RoutingProblem.from_frame(sites)
+    text = str(solution(asked))
+    assert "vehicle 1  Yard > Aldi > Yard (distance 6)" in text
+    assert "left out   Bakery: in this answer inserting it" in text
+
+
+def test_tables_routes_and_graph_of_an_answer(problem):
+    made = solution(problem)
+    assert made.routes == [("1",)] and made.routes[0].vehicle == "vehicle 1" and repr(made.routes) == "[['1']]"
+    assert pickle.loads(pickle.dumps(made.routes))[0].vehicle == "vehicle 1"
+    assert made.to_frame("visits").equals(made.to_frame()) and made.to_frame("routes")["stops"].tolist() == [1]
+    assert made.to_frame("left-out").equals(made.left_out()) and len(made.left_out()) == 6
+    assert made.to_networkx().number_of_edges() == 2
+    with pytest.raises(wb.UsageError, match="there is no table of 'route'; choose from visits, routes, left-out; did you mean 'routes'"):
+        made.to_frame("route")
+
+
+def test_without_an_answer_there_is_nothing_to_save(problem, tmp_path):
+    none = solution(problem, answer=None, status="unknown")
+    for ask in (lambda: none.routes, lambda: none.save(tmp_path / "a.json"), none.to_networkx, none.to_frame):
+        with pytest.raises(wb.NoAnswerError):
+            ask()
+    assert not list(tmp_path.iterdir())

@@ -125,7 +125,7 @@ MIXED = square(fleet=(wb.VehicleType(name="small"), wb.VehicleType(name="large")
         (square(), [["a", "z"]], "there is no site 'z'"),
         (square(), [[1, 9]], "there is no site"),
         (square(), [[1.5]], "a site is given by its name or its index, not by 1.5"),
-        (square(), {"routes": [[1, 2]]}, "not an answer to a routing problem"),
+        (square(), {"cart": [[1, 2]]}, "there is no vehicle 'cart'"),
         (square(), {"answer": None}, "holds no answer"),
         (square(), Selection.of([1]), "is no list of routes"),
         (NUMBERED, [[2, 3], [4]], "whole numbers could be names or indices of sites here"),

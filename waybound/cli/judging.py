@@ -41,13 +41,22 @@ STATED_TOLERANCE = 1e-6
 def check(
     file: File,
     solution: Annotated[
-        Path, typer.Argument(metavar="SOLUTION", help="Solution file: .json; of routes also .sol, .tour or .vroom.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="SOLUTION",
+            help="Solution file: .json, .csv, .xlsx, of routes .sol, .tour, .vroom, .geojson; or a solver's, of an exported model.",
+            show_default=False,
+        ),
     ],
     certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Verify this certificate's bound too.")] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     convention: Convention = None,
     settings: Set = None,
+    form: Annotated[
+        str | None,
+        typer.Option("--form", metavar="NAME", help="For a solver's file: the form that was exported; whichever fits by default."),
+    ] = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -59,7 +68,7 @@ def check(
     from ..formulations.answers import read_answer
 
     asked = read_problem(file, format, problem, convention, settings)
-    read = read_answer(asked, solution)
+    read = read_answer(asked, solution, form)
     evaluation = asked.evaluate(read.answer)
     made = verify(asked, read.answer, certificate)
     notes = [*(f"{solution}: {note}" for note in read.notes), *_compare(read, evaluation)]

@@ -12,7 +12,7 @@ from ..formulations.solution import Solution
 from ..instances.errors import InputError, UsageError
 
 
-def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[str, ...]]:
+def answer_given(problem: Problem, given: Any, called: str, form: str | None = None) -> tuple[Any, tuple[str, ...]]:
     """The answer of ``problem`` that ``given`` says, and what a user should be told about the reading.
 
     Parameters
@@ -20,9 +20,12 @@ def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[
     problem : Problem
     given : object or None
         A ``Solution``; an answer of the problem, or what its ``answer_of`` takes for one (routing: a list of routes, each a list of site
-        indices or ids); the JSON of either, as a mapping; or the path of a solution file. None says none.
+        indices or ids, or of each vehicle by its name, or a frame of visits); the JSON of either, as a mapping; or the path of a solution
+        file. None says none.
     called : str
         What it is, for messages: ``the start``.
+    form : str, optional
+        For a solver's solution file: the form that was exported.
 
     Raises
     ------
@@ -36,14 +39,18 @@ def answer_given(problem: Problem, given: Any, called: str) -> tuple[Any, tuple[
     if isinstance(given, Solution) and given.answer is None:
         return None, (f"{called} holds no answer",)
     if isinstance(given, str | PathLike):
-        read = read_answer(problem, given)
+        read = read_answer(problem, given, form)
         return read.answer, tuple(f"{given}: {note}" for note in read.notes)
     try:
         if isinstance(given, Solution):
             given = given.answer if given.problem is problem else given.to_json()  # which speaks of sites by name
         if isinstance(given, Mapping):
-            read = answer_in_json(problem, given)
-            return read.answer, tuple(f"{called}: {note}" for note in read.notes)
+            foreign = None if given.keys() & {"answer", "kind"} else problem.foreign_answer(given)
+            if foreign is not None:
+                return foreign, ()
+            if given.keys() & {"answer", "kind"}:
+                read = answer_in_json(problem, given)
+                return read.answer, tuple(f"{called}: {note}" for note in read.notes)
         return problem.answer_of(given), ()
     except (InputError, UsageError) as error:
         raise UsageError(f"{called} cannot be read: {error}") from None

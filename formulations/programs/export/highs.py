@@ -7,18 +7,21 @@ from typing import Any
 import numpy as np
 
 from ....instances.errors import InputError
+from ..names import column_names, row_names
 from ..program import Program
 from ..soundness import refuse_numbers
 from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels
 
 
-def to_highs(program: Program) -> Any:
+def to_highs(program: Program, *, names: bool = False) -> Any:
     """A ``highspy.Highs`` model, silent and ready to run.
 
     Parameters
     ----------
     program : Program
         Without cones. Its quadratic part, if any, must be convex (concave for maximisation) for HiGHS to solve it.
+    names : bool
+        Name columns and rows as in files.
 
     Returns
     -------
@@ -66,6 +69,8 @@ def to_highs(program: Program) -> Any:
         triangle = int(highspy.HessianFormat.kTriangular)
         indptr, indices = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
         done.append(model.passHessian(n, lower.nnz, triangle, indptr, indices, lower.data.astype(np.float64)))
+    for name_all, made in ((model.passColName, column_names), (model.passRowName, row_names)) if names else ():
+        done += [name_all(k, name) for k, name in enumerate(made(program))]
     if highspy.HighsStatus.kError in done:
         raise InputError(f"HiGHS refuses the program {program.name}: {n} variables, {program.num_rows} rows")
     return model

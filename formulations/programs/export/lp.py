@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
+from ..names import column_names, plain_names, row_names
 from ..program import Program
 from ._checks import merged_rows
-from ._names import plain_names, readable_names
 
 _WIDTH = 200
 
@@ -22,8 +22,8 @@ _WIDTH = 200
 def lp_text(program: Program, *, names: bool = True) -> str:
     """The program as text in LP format; see ``write_program``."""
     n, m = program.num_variables, program.num_rows
-    columns = readable_names(n, program.variable_name, "x") if names else plain_names(n, "x")
-    rows = readable_names(m, program.row_name, "r") if names else plain_names(m, "r")
+    columns = column_names(program) if names else plain_names(n, "x")
+    rows = row_names(program) if names else plain_names(m, "r")
     lines = ["Maximize" if program.sense == "max" else "Minimize"]
     lines.extend(_wrapped(" obj:", _objective(program, columns)))
     lines.append("Subject To")

@@ -6,18 +6,21 @@ from typing import Any
 
 import numpy as np
 
+from ..names import column_names, row_names
 from ..program import Program
 from ..soundness import refuse_numbers
 from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels
 
 
-def to_mathopt(program: Program) -> Any:
+def to_mathopt(program: Program, *, names: bool = False) -> Any:
     """A ``mathopt.Model``; variable and constraint ids are columns and rows.
 
     Parameters
     ----------
     program : Program
         Without cones.
+    names : bool
+        Name variables and constraints as in files.
 
     Raises
     ------
@@ -67,4 +70,7 @@ def to_mathopt(program: Program) -> Any:
     message.linear_constraint_matrix.row_ids.extend(rows[entry].tolist())
     message.linear_constraint_matrix.column_ids.extend(indices[entry].tolist())
     message.linear_constraint_matrix.coefficients.extend(data[entry].tolist())
+    if names:
+        message.variables.names.extend(column_names(program))
+        message.linear_constraints.names.extend(row_names(program))
     return mathopt.Model.from_model_proto(message)

@@ -15,8 +15,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..names import column_names, plain_names, row_names
 from ..program import Program
-from ._names import plain_names, readable_names
 
 OBJECTIVE = "obj"
 
@@ -24,8 +24,8 @@ OBJECTIVE = "obj"
 def mps_text(program: Program, *, names: bool = True) -> str:
     """The program as text in free MPS format; see ``write_program``."""
     n, m = program.num_variables, program.num_rows
-    columns = readable_names(n, program.variable_name, "x") if names else plain_names(n, "x")
-    rows = readable_names(m, program.row_name, "r") if names else plain_names(m, "r")
+    columns = column_names(program) if names else plain_names(n, "x")
+    rows = row_names(program) if names else plain_names(m, "r")
     lines = [f"NAME {_title(program)} FREE"]  # without the word CBC takes short lines for the fixed format
     if program.sense == "max":
         lines += ["OBJSENSE", "    MAX"]

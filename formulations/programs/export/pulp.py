@@ -5,26 +5,29 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..names import column_names, row_names
 from ..program import Program
 from ..reductions.one_sided_rows import ONE_SIDED_ROWS
 from ..soundness import refuse_numbers
 from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels, refuse_quadratic
 
 
-def to_pulp(program: Program) -> Any:
+def to_pulp(program: Program, *, names: bool = False) -> Any:
     """A ``pulp.LpProblem``.
 
     Parameters
     ----------
     program : Program
         Linear.
+    names : bool
+        Name variables and constraints as in files, instead of by number.
 
     Returns
     -------
     pulp.LpProblem
-        Column j is the variable named ``x`` and j, padded with zeros, so that PuLP's order of names is that of columns; row i is the
-        constraint ``r`` and i. A row with two different sides becomes two constraints (the second is ``r`` and i and ``_low``), a
-        row with none is left out.
+        Without names column j is the variable named ``x`` and j, padded with zeros, so that PuLP's order of names is that of columns,
+        and row i the constraint ``r`` and i. A row with two different sides becomes two constraints (the name of the second ends with
+        ``_low``), a row with none is left out.
 
     Raises
     ------
@@ -47,9 +50,11 @@ def to_pulp(program: Program) -> Any:
     model = pulp.LpProblem(program.name.replace("-", "_"), pulp.LpMaximize if program.sense == "max" else pulp.LpMinimize)
     digits = len(str(max(0, program.num_variables - 1)))
     columns = zip(program.lower.tolist(), program.upper.tolist(), program.integer.tolist(), strict=True)
+    called = column_names(program) if names else [f"x{j:0{digits}d}" for j in range(program.num_variables)]
+    rows = row_names(program) if names else [f"r{i}" for i in range(program.num_rows)]
     x = [
         model.add_variable(
-            f"x{j:0{digits}d}", low if low > -math.inf else None, high if high < math.inf else None,
+            called[j], low if low > -math.inf else None, high if high < math.inf else None,
             cat=pulp.LpInteger if whole else pulp.LpContinuous,
         )
         for j, (low, high, whole) in enumerate(columns)
@@ -66,5 +71,5 @@ def to_pulp(program: Program) -> Any:
         if high == math.inf:
             sense, side = pulp.LpConstraintGE, low
         entries = pulp.LpAffineExpression([(x[indices[e]], data[e]) for e in range(indptr[k], indptr[k + 1])])
-        model.addConstraint(pulp.LpConstraint(entries, sense, f"r{i}" if k < program.num_rows else f"r{i}_low", side))
+        model.addConstraint(pulp.LpConstraint(entries, sense, rows[i] if k < program.num_rows else f"{rows[i]}_low", side))
     return model

@@ -276,4 +276,6 @@ def _share(r: Priced, weight: Weights) -> float:
     return math.fsum(each * amounts.get(name, 0.0) for name, each in weight.items())
 
 
-FORMS.add("set-partitioning", Form("set-partitioning", "routing", FEATURES | RISKS, build, refuses=refuses, order=5))
+FORMS.add(
+    "set-partitioning", Form("set-partitioning", "routing", (FEATURES | RISKS) - {"forbidden-moves"}, build, refuses=refuses, order=5)
+)

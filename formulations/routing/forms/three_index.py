@@ -75,7 +75,8 @@ FEATURES = frozenset(
         "energy:elapsed-fixed-start", "energy:windows", "optional-sites", "limited-fleet", "min-vehicles", "heterogeneous-fleet",
         "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "duration-cost", "overtime", "shifts", "vehicle-speeds",
         "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "several-windows", "skills", "reloads", "recharging",
-        "initial-energy", "closing-moves", "committed-vehicles", "objective:total-cost", "objective:vehicles", "objective:reward",
+        "initial-energy", "closing-moves", "forbidden-moves", "committed-vehicles",
+        "objective:total-cost", "objective:vehicles", "objective:reward",
         "objective:makespan", "objective:longest-route", "objective:total-duration", "objective:latest-return", "objective:penalties",
         "objective:weights", "objective:priorities",
     }

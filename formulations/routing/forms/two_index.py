@@ -97,7 +97,7 @@ EVIDENCED = frozenset(
     {
         "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "energy:travel", "energy:elapsed",
         "energy:elapsed-fixed-start", "energy:windows", "limited-fleet", "min-vehicles", "multiple-depots", "open-routes", "fixed-cost",
-        "separate-durations", "objective:total-cost", "objective:vehicles", "objective:weights",
+        "separate-durations", "forbidden-moves", "objective:total-cost", "objective:vehicles", "objective:weights",
     }
 )  # fmt: skip
 """Features under which the checker of ``arc-multipliers`` has the same rows and costs."""

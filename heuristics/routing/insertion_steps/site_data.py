@@ -27,7 +27,7 @@ def site_data(problem: RoutingProblem, stop: Stop, what: str) -> tuple[NDArray[n
     savings = not HEURISTICS["savings"].missing(problem)
     nodes = np.concatenate([[vehicle.start], problem.customers, [vehicle.end]])
     distance = dense(travel.distance, nodes, stop, what, savings=savings)
-    time = distance if travel.duration_matrix is None or distance is None else dense(travel.duration, nodes, stop, what, savings=savings)
+    time = distance if not travel.own_durations or distance is None else dense(travel.duration, nodes, stop, what, savings=savings)
     if distance is None or time is None:
         return None
     data = (sites.demand[nodes], sites.service[nodes], sites.ready[nodes], sites.due[nodes], distance, time)

@@ -60,8 +60,13 @@ _VEHICLES, _WAYBOUND = re.compile(r'"vehicles"\s*:'), re.compile(r'"waybound"\s*
 
 
 def recognises(text: str) -> bool:
-    """Whether a JSON object has vehicles, and is none of waybound's."""
-    return text.lstrip().startswith("{") and _VEHICLES.search(text) is not None and _WAYBOUND.search(text) is None
+    """Whether a JSON object has vehicles, and is none of waybound's and no GeoJSON."""
+    return (
+        '"FeatureCollection"' not in text
+        and text.lstrip().startswith("{")
+        and _VEHICLES.search(text) is not None
+        and _WAYBOUND.search(text) is None
+    )
 
 
 # -- reading -------------------------------------------------------------------------------------------------------------
@@ -572,7 +577,7 @@ def _written_matrices(
         return [[int(v) for v in row] for row in whole.tolist()]
 
     costs: dict[str, Any] = {}
-    if travel.duration_matrix is None:
+    if not travel.own_durations:
         lengths = rows(travel.distances, "distance")
         held = {"durations": lengths, "distances": lengths}  # VROOM asks for distances even where they cost nothing
         if vehicle.unit_cost != 1:

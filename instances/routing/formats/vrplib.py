@@ -28,6 +28,7 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,15 +36,19 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...formats import FORMATS, Format
 from ...text import label, number, refuse, shown, whole
+from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, METRICS, Travel
 from ._tsplib import FLEET_IN_NAME, SET_X, Specification, edge_weights, node_list, node_table, scan
 from ._tsplib_writer import EXACT_2D, always_open, write
+from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, depots_of, fleet_of, is_rich, prizes_of
 
 Floats = NDArray[np.float64]
 
 SIMULTANEOUS = ("VRPSPD", "VRPMPD", "MVRPB", "VRPSPDTW", "VRPMPDTW")
+RICH = ("MDVRP", "MDVRPTW", "HFVRP", "PCVRP", "PCVRPTW")
+"""Types of other collections for several depots, mixed fleets and prizes."""
 PICKUPS = "PICKUP_AND_DELIVERY_SECTION"
 PROBLEMS = {
     "TSP": ("tsp", "min-cost-vrp"),
@@ -53,6 +58,7 @@ PROBLEMS = {
     "CVRPTW": ("vrptw", "min-cost-vrp"),
     "OP": ("orienteering", "team-orienteering"),
     **dict.fromkeys(SIMULTANEOUS, ("cvrp", "min-cost-vrp")),
+    **dict.fromkeys(RICH, ("mdvrp", "min-cost-vrp")),
 }
 EDGE_WEIGHT_TYPES = (*(m for m in METRICS if m.isupper()), EXPLICIT, EXACT_2D)
 HEADERS = frozenset(
@@ -65,8 +71,8 @@ FLEET_HEADERS = frozenset({"CAPACITY", "VEHICLES", "DISTANCE", "SERVICE_TIME"})
 SECTIONS = frozenset({"NODE_COORD_SECTION", "DISPLAY_DATA_SECTION", "EDGE_WEIGHT_SECTION"})
 VISITED = frozenset({"DEMAND_SECTION", "DEPOT_SECTION", "TIME_WINDOW_SECTION", "SERVICE_TIME_SECTION"})
 KEYWORDS = {
-    **dict.fromkeys(("TSP", "ATSP"), (HEADERS, SECTIONS)),
-    **dict.fromkeys(("CVRP", "VRPTW", "CVRPTW"), (HEADERS | FLEET_HEADERS, SECTIONS | VISITED)),
+    **dict.fromkeys(("TSP", "ATSP"), (HEADERS | {"VEHICLES"}, SECTIONS)),
+    **dict.fromkeys(("CVRP", "VRPTW", "CVRPTW", *RICH), (HEADERS | FLEET_HEADERS | RICH_HEADERS, SECTIONS | VISITED | RICH_SECTIONS)),
     "OP": (HEADERS | {"COST_LIMIT", "TSPSOL"}, SECTIONS | {"DEPOT_SECTION", "NODE_SCORE_SECTION"}),
     **dict.fromkeys(SIMULTANEOUS, (HEADERS | FLEET_HEADERS - {"SERVICE_TIME"}, SECTIONS | {"DEPOT_SECTION", PICKUPS})),
 }
@@ -84,7 +90,7 @@ def read(text: str, path: Path) -> RoutingInstance:
     spec = scan(text)
     if "NODE_SEQUENCE_SECTION" in spec.sections:
         raise InputError("is a solution file, not an instance", line=spec.sections["NODE_SEQUENCE_SECTION"].line)
-    kind = spec.value("TYPE").upper().split()[0]
+    kind = spec.value("TYPE").upper().split()[0] if "TYPE" in spec.headers else _meant(spec)
     if kind == "TOUR":
         raise InputError("is a solution file, not an instance", line=spec.line("TYPE"))
     if kind not in PROBLEMS:
@@ -96,12 +102,12 @@ def read(text: str, path: Path) -> RoutingInstance:
     name = label(spec.headers["NAME"][1] if "NAME" in spec.headers and spec.headers["NAME"][1] else path.stem)
     xy, travel = _travel(spec, n, kind)
     is_tsp = kind in ("TSP", "ATSP")
-    depot = 0 if is_tsp else _depot(spec, n)
-    flags = np.arange(n) == depot
+    depots = [0] if is_tsp else depots_of(spec, n) if PICKUPS not in spec.sections and kind != "OP" else [_depot(spec, n)]
+    depot, flags = depots[0], np.isin(np.arange(n), depots)
     ids = [str(k) for k in range(1, n + 1)]
     if kind == "OP":
         return _orienteering(spec, name, Sites.of(ids, depot=flags, reward=_scores(spec, n), required=False, coordinates=xy), travel, depot)
-    notes: list[str] = []
+    notes: list[str] = [] if "TYPE" in spec.headers else [f"the file has no TYPE, and is read as {kind} by what it holds"]
     pickup: Floats = np.zeros(n)
     lines: list[int] | None
     if kind in SIMULTANEOUS:
@@ -109,17 +115,53 @@ def read(text: str, path: Path) -> RoutingInstance:
         if "VEHICLES" in spec.headers:
             notes.append("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited")
     else:
-        demand, service, ready, due, lines = _sites(spec, n, depot, kind)
-    sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy)
-    count = 1 if is_tsp else _fleet(spec, name, label(path.stem), notes)
+        demand, service, ready, due, lines = _sites(spec, flags, kind)
+    prizes = prizes_of(spec, n, depots)
+    worth: dict[str, Any] = {} if prizes is None else {"penalty": prizes, "required": prizes == 0.0}
+    sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy, **worth)
+    if is_rich(spec, depots) or prizes is not None or kind in RICH:
+        return _rich(spec, name, sites, travel, depots, notes, lines)
+    count = _fleet(spec, name, label(path.stem), notes) if not is_tsp or "VEHICLES" in spec.headers else 1
     capacity, longest = _limit(spec, "CAPACITY"), _limit(spec, "DISTANCE")
     if math.isfinite(longest):
         notes.append(f"DISTANCE {longest:g} limits the duration of a route, service included")
     fleet = (VehicleType(count, capacity, start=depot, end=depot, max_duration=longest),)
-    problems = PROBLEMS[kind]
+    problems = PROBLEMS[kind] if count == 1 or not is_tsp else ("min-cost-vrp", "min-makespan-vrp")
     if kind in SIMULTANEOUS and (ready.any() or np.isfinite(due).any()):
         problems = PROBLEMS["VRPTW"]
     made = RoutingInstance(name, "vrplib", sites, travel, fleet, problem=problems[0], problems=problems, notes=tuple(notes))
+    refuse_unreachable(made, lines)
+    return made
+
+
+def _meant(spec: Specification) -> str:
+    """The TYPE of a file that does not say it."""
+    if "NODE_SCORE_SECTION" in spec.sections:
+        return "OP"
+    if PICKUPS in spec.sections:
+        return "VRPSPD"
+    if "TIME_WINDOW_SECTION" in spec.sections:
+        return "VRPTW"
+    visited = {"DEMAND_SECTION", "DEPOT_SECTION", "SERVICE_TIME_SECTION"} | RICH_SECTIONS
+    if spec.sections.keys() & visited or spec.headers.keys() & (FLEET_HEADERS - {"VEHICLES"} | RICH_HEADERS):
+        return "CVRP"
+    if spec.sections.keys() & SECTIONS:
+        return "ATSP" if spec.headers.get("EDGE_WEIGHT_FORMAT", (0, ""))[1].upper() == "FULL_MATRIX" else "TSP"
+    spec.value("TYPE")
+    raise AssertionError("value() refuses what is missing")
+
+
+def _rich(
+    spec: Specification, name: str, sites: Sites, travel: Travel, depots: list[int], notes: list[str], lines: list[int] | None
+) -> RoutingInstance:
+    """Vehicles of several kinds or depots, and sites that are worth a prize."""
+    longest = _limit(spec, "DISTANCE")
+    fleet = fleet_of(spec, len(sites), depots, longest)
+    objective: tuple[str, ...] = ()
+    if sites.penalty.any():
+        notes.append("a customer with a prize may be left out, and its prize is then a cost")
+        objective = ("total-cost + penalties",)
+    made = with_problems(RoutingInstance(name, "vrplib", sites, travel, fleet, objective=objective, notes=tuple(notes)))
     refuse_unreachable(made, lines)
     return made
 
@@ -183,17 +225,18 @@ def _depot(spec: Specification, n: int) -> int:
     return nodes[0] - 1
 
 
-def _sites(spec: Specification, n: int, depot: int, kind: str) -> tuple[Floats, Floats, Floats, Floats, list[int] | None]:
+def _sites(spec: Specification, at_depot: NDArray[np.bool_], kind: str) -> tuple[Floats, Floats, Floats, Floats, list[int] | None]:
     """Demand, service, ready and due times, and the lines that say most about each site."""
+    n = len(at_depot)
     demand, service, ready, due = np.zeros(n), np.zeros(n), np.zeros(n), np.full(n, math.inf)
     lines: NDArray[np.int64] | None = None
-    at_depot = np.arange(n) == depot
     if kind in ("CVRP", "CVRPTW") or "DEMAND_SECTION" in spec.sections or "CAPACITY" in spec.headers:
         table, lines = node_table(spec, "DEMAND_SECTION", n, ("demand",))
         demand = table[:, 0]
         refuse(demand < 0, lines, "demand is negative", demand, "0 or more")
         refuse(at_depot & (demand != 0), lines, "the depot has a demand", demand, "0")
-        spec.value("CAPACITY")
+        if "CAPACITY_SECTION" not in spec.sections and kind not in RICH:
+            spec.value("CAPACITY")
     if "SERVICE_TIME" in spec.headers:
         if "SERVICE_TIME_SECTION" in spec.sections:
             raise InputError("SERVICE_TIME stands beside a SERVICE_TIME_SECTION", line=spec.line("SERVICE_TIME"), expected="one of them")
@@ -206,7 +249,7 @@ def _sites(spec: Specification, n: int, depot: int, kind: str) -> tuple[Floats, 
         service = table[:, 0]
         refuse(service < 0, lines, "service time is negative", service, "0 or more")
         refuse(at_depot & (service != 0), lines, "the depot has a service time", service, "0")
-    if kind in ("VRPTW", "CVRPTW") or "TIME_WINDOW_SECTION" in spec.sections:
+    if kind in ("VRPTW", "CVRPTW", "MDVRPTW", "PCVRPTW") or "TIME_WINDOW_SECTION" in spec.sections:
         if kind == "CVRP":
             raise InputError("TYPE CVRP has no TIME_WINDOW_SECTION; TYPE VRPTW has", line=spec.sections["TIME_WINDOW_SECTION"].line)
         table, lines = node_table(spec, "TIME_WINDOW_SECTION", n, ("ready time", "due date"))

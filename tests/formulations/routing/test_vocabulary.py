@@ -62,6 +62,7 @@ CASES = {
     "recharging": ({}, {"fleet": [{"energy": {"capacity": 40, "stations": ["o"]}}]}, "recharging at o"),
     "initial-energy": ({}, {"fleet": [{"energy": {"capacity": 40, "initial": 30}}]}, "30 at departure"),
     "closing-moves": ({}, {"closing": np.full((4, 4), 90.0)}, "12 moves close"),
+    "forbidden-moves": ({}, {"travel": np.where(np.eye(4, k=1), np.inf, MATRIX)}, "3 moves are forbidden"),
     "committed-vehicles": ({}, {"fleet": [{"count": 2, "committed": True}]}, "committed"),
     "uncertain-durations": ({}, {"variances": MATRIX}, "uncertain durations of variance up to 3"),
     "route-risk": ({}, {"variances": MATRIX, "fleet": [{"max_duration": 40, "risk": 0.05}]}, "risk 0.05"),

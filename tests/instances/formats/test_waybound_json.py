@@ -79,3 +79,18 @@ def test_an_instance_of_a_kind_without_json_is_refused() -> None:
 
     with pytest.raises(UsageError, match="s1 is of kind sudoku"):
         write(Other())
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ([], "settings must be an object; found a list"),
+        ({"risk": [1]}, "settings.risk must be a text, a number, true or false; found a list"),
+    ],
+)
+def test_settings_of_a_saved_problem_are_plain_values(settings: Any, message: str, refusal: Callable[..., InputError]) -> None:
+    assert message in str(refusal(document(settings=settings)))
+
+
+def test_geojson_is_left_to_its_own_format() -> None:
+    assert not recognises('{"type": "FeatureCollection", "features": []}')

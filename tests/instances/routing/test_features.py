@@ -58,6 +58,7 @@ CASES: dict[str, tuple[dict[str, Any], set[str]]] = {
     "closing-moves": ({"travel": Travel("euclidean", XY, closing=np.full((4, 4), 9.0))}, {"closing-moves"}),
     "reloads": ({"fleet": [VehicleType(reloads=(0,))]}, {"reloads"}),
     "uncertain-durations": ({"travel": UNCERTAIN}, set()),
+    "forbidden-moves": ({"forbidden": np.eye(4, k=1, dtype=bool)}, {"forbidden-moves"}),
     "route-risk": ({"fleet": [VehicleType(risk=0.1)]}, set()),
     "team-risk": ({"team_risk": 0.1}, set()),
 }

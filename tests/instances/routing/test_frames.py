@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 import scipy.sparse as sp
 
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.frames import instance_from_frame
 
@@ -98,7 +99,7 @@ def test_a_pair_without_a_path_is_named() -> None:
         (SITES, {"vehicles": 1.5}, "must be whole"),
         (SITES, {"capacity": -1}, "capacity of vehicle"),
         (SITES, {"travel": np.zeros((2, 2))}, r"expected \(3, 3\); found \(2, 2\)"),
-        (SITES, {"travel": [[0, 1, 2], [1, 0, -1], [1, 1, 0]]}, "distance from site a to site b must be finite and not negative"),
+        (SITES, {"travel": [[0, 1, 2], [1, 0, -1], [1, 1, 0]]}, "distance from site a to site b must be a number and not negative"),
         (SITES, {"travel": np.full((3, 3), "x")}, "must hold numbers"),
         (SITES, {"durations": np.full((3, 3), np.nan)}, "duration from site yard to site a"),
         (SITES, {"travel": sp.csr_matrix(np.array([[0, 1, 1], [1, 0, np.nan], [1, 1, 0]]))}, "road from site a to site b"),
@@ -163,12 +164,12 @@ def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
         ({"shipments": ["ab"]}, "a shipment has a pickup, a delivery and perhaps a load"),
         ({"groups": [["c", "c"]]}, "group 1 has the site c twice"),
         ({"windows": {"z": [(0, 1)]}}, "windows name the unknown site 'z'"),
-        ({"closing": np.full((5, 5), "x")}, "closing times must be numbers"),
+        ({"closing": np.full((5, 5), "x")}, "closing times must hold numbers or times"),
         ({"closing": np.full((4, 4), 1.0)}, "closing times must have one entry a move"),
         ({"closing": np.full((5, 5), np.nan)}, "closing time of the move from site 0 to site 1 must be a number"),
         ({"fleet": [{"energy": {"capacity": 1.5}}]}, "the energy of no vehicle lasts to any site and back; expected at least 2; found 1.5"),
-        ({"travel": np.full((5, 5), -1.0)}, "distance from site yard to site port must be finite and not negative"),
-        ({"travel": np.full((5, 5), np.inf)}, "distance from site yard to site port must be finite"),
+        ({"travel": np.full((5, 5), -1.0)}, "distance from site yard to site port must be a number and not negative"),
+        ({"travel": np.full((5, 5), np.inf)}, "all distances between sites are infinite, so that no move can be made"),
     ],
 )
 def test_what_is_wrong_with_more_than_columns_is_named(given: dict[str, Any], message: str) -> None:
@@ -176,3 +177,72 @@ def test_what_is_wrong_with_more_than_columns_is_named(given: dict[str, Any], me
         instance_from_frame(PLACES.drop(columns=["skills"]), **given)
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+# -- what people have ----------------------------------------------------------------------------------------------------
+
+DAY = pd.Timestamp("2026-05-04")
+SHOPS = pd.DataFrame(
+    {
+        "name": ["Yard", "Aldi", "Bakery", "Clinic"], "latitude": [52.52, 52.50, 52.55, 52.48], "longitude": [13.40, 13.45, 13.35, 13.38],
+        "demand": [np.nan, 4, 2, 6], "ready": [DAY + pd.Timedelta("7h"), DAY + pd.Timedelta("8h"), pd.NaT, pd.NaT],
+        "due": [DAY + pd.Timedelta("18h"), DAY + pd.Timedelta("9h"), pd.NaT, DAY + pd.Timedelta("12h")],
+        "service": pd.to_timedelta([0, 10, 5, 20], unit="min"), "phone": ["-", "1", None, "3"],
+    }
+)  # fmt: skip
+
+
+def test_a_frame_as_people_have_it() -> None:
+    made = instance_from_frame(SHOPS, capacity=10, speed=30, time_unit="min", max_duration=pd.Timedelta("6h"), name="shops")
+    sites = made.sites
+    assert sites.ids == ("Yard", "Aldi", "Bakery", "Clinic") and sites.attributes == {"phone": ("-", "1", None, "3")} and sites.geographic
+    assert sites.ready.tolist() == [420, 480, 0, 0] and sites.due.tolist() == [1080, 540, math.inf, 720]
+    assert sites.service.tolist() == [0, 10, 5, 20] and made.fleet[0].max_duration == 360
+    assert made.clock is not None and made.clock.origin == "2026-05-04T00:00:00"
+    assert made.travel.duration(0, 1) == pytest.approx(2 * made.travel.distance(0, 1))  # 30 km an hour
+    assert made.notes == ("columns kept and not used: phone", "times are in min since 2026-05-04 00:00:00")
+
+
+def test_tables_of_an_answer_tell_moments_and_attributes() -> None:
+    problem = RoutingProblem.from_frame(SHOPS, capacity=10, speed=30, time_unit="min")
+    frame = problem.answer_to_frame(problem.answer_of([["Aldi", "Clinic"]]))
+    assert frame["begin"].tolist()[0] == DAY + pd.Timedelta("8h") and frame["departure"].tolist()[0] == DAY + pd.Timedelta("8h10min")
+    assert frame["phone"].tolist() == ["1", "3"]
+    routes = problem.answer_frames(problem.answer_of([["Aldi", "Clinic"]]))["routes"]
+    assert routes["sites"].tolist() == ["Yard > Aldi > Clinic > Yard"] and routes["departure"].tolist()[0] > DAY + pd.Timedelta("7h")
+
+
+def test_a_metric_may_be_named_and_a_unit_of_distance() -> None:
+    assert instance_from_frame(SITES, travel="manhattan").travel.distance(0, 1) == 7
+    places = SHOPS[["name", "latitude", "longitude"]]
+    km, metres = (instance_from_frame(places, distance_unit=unit).travel.distance(0, 1) for unit in ("km", "m"))
+    assert metres == pytest.approx(1000 * km)
+
+
+def test_infinite_distances_are_moves_that_cannot_be_made() -> None:
+    made = instance_from_frame(SITES, travel=[[0, 1, 2], [math.inf, 0, 3], [1, 1, 0]])
+    assert made.forbidden is not None and np.argwhere(made.forbidden).tolist() == [[1, 0]]
+    assert np.isfinite(made.travel.distances).all()
+
+
+@pytest.mark.parametrize(
+    ("frame", "options", "message"),
+    [
+        (SHOPS, {"speed": 30}, "column ready holds timestamps: say in which unit of time the problem counts; expected time_unit='min'"),
+        (SHOPS, {"time_unit": "min"}, "there are times of sites or vehicles beside them; expected speed=50"),
+        (SHOPS.iloc[:, :3].assign(service=5.0), {"speed": 30}, "a speed is a distance in an hour, and the unit of times is not said"),
+        (SHOPS, {"time_unit": "min", "speed": -1}, "speed must be positive and finite"),
+        (SHOPS, {"time_unit": "min", "speed": 30, "fleet": pd.DataFrame({"speed": [40]})}, "speeds are told twice"),
+        (SITES, {"travel": "manhatten"}, "travel by 'manhatten' is unknown; did you mean 'manhattan'?"),
+        (SITES, {"travel": "haversine"}, "travel by haversine does not fit the coordinates; expected columns lat and lon"),
+        (SHOPS, {"travel": "euclidean", "time_unit": "min"}, "travel by euclidean does not fit the coordinates"),
+        (SITES.assign(due=9.0), {"travel": {"durations": [[0, 1, 1]] * 3}}, "durations of the routing service are in seconds"),
+        (SITES, {"travel": "no/such/table.json"}, "no/such/table.json: no such file"),
+        (SITES, {"windows": {"aa": [(0, 1)]}}, "windows name the unknown site 'aa'"),
+        (SITES, {"fleet": pd.DataFrame({"capcity": [1]})}, "the fleet has an unknown column 'capcity'; did you mean 'capacity'?"),
+    ],
+)  # fmt: skip
+def test_what_would_be_misread_is_refused_with_the_cure(frame: pd.DataFrame, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as error:
+        instance_from_frame(frame, **options)
+    assert message in str(error.value) and "\n" not in str(error.value)

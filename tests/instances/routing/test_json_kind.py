@@ -161,3 +161,48 @@ def test_a_map_that_differs_from_the_distances_is_kept_apart() -> None:
     again = load(json.loads(write(made)))
     assert again.sites.coordinates.tolist() == [[1, 2], [3, 4]]  # type: ignore[union-attr]
     assert again.travel.coordinates.tolist() == [[2, 1], [4, 3]]  # type: ignore[union-attr]
+
+
+def test_attributes_places_on_the_globe_the_clock_and_forbidden_moves_read_back() -> None:
+    sites = {
+        "id": ["d", "a"],
+        "lon": [9.0, 9.5],
+        "lat": [45.0, 45.5],
+        "attributes": {"phone": ["-", None], "stars": [1, 2.5], "open": [True, "no"]},
+    }
+    data = SMALL | {
+        "sites": sites, "travel": {"metric": "haversine", "pace": 2.0}, "forbidden": [["a", "d"]],
+        "clock": {"unit": "min", "origin": "2026-05-04T00:00:00+02:00"},
+    }  # fmt: skip
+    made = load(data)
+    again = read(write(made), Path("again.json"))
+    assert isinstance(again, RoutingInstance)
+    for held in (made, again):
+        assert held.sites.geographic and held.sites.attributes == {k: tuple(v) for k, v in sites["attributes"].items()}  # type: ignore[attr-defined]
+        assert (
+            held.clock is not None
+            and held.clock.unit == "min"
+            and held.forbidden is not None
+            and held.forbidden.tolist() == [[False, False], [True, False]]
+        )
+        assert held.travel.duration(0, 1) == 2.0 * held.travel.distance(0, 1)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("forbidden", [["a", "z"]], "forbidden[0] names no site; expected an id of sites.id; found z"),
+        ("forbidden", [["a"]], "forbidden[0] has a wrong length"),
+        ("clock", {"unit": "fortnight"}, "clock.unit: unknown unit of time 'fortnight'"),
+        ("clock", {"unit": "min", "origin": "noon"}, "the origin of time is no moment"),
+        ("clock", {}, "clock lacks the key 'unit'"),
+        ("sites.attributes", {"phone": ["1"]}, "sites.attributes.phone has a wrong length"),
+        ("sites.attributes", {"phone": [[], 1, 2]}, "sites.attributes.phone[0] must be a text, a number, true, false or null"),
+        ("sites.lat", [1, 2, 3], "sites has lat alone; expected lon and lat"),
+        ("travel.pace", 0, "the time that a unit of distance takes must be positive"),
+    ],
+)
+def test_a_fault_in_them_is_refused_by_its_path(path: str, value: Any, message: str) -> None:
+    with pytest.raises(InputError) as error:
+        load(changed(path, value))
+    assert message in str(error.value)

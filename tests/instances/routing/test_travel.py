@@ -171,3 +171,27 @@ def test_what_does_not_fit_is_refused(arguments: dict[str, object], message: str
 def test_the_diagonal_of_a_matrix_counts_for_nothing() -> None:
     travel = Travel("EXPLICIT", matrix=[[9999, 1], [1, math.nan]])  # type: ignore[arg-type]
     assert travel.distances.tolist() == [[0, 1], [1, 0]]
+
+
+@given(st.floats(0.1, 50.0), st.sampled_from(("exact", "round", "trunc1")))
+def test_a_pace_makes_durations_of_distances_as_they_are_rounded(pace: float, convention: str) -> None:
+    travel, plain = (Travel("euclidean", coordinates=POINTS, convention=convention, pace=p) for p in (pace, 1.0))
+    assert np.array_equal(travel.distances, plain.distances)
+    assert np.allclose(travel.durations, pace * plain.distances) and travel.durations[0, 1] == travel.duration(0, 1)
+    assert travel.own_durations == (pace != 1.0) and not plain.own_durations
+    assert np.allclose(plain.at_speed(1.0 / pace).durations, travel.durations)
+    assert (travel.least_duration(0, [1, 2, 3]) <= travel.duration(0, [1, 2, 3]) + 1e-9).all()
+
+
+@pytest.mark.parametrize("pace", [0.0, -1.0, math.inf, math.nan])
+def test_a_pace_is_positive_and_finite(pace: float) -> None:
+    with pytest.raises(InputError, match="the time that a unit of distance takes must be positive and finite"):
+        Travel("euclidean", coordinates=POINTS, pace=pace)
+
+
+def test_a_hundred_thousand_sites_have_a_speed_without_any_matrix() -> None:
+    n = 100_000
+    travel = Travel("haversine", coordinates=np.column_stack([np.linspace(0, 10, n), np.linspace(40, 45, n)])).at_speed(50.0)
+    every = np.arange(n - 1)
+    assert travel.duration(every, every + 1).sum() == pytest.approx(travel.distance(every, every + 1).sum() / 50.0)
+    assert "distances" not in travel.__dict__ and travel.matrix is None and travel.duration_matrix is None

@@ -300,7 +300,6 @@ FAULTS = [
     ("DIMENSION : 4", "DIMENSION : four", "DIMENSION must be a whole number", 4, "1 or more", "'four'"),
     ("DIMENSION : 4", "DIMENSION :", "DIMENSION has no value", 4, None, None),
     ("DIMENSION : 4\n", "", "header DIMENSION is missing", 19, None, None),
-    ("TYPE : CVRP\n", "", "header TYPE is missing", 19, None, None),
     ("TYPE : CVRP", "TYPE : SOP", "TYPE 'SOP' is not supported", 3, None, None),
     ("TYPE : CVRP", "TYPE : CVRP\nTYPE : TSP", "header TYPE stands twice, first in line 3", 4, None, None),
     ("EUC_2D", "EUC_3D", "EDGE_WEIGHT_TYPE 'EUC_3D' is not supported", 5, None, None),
@@ -325,12 +324,12 @@ FAULTS = [
     ("1 0\n2 5\n", "1 3\n2 5\n", "the depot has a demand", 13, "0", "3.0"),
     ("4 2\nDEPOT", "DEPOT", "DEMAND_SECTION has a wrong number of rows", 15, "4 (DIMENSION)", "3"),
     (" -1\n", "", "DEPOT_SECTION ends early", 18, "-1", None),
-    (" 1\n -1\n", " -1\n", "the number of depots is not supported", 17, "one depot", "0"),
-    (" 1\n -1\n", " 1\n 2\n -1\n", "the number of depots is not supported", 19, "one depot", "2"),
+    (" 1\n -1\n", " -1\n", "there is no depot", 17, "at least one", None),
+    (" 1\n -1\n", " 1\n 2\n -1\n", "the depot has a demand", 14, "0", "5.0"),
     (" 1\n -1\n", " 7\n -1\n", "DEPOT_SECTION names a node that does not exist", 18, "1 to 4", "7"),
     (" 1\n -1\n", " 1\n -1\n 3\n", "DEPOT_SECTION goes on after its end", 20, None, "'3'"),
     ("EOF", "DEMAND_SECTION\nEOF", "DEMAND_SECTION stands twice, first in line 12", 20, None, None),
-    ("EOF", "PRIZE_SECTION\n1 2\nEOF", "PRIZE_SECTION is not supported", 20, None, None),
+    ("EOF", "PRIZE_SECTION\n1 2\nEOF", "PRIZE_SECTION has a wrong number of rows", 21, "4 (DIMENSION)", "1"),
     ("EOF", "TIME_WINDOW_SECTION\n1 2 3\nEOF", "TYPE CVRP has no TIME_WINDOW_SECTION", 20, None, None),
     (
         "EOF",
@@ -400,7 +399,7 @@ def test_an_unknown_layout_is_refused(refusal: Callable[..., InputError]) -> Non
     assert "EDGE_WEIGHT_FORMAT 'SPIRAL' is not supported" in refusal(TSP.format(layout="SPIRAL", numbers="1")).message
 
 
-@pytest.mark.parametrize("extra", ["CAPACITY: 5", "VEHICLES: 2"])
+@pytest.mark.parametrize("extra", ["CAPACITY: 5", "DISTANCE: 2"])
 def test_a_tsp_with_headers_of_a_vrp_is_refused(extra: str, refusal: Callable[..., InputError]) -> None:
     text = TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6").replace("DIMENSION", f"{extra}\nDIMENSION")
     assert "in a file of TYPE TSP" in refusal(text).message

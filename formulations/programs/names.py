@@ -1,9 +1,13 @@
-"""Names that the MPS and LP formats, and their readers, agree on."""
+"""Names that files, their readers, and modelling packages agree on: a variable is called the same wherever a program is handed to."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .program import Program
 
 RESERVED = frozenset(
     {
@@ -18,6 +22,16 @@ LONGEST = 200
 _BRACKETS = str.maketrans("[]", "()")
 _FORBIDDEN = re.compile(r"[^A-Za-z0-9_(),.]")
 _NUMBERLIKE = re.compile(r"[^A-Za-z_]|[eE][0-9.]|[eE]$|inf|nan", re.IGNORECASE)
+
+
+def column_names(program: Program) -> list[str]:
+    """The name of each variable in every export: ``load_flow(1,2)`` for ``load-flow[1,2]``."""
+    return readable_names(program.num_variables, program.variable_name, "x")
+
+
+def row_names(program: Program) -> list[str]:
+    """The name of each row in every export."""
+    return readable_names(program.num_rows, program.row_name, "r")
 
 
 def readable_names(count: int, name: Callable[[int], str], prefix: str) -> list[str]:

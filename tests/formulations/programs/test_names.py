@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def test_names_are_different_and_valid_whatever_the_sites_are_called() -> None:
-    from waybound.formulations.programs.export._names import readable_names
+    from waybound.formulations.programs.names import readable_names
 
     given_names = ["x[a,b]", "x[a b]", "x[a-b]", "e5", "E", "free", "3rd", "infinity1", "", "x" * 300, "x" * 300, "ü[1]", "time-link[1,2]"]
     made = readable_names(len(given_names), lambda k: given_names[k], "x")

@@ -1,0 +1,129 @@
+"""Routes as people give them: lists of sites, a table of visits, one list a vehicle."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...instances.errors import UsageError
+from ...instances.printable import printable
+from ...instances.suggestions import did_you_mean
+from ..references import indices_of
+from .answers import Visits
+from .routes import Route, Routes
+
+if TYPE_CHECKING:
+    from .problem import RoutingProblem
+
+_NUMBER = re.compile(r" [0-9]+\Z")
+
+VEHICLE = ("vehicle", "route", "vehicle_id", "route_id")
+SITE = ("site", "id", "customer", "node", "stop", "name")
+ORDER = ("position", "order", "sequence", "stop_number", "arrival", "begin")
+"""Titles of a table of visits, the best ones first."""
+
+
+def routes_given(problem: RoutingProblem, given: Any) -> Routes:
+    """The routes that ``given`` stands for.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    given : Routes, list, mapping or DataFrame
+        A list of routes, each a ``Route`` or a list of site indices or ids, with or without the depot at its ends; a mapping from the name
+        of a vehicle, or of its type, to such a list, or a list of such lists; a frame with one row a visit.
+
+    Raises
+    ------
+    UsageError
+        For anything else, and for lists that do not say which of several vehicle types drives.
+    """
+    if isinstance(given, Routes):
+        return given
+    if hasattr(given, "columns") and hasattr(given, "groupby"):
+        given = _of_frame(problem, given)
+    if isinstance(given, Mapping) and given.keys() == {"routes"} and _is_list(given["routes"]):
+        given = given["routes"]
+    if isinstance(given, Mapping):
+        return _of_mapping(problem, given)
+    listed: list[Any] = list(given) if isinstance(given, Iterable) and not isinstance(given, str | bytes) else [None]
+    if all(isinstance(route, Route) for route in listed):
+        return Routes.of(listed)
+    if not all(_is_list(route) for route in listed):
+        raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer")
+    if all(isinstance(route, Visits) for route in listed):
+        return _made(problem, [(_type(problem, route.vehicle), route) for route in listed])
+    if len(problem.fleet) > 1:
+        raise UsageError(
+            f"lists do not say which of the {len(problem.fleet)} vehicle types drives a route; give {{'{problem.fleet[0].name} 1': [...]}},"
+            " one list a vehicle, or Route(visits, type)"
+        )
+    return _made(problem, [(0, route) for route in listed])
+
+
+def _is_list(route: Any) -> bool:
+    return isinstance(route, Sequence | np.ndarray) and not isinstance(route, str | bytes)
+
+
+def _of_mapping(problem: RoutingProblem, given: Mapping[Any, Any]) -> Routes:
+    routes: list[tuple[int, Any]] = []
+    for name, held in given.items():
+        if not _is_list(held):
+            raise UsageError(f"the route of {printable(str(name), 40)} must be a list of sites, not {printable(repr(held), 60)}")
+        several = len(held) > 0 and all(_is_list(part) for part in held)
+        kind = _type(problem, name)
+        routes += [(kind, part) for part in held] if several else [(kind, held)]
+    return _made(problem, routes)
+
+
+def _of_frame(problem: RoutingProblem, frame: Any) -> dict[Any, list[Any]]:
+    """Visits of a table by vehicle."""
+    titles = {str(title).casefold(): title for title in frame.columns}
+    site = next((titles[t] for t in SITE if t in titles), None)
+    vehicle = next((titles[t] for t in VEHICLE if t in titles), None)
+    order = next((titles[t] for t in ORDER if t in titles), None)
+    if site is None or vehicle is None:
+        lacking = "site" if site is None else "vehicle"
+        raise UsageError(
+            f"a table of visits needs the column {lacking!r}{did_you_mean(lacking, titles)}; it has {', '.join(map(str, frame.columns))}"
+        )
+    if frame[[site, vehicle]].isna().to_numpy().any():
+        raise UsageError(f"a table of visits has a row without {site} or {vehicle}")
+    rows = frame if order is None else frame.sort_values([order], kind="stable")
+    alike = len(problem.fleet) == 1
+    found: dict[Any, list[Any]] = {}
+    for name, visit in zip(rows[vehicle].tolist(), rows[site].tolist(), strict=True):
+        found.setdefault(name, []).append(str(int(visit)) if isinstance(visit, float) and visit.is_integer() else str(visit))
+    return {problem.fleet[0].name: list(found.values())} if alike else found
+
+
+def _type(problem: RoutingProblem, name: Any) -> int:
+    """Of a vehicle: the name of a type, with a number behind it or without, or its index."""
+    names = {v.name: k for k, v in enumerate(problem.fleet)}
+    text = str(name)
+    if text in names:
+        return names[text]
+    short = _NUMBER.sub("", text)
+    if short in names:
+        return names[short]
+    if len(names) == 1 and (isinstance(name, int) or text.isdigit()):
+        return 0
+    raise UsageError(f"there is no vehicle {printable(text, 60)!r}{did_you_mean(short, names)}; the types are {', '.join(names)}")
+
+
+def _made(problem: RoutingProblem, routes: Sequence[tuple[int, Any]]) -> Routes:
+    named = [[str(v) if isinstance(v, np.str_) else v for v in route] for _, route in routes]
+    sites = indices_of(itertools.chain.from_iterable(named), problem.sites.index(), "site")
+    ends, made = itertools.accumulate(map(len, named), initial=0), []
+    for (kind, _), (first, last) in zip(routes, itertools.pairwise(ends), strict=True):
+        visits, vehicle = sites[first:last], problem.fleet[kind]
+        while visits and visits[0] == vehicle.start:
+            del visits[0]
+        while visits and visits[-1] == vehicle.end:
+            del visits[-1]
+        made.append(Route(tuple(visits), kind))
+    return Routes.of(made)

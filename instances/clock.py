@@ -1,0 +1,201 @@
+"""Units of time: how timestamps and timedeltas become the numbers that a problem counts in, and back.
+
+Nothing is converted without a unit that the user named: a timestamp is a number of nanoseconds to pandas and of microseconds to others.
+"""
+
+from __future__ import annotations
+
+import datetime
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError, UsageError
+from .suggestions import did_you_mean
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+
+SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+"""Seconds of each unit."""
+
+ALIASES = {
+    "sec": "s", "second": "s", "seconds": "s", "minute": "min", "minutes": "min", "hour": "h", "hours": "h", "day": "d", "days": "d",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Clock:
+    """What the times of a problem count.
+
+    Parameters
+    ----------
+    unit : str
+        ``s, min, h`` or ``d``.
+    origin : str
+        The moment that is time 0, as ISO 8601; "" where times are not those of a calendar.
+    """
+
+    unit: str
+    origin: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "unit", unit_named(self.unit))
+        if self.origin:
+            try:
+                datetime.datetime.fromisoformat(self.origin)
+            except ValueError:
+                raise InputError(
+                    "the origin of time is no moment", expected="ISO 8601, as 2026-05-04T00:00:00", found=self.origin
+                ) from None
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of one unit."""
+        return SECONDS[self.unit]
+
+    @property
+    def midnight(self) -> pd.Timestamp | None:
+        """The origin."""
+        import pandas as pd
+
+        return pd.Timestamp(self.origin) if self.origin else None
+
+    def moments(self, times: Iterable[float]) -> list[Any]:
+        """Timestamps of times, to the second; times themselves where there is no origin."""
+        import pandas as pd
+
+        start = self.midnight
+        if start is None:
+            return list(times)
+        return [start + pd.Timedelta(seconds=round(t * self.seconds, 3)) if math.isfinite(t) else pd.NaT for t in times]
+
+    def __str__(self) -> str:
+        since = f" since {self.origin.replace('T', ' ')}" if self.origin else ""
+        return f"{self.unit}{since}"
+
+
+def unit_named(name: object) -> str:
+    """The short name of a unit of time; raises UsageError for what is none."""
+    text = str(name)
+    if text in SECONDS or text in ALIASES:
+        return ALIASES.get(text, text)
+    raise UsageError(f"unknown unit of time {text!r}; choose from {', '.join(SECONDS)}{did_you_mean(text, ALIASES)}")
+
+
+class Times:
+    """Reads columns and numbers that may be moments or spans of time.
+
+    Parameters
+    ----------
+    unit : str, optional
+        In which the problem counts; moments and spans are refused without one.
+
+    Notes
+    -----
+    Time 0 is midnight of the first day that any moment falls on, in its own time zone: ``see`` all of them before the first is read.
+    """
+
+    def __init__(self, unit: str | None) -> None:
+        self.unit = None if unit is None else unit_named(unit)
+        self._first: Any = None
+
+    def see(self, values: Any) -> None:
+        """Let moments among ``values`` (a column, a list, one value) count for the origin."""
+        import pandas as pd
+
+        for value in _flat(values):
+            if _is_moment(value) and value is not pd.NaT:
+                moment = pd.Timestamp(value)
+                if self._first is not None and (moment.tzinfo is None) != (self._first.tzinfo is None):
+                    raise InputError("some timestamps have a time zone and others none", expected="all or none: tz_localize or tz_convert")
+                self._first = moment if self._first is None or moment < self._first else self._first
+
+    @property
+    def origin(self) -> Any:
+        """Time 0; None where no moment was seen."""
+        return None if self._first is None else self._first.normalize()
+
+    @property
+    def clock(self) -> Clock | None:
+        """What was found; None where no unit was named."""
+        if self.unit is None:
+            return None
+        return Clock(self.unit, "" if self.origin is None else self.origin.isoformat())
+
+    def moment(self, value: Any, what: str) -> float:
+        """A point in time as a number; NaN where it is missing."""
+        import pandas as pd
+
+        if value is None or value is pd.NaT:
+            return math.nan
+        if _is_moment(value):
+            return float((pd.Timestamp(value) - self.origin).total_seconds()) / self._seconds(what, "timestamps")
+        if isinstance(value, datetime.time):
+            return (value.hour * 3600 + value.minute * 60 + value.second + value.microsecond / 1e6) / self._seconds(what, "times of day")
+        return self.span(value, what)
+
+    def span(self, value: Any, what: str) -> float:
+        """A length of time as a number; NaN where it is missing."""
+        import pandas as pd
+
+        if value is None or value is pd.NaT:
+            return math.nan
+        if isinstance(value, datetime.timedelta | np.timedelta64):
+            return pd.Timedelta(value).total_seconds() / self._seconds(what, "timedeltas")
+        if isinstance(value, bool) or _is_moment(value):
+            raise InputError(
+                f"{what} must be a length of time", expected=f"a number of {self.unit or 'units'} or a timedelta", found=str(value)
+            )
+        try:
+            return float(value)
+        except (TypeError, ValueError):
+            expected = "numbers; texts become moments by pd.to_datetime and spans by pd.to_timedelta"
+            raise InputError(f"{what} must hold numbers or times", expected=expected, found=repr(value)[:60]) from None
+
+    def moments(self, values: Any, what: str) -> Floats:
+        """Points in time, of any shape."""
+        return self._all(values, what, self.moment)
+
+    def spans(self, values: Any, what: str) -> Floats:
+        """Lengths of time, of any shape."""
+        return self._all(values, what, self.span)
+
+    def _all(self, values: Any, what: str, read: Any) -> Floats:
+        held = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+        if held.dtype.kind in "iuf":
+            return np.array(held, dtype=np.float64)
+        if held.dtype.kind in "mM":  # numpy would hand over whole numbers of nanoseconds
+            import pandas as pd
+
+            flat = pd.Series(held.ravel())
+            return np.array([read(v, what) for v in flat], dtype=np.float64).reshape(held.shape)
+        return np.array([read(v, what) for v in held.ravel().tolist()], dtype=np.float64).reshape(held.shape)
+
+    def _seconds(self, what: str, found: str) -> float:
+        if self.unit is None:
+            raise InputError(f"{what} holds {found}: say in which unit of time the problem counts", expected="time_unit='min', or s, h, d",
+                             found="no time_unit")  # fmt: skip
+        return SECONDS[self.unit]
+
+
+def _is_moment(value: Any) -> bool:
+    return isinstance(value, datetime.datetime | np.datetime64)
+
+
+def _flat(values: Any) -> Iterator[Any]:
+    """Single values of a column, a frame, nested lists or one value; columns of numbers have no moments."""
+    if getattr(getattr(values, "dtype", None), "kind", "O") in "iufbm":
+        return
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        yield values
+        return
+    frame: Any = values
+    for part in [frame[title] for title in frame.columns] if hasattr(frame, "columns") else values:
+        yield from _flat(part)

@@ -1,0 +1,107 @@
+"""Vehicles that differ, several depots and prizes in VRPLIB files, as PyVRP reads and writes them.
+
+A quantity of vehicles is a header (the same for all) or a section with one row a vehicle: ``CAPACITY``, ``VEHICLES_MAX_DISTANCE``,
+``VEHICLES_MAX_DURATION``, ``VEHICLES_FIXED_COST``, ``VEHICLES_UNIT_DISTANCE_COST``. ``VEHICLES_DEPOT_SECTION`` tells the depot of each,
+``PRIZE_SECTION`` what a visit is worth: a customer with a prize may be left out, and then it is missed.
+
+Source: documentation of PyVRP, "supported VRPLIB fields".
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...text import number, refuse, whole
+from ..vehicle_type import VehicleType
+from ._tsplib import Specification, node_list, node_table
+
+Floats = NDArray[np.float64]
+
+QUANTITIES = {
+    "CAPACITY": ("capacity", math.inf), "VEHICLES_MAX_DISTANCE": ("max_distance", math.inf),
+    "VEHICLES_MAX_DURATION": ("max_duration", math.inf), "VEHICLES_FIXED_COST": ("fixed_cost", 0.0),
+    "VEHICLES_UNIT_DISTANCE_COST": ("unit_cost", 1.0),
+}  # fmt: skip
+DEPOTS, PRIZES = "VEHICLES_DEPOT_SECTION", "PRIZE_SECTION"
+RICH_HEADERS = frozenset(QUANTITIES) - {"CAPACITY"}
+RICH_SECTIONS = frozenset({DEPOTS, PRIZES, *(f"{key}_SECTION" for key in QUANTITIES)})
+
+
+def is_rich(spec: Specification, depots: list[int]) -> bool:
+    """Whether vehicles differ, or have what other files cannot say."""
+    return len(depots) > 1 or bool(spec.sections.keys() & RICH_SECTIONS - {PRIZES} or spec.headers.keys() & RICH_HEADERS)
+
+
+def depots_of(spec: Specification, n: int) -> list[int]:
+    """Nodes of the depots, from 0, in the file's order."""
+    nodes, lines = node_list(spec, "DEPOT_SECTION", n)
+    if not nodes:
+        raise InputError("there is no depot", line=spec.sections["DEPOT_SECTION"].line, expected="at least one")
+    if n <= len(nodes):
+        raise InputError("there is no customer", line=lines[-1], expected=f"DIMENSION of at least {len(nodes) + 1}", found=str(n))
+    return [node - 1 for node in nodes]
+
+
+def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> tuple[VehicleType, ...]:
+    """Types of vehicles, those that are alike together; ``longest`` is the DISTANCE of the file."""
+    sections = [name for name in (DEPOTS, *(f"{key}_SECTION" for key in QUANTITIES)) if name in spec.sections]
+    if "VEHICLES" in spec.headers:
+        count = whole(spec.value("VEHICLES"), spec.line("VEHICLES"), "VEHICLES", least=1)
+    elif sections:
+        count = sum(row.split() != ["-1"] for _, row in spec.sections[sections[0]].rows)
+    else:
+        count = n - len(depots)
+    if len(depots) > 1 and DEPOTS not in spec.sections:
+        raise InputError(f"there are {len(depots)} depots, and nothing says where vehicles start", line=spec.sections["DEPOT_SECTION"].line,
+                         expected=f"{DEPOTS}, one row a vehicle")  # fmt: skip
+    homes = np.full(count, depots[0])
+    if DEPOTS in spec.sections:
+        table, lines = node_table(spec, DEPOTS, count, ("depot",))
+        known = np.isin(table[:, 0] - 1, depots)
+        refuse(~known, lines, f"{DEPOTS} names a node that is no depot", table[:, 0], ", ".join(str(d + 1) for d in depots))
+        homes = (table[:, 0] - 1).astype(np.int64)
+    columns = {name: _quantity(spec, key, count, default) for key, (name, default) in QUANTITIES.items()}
+    columns["max_duration"] = np.minimum(columns["max_duration"], longest)
+    kinds: dict[tuple[float, ...], int] = {}
+    for row in zip(homes.tolist(), *(column.tolist() for column in columns.values()), strict=True):
+        kinds[row] = kinds.get(row, 0) + 1
+    made, known_fields = [], {f.name for f in fields(VehicleType)}
+    for k, ((home, *values), many) in enumerate(kinds.items(), start=1):
+        given: dict[str, Any] = {name: value for name, value in zip(columns, values, strict=True) if name in known_fields}
+        name = "vehicle" if len(kinds) == 1 else f"type {k}"
+        made.append(VehicleType(many, start=int(home), end=int(home), name=name, **given))
+    return tuple(made)
+
+
+def _quantity(spec: Specification, key: str, count: int, default: float) -> Floats:
+    """One value a vehicle."""
+    section = f"{key}_SECTION"
+    if section in spec.sections:
+        if key in spec.headers:
+            raise InputError(f"{key} stands beside a {section}", line=spec.line(key), expected="one of them")
+        table, lines = node_table(spec, section, count, ("value",))
+        refuse(table[:, 0] < 0, lines, f"{section} holds a negative value", table[:, 0], "0 or more")
+        return table[:, 0]
+    if key not in spec.headers:
+        return np.full(count, default)
+    value = number(spec.value(key), spec.line(key), key)
+    if value < 0:
+        raise InputError(f"{key} is negative", line=spec.line(key), expected="0 or more", found=spec.value(key))
+    return np.full(count, value)
+
+
+def prizes_of(spec: Specification, n: int, depots: list[int]) -> Floats | None:
+    """What each site is worth; None where the file has no prizes."""
+    if PRIZES not in spec.sections:
+        return None
+    table, lines = node_table(spec, PRIZES, n, ("prize",))
+    prizes = table[:, 0]
+    refuse(prizes < 0, lines, "prize is negative", prizes, "0 or more")
+    refuse(np.isin(np.arange(n), depots) & (prizes != 0), lines, "a depot has a prize", prizes, "0")
+    return prizes

@@ -1,0 +1,222 @@
+"""Columns of a frame of sites: which title means what, and what they hold."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..clock import Times
+from ..errors import InputError
+from ..suggestions import did_you_mean, nearest
+from ..text import shown
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+
+COLUMNS = (
+    "id", "x", "y", "lat", "lon", "node", "demand", "pickup", "ready", "due", "service", "reward", "required", "penalty", "depot", "skills",
+)  # fmt: skip
+
+ALIASES = {"latitude": "lat", "longitude": "lon", "lng": "lon", "long": "lon"}
+"""Titles that can mean nothing else."""
+
+MEANT = {
+    "ready": ("earliest", "tw_start", "tw_open", "window_start", "time_window_start", "open", "opens"),
+    "due": ("latest", "tw_end", "tw_close", "window_end", "time_window_end", "close", "closes", "deadline"),
+}
+"""Titles under which others keep what must not be dropped in silence."""
+
+_NUMBERED = re.compile(r"(demand|pickup)[2-9]")
+
+
+@dataclass
+class Columns:
+    """A frame of sites under waybound's titles.
+
+    Parameters
+    ----------
+    frame : DataFrame
+    titles : dict
+        From waybound's title to that of the frame.
+    extra : tuple
+        Titles of the frame that are kept and not used.
+    ids : tuple of str
+    """
+
+    frame: pd.DataFrame
+    titles: dict[str, Any]
+    extra: tuple[Any, ...]
+    ids: tuple[str, ...]
+    depot: NDArray[np.bool_] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.depot = self.flags("depot") if "depot" in self.titles else np.arange(len(self.ids)) == 0
+
+    def __contains__(self, title: str) -> bool:
+        return title in self.titles
+
+    def __getitem__(self, title: str) -> Any:
+        return self.frame[self.titles[title]]
+
+    def reals(self, title: str) -> Floats:
+        """Numbers; what is missing at a depot is 0, for nothing is done there."""
+        try:
+            values = np.array(self[title].to_numpy(dtype=np.float64, na_value=np.nan))
+        except (TypeError, ValueError) as error:
+            raise InputError(f"column {title} must hold numbers", found=str(error)) from None
+        values[np.isnan(values) & self.depot] = 0.0
+        return values
+
+    def moments(self, title: str, times: Times, missing: float) -> Floats:
+        """Points in time; ``missing`` where there is none."""
+        made = times.moments(self[title], f"column {title}")
+        return np.where(np.isnan(made), missing, made)
+
+    def spans(self, title: str, times: Times) -> Floats:
+        """Lengths of time, 0 where there is none."""
+        made = times.spans(self[title], f"column {title}")
+        return np.where(np.isnan(made), 0.0, made)
+
+    def loads(self, title: str) -> Floats:
+        """All load dimensions, shape (sites, dimensions); a dimension that is not there has no load."""
+        last = max([1, *(int(t[-1]) for t in self.titles if t[:-1] == title)])
+        columns = [title, *(f"{title}{k}" for k in range(2, last + 1))]
+        return np.column_stack([self.reals(c) if c in self else np.zeros(len(self.ids)) for c in columns])
+
+    def flags(self, title: str) -> NDArray[np.bool_]:
+        """Truth values; what is missing is true for ``required``, false for ``depot``."""
+        made = []
+        for value in self[title].tolist():
+            absent = value is None or value != value
+            if not absent and value not in (True, False):
+                raise InputError(f"column {title} must hold true and false", found=str(value))
+            made.append(title == "required" if absent else bool(value))
+        return np.array(made)
+
+    def skills(self) -> dict[int, list[str]]:
+        """Words that a site asks for, by its index."""
+        return {k: words for k, value in enumerate(self["skills"].tolist()) if (words := words_of(value, "column skills"))}
+
+    def attributes(self) -> dict[str, list[Any]]:
+        """What is kept of the other columns, as plain values."""
+        return {str(title): [_plain(value) for value in self.frame[title].tolist()] for title in self.extra}
+
+
+def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: Iterable[Any] | bool) -> Columns:
+    """The columns of ``frame``; see ``instance_from_frame``."""
+    import pandas as pd
+
+    if not hasattr(frame, "columns"):
+        raise InputError("sites must be a pandas frame, one row a site", expected="a DataFrame", found=type(frame).__name__)
+    if len(frame) == 0:
+        raise InputError("the frame has no rows")
+    titles = list(frame.columns)
+    if len(set(titles)) < len(titles):
+        raise InputError(f"column {next(t for t in titles if titles.count(t) > 1)!r} stands twice")
+    found = _mapped(titles, mapping or {})
+    taken = set(found.values())
+    for title in titles:
+        known = ALIASES.get(str(title).casefold(), str(title))
+        if title not in taken and (known in COLUMNS or _NUMBERED.fullmatch(known)):
+            if known in found:
+                if mapping and known in {*mapping, *mapping.values()}:
+                    continue  # the user says which of them counts
+                raise InputError(f"columns {found[known]!r} and {title!r} both tell {known}", expected="one of them")
+            found[known] = title
+    named = next((t for t in titles if str(t).casefold() == "name"), None)
+    counted = isinstance(frame.index, pd.RangeIndex)
+    if "id" not in found and counted and named is not None and frame[named].notna().all() and frame[named].is_unique:
+        found["id"] = named
+    kept = [title for title in titles if title not in set(found.values())]
+    granted = kept if extra is True else [] if extra is False else list(extra)
+    for title in granted:
+        if title not in titles:
+            raise InputError(f"extra names the column {title!r}, which is not there{did_you_mean(str(title), map(str, titles))}")
+    for title in kept:
+        meant = _meant(str(title), found)
+        if title not in granted and meant is not None:
+            cure = f"columns={{{meant!r}: {title!r}}} to use it, extra=[{title!r}] to keep it only"
+            raise InputError(f"column {shown(str(title))} is unknown; did you mean {meant!r}?", expected=cure)
+    return Columns(frame, found, tuple(kept), _ids(frame, found))
+
+
+def _mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
+    """``mapping`` from waybound's titles to the frame's, whichever way round it is given."""
+    found: dict[str, Any] = {}
+    own: Any
+    for one, other in mapping.items():
+        own, theirs = (one, other) if _known(one) else (other, one) if _known(other) else (None, None)
+        if own is None:
+            pair = f"{one!r}: {other!r}"
+            raise InputError(f"columns={{{pair}}} names no title of waybound", expected=", ".join(COLUMNS), found=str(one))
+        if theirs not in titles and own in titles and _known(theirs):
+            own, theirs = theirs, own
+        if theirs not in titles:
+            listed = ", ".join(map(str, titles[:12]))
+            hint = did_you_mean(str(theirs), map(str, titles))
+            raise InputError(f"columns maps {own!r} to the column {theirs!r}, which is not there{hint}", found=f"columns {listed}")
+        if own in found:
+            raise InputError(f"columns maps {own!r} twice", found=f"{found[own]!r} and {theirs!r}")
+        found[own] = theirs
+    return found
+
+
+def _known(title: Any) -> bool:
+    return isinstance(title, str) and (title in COLUMNS or _NUMBERED.fullmatch(title) is not None)
+
+
+def _meant(title: str, found: Mapping[str, Any]) -> str | None:
+    """The known title, not there, that an unknown one is likely meant for."""
+    plain = re.sub(r"[^a-z0-9]+", "_", title.casefold()).strip("_")
+    for known, others in MEANT.items():
+        if plain in others and known not in found:
+            return known
+    absent = [c for c in COLUMNS if c not in found and len(c) > 2]
+    word = next((word for word in plain.split("_") if word in absent), None) or nearest(plain, [*absent, *ALIASES])
+    return next((known for known in (word, ALIASES.get(word or "")) if known in absent), None)
+
+
+def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
+    values = frame[found["id"]] if "id" in found else frame.index
+    if values.isna().any():
+        raise InputError(f"row {int(np.argmax(np.asarray(values.isna())))} has no id", expected="a name in every row")
+    return tuple(_name(v) for v in values.tolist())
+
+
+def _name(value: Any) -> str:
+    """As text; numbers that a missing value elsewhere made floats are whole again."""
+    return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
+
+
+def words_of(value: Any, what: str) -> list[str]:
+    """Words with commas between, or a list of words; none where the value is missing."""
+    if isinstance(value, str):
+        return [word.strip() for word in value.split(",") if word.strip()]
+    if isinstance(value, Iterable):
+        return [str(word) for word in value]
+    if value is not None and value == value:
+        raise InputError(f"{what} must hold words with commas between", found=str(value))
+    return []
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it; None where it is missing."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    import pandas as pd
+
+    if value is None or value is pd.NA or value is pd.NaT or (isinstance(value, float) and math.isnan(value)):
+        return None
+    if isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    return value.isoformat() if hasattr(value, "isoformat") else str(value)

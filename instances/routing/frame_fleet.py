@@ -1,0 +1,138 @@
+"""Vehicle types from a frame, one row a type, or from mappings with the keys of waybound's JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..clock import Times
+from ..errors import InputError
+from ..suggestions import did_you_mean
+from .frame_columns import words_of
+from .json_vehicles import VEHICLE_KEYS, decode_vehicle
+from .sites import Sites
+from .vehicle_type import VehicleType
+
+SPANS = ("max_duration", "regular_duration")
+SHIFT = ("shift_start", "shift_end")
+FURTHER = tuple(f"capacity{k}" for k in range(2, 10))
+WORDS = ("skills", "reloads")
+
+
+def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
+    """Vehicle types.
+
+    Parameters
+    ----------
+    given : DataFrame or sequence of mappings or VehicleType
+        A frame without ``count`` has one vehicle a row; ``shift_start, shift_end`` and ``capacity2, ...`` stand for lists.
+    sites : Sites
+    times : Times
+        Reads ``max_duration, regular_duration`` and shifts.
+    """
+    framed = hasattr(given, "columns")
+    rows = _rows(given) if framed else list(given)
+    index, kinds = sites.index(), []
+    for k, row in enumerate(rows):
+        if isinstance(row, VehicleType):
+            kinds.append(row)
+            continue
+        if not isinstance(row, Mapping):
+            raise InputError(f"fleet[{k}] must be a mapping or a VehicleType", found=type(row).__name__)
+        held = _held(row, f"fleet[{k}]", times)
+        held.setdefault("name", f"vehicle {k + 1}" if len(rows) > 1 else "vehicle")
+        if framed and "count" not in given.columns:
+            held.setdefault("count", 1)
+        kinds.append(decode_vehicle(held, f"fleet[{k}]", index, sites))
+    names = [v.name for v in kinds]
+    if len(set(names)) < len(names):
+        raise InputError("vehicle types must have different names", found=", ".join(names))
+    return tuple(kinds)
+
+
+def see_times(given: Any, times: Times) -> None:
+    """Let the moments of shifts count for the origin of time."""
+    if hasattr(given, "columns"):
+        for title in (*SHIFT, "shift"):
+            if title in given.columns:
+                times.see(given[title])
+    elif isinstance(given, Sequence):
+        for row in given:
+            if isinstance(row, Mapping):
+                times.see([row[key] for key in (*SHIFT, "shift") if key in row])
+
+
+def _rows(frame: Any) -> list[dict[str, Any]]:
+    import pandas as pd
+
+    known = (*VEHICLE_KEYS, *SHIFT, *FURTHER)
+    for title in frame.columns:
+        if title not in known:
+            hint = did_you_mean(str(title), known)
+            raise InputError(f"the fleet has an unknown column {str(title)!r}{hint}", expected=", ".join((*VEHICLE_KEYS, *SHIFT)))
+    rows: list[dict[str, Any]] = frame.to_dict("records")
+    if "name" not in frame.columns and not isinstance(frame.index, pd.RangeIndex):
+        for name, row in zip(frame.index.tolist(), rows, strict=True):
+            row["name"] = str(name)
+    return rows
+
+
+def _held(row: Mapping[Any, Any], path: str, times: Times) -> dict[str, Any]:
+    """A row as JSON has it: missing values and infinite limits left out, times as numbers."""
+    held: dict[str, Any] = {}
+    for key, value in ((str(key), value) for key, value in row.items()):
+        what = f"{path}.{key}"
+        if key in SPANS:
+            held[key] = times.span(value, what)
+        elif key in SHIFT:
+            held[key] = times.moment(value, what)
+        elif key == "shift" and isinstance(value, Sequence) and not isinstance(value, str):
+            held[key] = [times.moment(moment, what) for moment in value]
+        elif key in WORDS and isinstance(value, str):
+            held[key] = words_of(value, what)
+        else:
+            held[key] = value
+    held = {key: plain for key, value in held.items() if (plain := plain_value(value)) is not None}
+    if held.keys() & set(SHIFT):
+        if "shift" in held:
+            raise InputError(f"{path} tells its shift twice", expected="shift, or shift_start and shift_end")
+        held["shift"] = [held.pop(key, None) for key in SHIFT]
+    loads = [held.pop(key, None) for key in FURTHER]
+    while loads and loads[-1] is None:
+        del loads[-1]
+    if loads:
+        held["capacity"] = [held.get("capacity"), *loads]
+    if isinstance(held.get("energy"), int | float):
+        held["energy"] = {"capacity": held["energy"]}
+    for key in ("count", "max_reloads"):
+        if isinstance(held.get(key), float) and held[key].is_integer():
+            held[key] = int(held[key])
+    for key in ("start", "end", "name"):
+        if key in held:
+            number = held[key]
+            held[key] = str(int(number)) if isinstance(number, float) and number.is_integer() else str(number)
+    if "reloads" in held:
+        held["reloads"] = [str(site) for site in held["reloads"]]
+    unknown = next((key for key in held if key not in VEHICLE_KEYS), None)
+    if unknown is not None:
+        hint = did_you_mean(unknown, VEHICLE_KEYS)
+        raise InputError(f"{path} has an unknown key {unknown!r}{hint}", expected=", ".join(VEHICLE_KEYS))
+    return held
+
+
+def plain_value(value: Any) -> Any:
+    """A value of a frame as one of JSON; None where it is missing or no limit."""
+    import pandas as pd
+
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if value is pd.NA or value is pd.NaT:
+        return None
+    if isinstance(value, float) and not -math.inf < value < math.inf:
+        if value == -math.inf:
+            raise InputError("a number of the fleet is minus infinity", expected="a number of at least 0")
+        return None
+    if isinstance(value, tuple | set | frozenset):
+        value = sorted(value) if not isinstance(value, tuple) else list(value)
+    return [plain_value(v) for v in value] if isinstance(value, list) else value

@@ -1,0 +1,239 @@
+"""Distances and durations as people have them: matrices, lists of moves, road graphs, and what routing services answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..clock import Times
+from ..errors import InputError
+from .routing_service import table_from_file, table_of
+
+Floats = NDArray[np.float64]
+Ids = tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Distances between all sites, durations where there are any, and the moves that cannot be made.
+
+    Parameters
+    ----------
+    distances : array of shape (sites, sites)
+        Finite; of a move that cannot be made it means nothing.
+    durations : array of shape (sites, sites), optional
+    forbidden : bool array of shape (sites, sites), optional
+    notes : tuple of str
+    """
+
+    distances: Floats
+    durations: Floats | None = None
+    forbidden: NDArray[np.bool_] | None = None
+    notes: tuple[str, ...] = ()
+
+
+def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, weight: str, unit: str) -> Moves:
+    """What ``travel`` and ``durations`` of ``instance_from_frame`` tell.
+
+    Parameters
+    ----------
+    travel : object
+        A matrix, a frame, a list of moves, a sparse road graph, a networkx graph, a service's table or its file.
+    durations : object or None
+        A matrix or a frame; of a networkx graph the name of an attribute of edges.
+    sites, nodes : tuple of str
+        Ids, and what a networkx graph calls the sites.
+    times : Times
+    weight : str
+        Attribute of a networkx graph that holds distances.
+    unit : str
+        Unit of distance in which a service's answer is wanted.
+    """
+    notes: tuple[str, ...] = ()
+    if isinstance(travel, str | PathLike | Mapping):
+        table = table_of(travel) if isinstance(travel, Mapping) else table_from_file(travel)
+        distance, own, notes = table.in_units(unit, times.unit)
+        distance = _sized(distance, sites, "distance")
+        held = None if own is None else _sized(own, sites, "duration")
+        held = held if durations is None else matrix_of(durations, sites, "duration", times)
+    elif hasattr(travel, "edges") and hasattr(travel, "nodes"):
+        distance = _along_roads(travel, nodes, sites, weight, "distance")
+        if durations is None or isinstance(durations, str):
+            held = None if durations is None else _along_roads(travel, nodes, sites, durations, "duration")
+        else:
+            held = matrix_of(durations, sites, "duration", times)
+    elif _is_list(travel):
+        distance = _listed(travel, sites, "distance", None)
+        held = _listed(travel, sites, "duration", times) if "duration" in travel.columns else None
+        held = held if durations is None else matrix_of(durations, sites, "duration", times)
+    else:
+        distance = matrix_of(travel, sites, "distance", None)
+        held = None if durations is None else matrix_of(durations, sites, "duration", times)
+    return Moves(*without_infinities(distance, held), notes)
+
+
+def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Floats, Floats | None, NDArray[np.bool_] | None]:
+    """The same with finite numbers, and the moves that were infinite: they are no moves.
+
+    What stands there then is twice the largest number of the matrix, so that methods which look at numbers alone leave them out too.
+    """
+    shut = np.isinf(distances)
+    if durations is not None:
+        shut = shut | np.isinf(durations)
+    np.fill_diagonal(shut, True)
+    if shut.all() and len(shut) > 1:
+        raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
+    made = [None if held is None else _filled(held, shut) for held in (distances, durations)]
+    np.fill_diagonal(shut, False)
+    assert made[0] is not None
+    return made[0], made[1], shut if shut.any() else None
+
+
+def _filled(values: Floats, shut: NDArray[np.bool_]) -> Floats:
+    made = np.where(shut, 2.0 * float(values[~shut].max(initial=0.0)), values)
+    np.fill_diagonal(made, 0.0)
+    return made
+
+
+def matrix_of(values: Any, ids: Ids, what: str, times: Times | None) -> Floats:
+    """A square matrix in the order of the sites, from an array, a frame with the ids as labels, or a sparse road graph."""
+    if hasattr(values, "tocsr"):
+        return _sized(_shortest_paths(values, ids, what), ids, what)
+    shape = tuple(getattr(values, "shape", None) or np.shape(values))
+    if shape != (len(ids), len(ids)):
+        _refuse_shape(shape, ids, what)
+    if hasattr(values, "columns"):
+        values = in_order(values, ids, what)
+    try:
+        matrix = np.array(values, dtype=np.float64) if times is None else times.spans(values, f"the {what} matrix")
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the {what} matrix must hold numbers", found=str(error)) from None
+    return _sized(matrix, ids, what)
+
+
+def _refuse_shape(shape: tuple[int, ...], ids: Ids, what: str) -> None:
+    n = len(ids)
+    raise InputError(f"the {what} matrix and the sites have different sizes", expected=f"({n}, {n})", found=str(shape))
+
+
+def _sized(matrix: Floats, ids: Ids, what: str) -> Floats:
+    if matrix.shape != (len(ids), len(ids)):
+        _refuse_shape(matrix.shape, ids, what)
+    bad = ~(matrix >= 0)
+    np.fill_diagonal(bad, False)
+    if bad.any():
+        i, j = np.argwhere(bad)[0].tolist()
+        raise InputError(
+            f"{what} from site {ids[i]} to site {ids[j]} must be a number and not negative", expected="inf for a move that cannot be made",
+            found=str(matrix[i, j]),
+        )  # fmt: skip
+    return matrix
+
+
+def in_order(frame: Any, ids: Ids, what: str) -> Any:
+    """The values of a frame in the order of the sites, if its labels hold theirs; labels 0, 1, 2, ... stand for positions."""
+    rows, columns = [str(v) for v in frame.index], [str(v) for v in frame.columns]
+    if sorted(rows) == sorted(columns) == sorted(ids):
+        order = {site: k for k, site in enumerate(rows)}, {site: k for k, site in enumerate(columns)}
+        return frame.to_numpy()[np.ix_([order[0][s] for s in ids], [order[1][s] for s in ids])]
+    positions = [str(k) for k in range(len(ids))]
+    if rows != positions or columns != positions:
+        raise InputError(f"the labels of the {what} frame are not the ids of the sites", expected=", ".join(ids[:5]),
+                         found=", ".join(rows[:5]))  # fmt: skip
+    return frame.to_numpy()
+
+
+def _is_list(travel: Any) -> bool:
+    return hasattr(travel, "columns") and {"from", "to", "distance"} <= {str(title) for title in travel.columns}
+
+
+def _listed(frame: Any, ids: Ids, what: str, times: Times | None) -> Floats:
+    """A matrix of a frame with one row a move; a pair that does not stand there is no move."""
+    index = {site: k for k, site in enumerate(ids)}
+    ends = []
+    for title in ("from", "to"):
+        names = [str(v) for v in frame[title].tolist()]
+        strange = next((name for name in names if name not in index), None)
+        if strange is not None:
+            raise InputError(f"the list of moves names the unknown site {strange!r}", expected="an id of the sites")
+        ends.append(np.array([index[name] for name in names], dtype=np.int64))
+    place = ends[0] * len(ids) + ends[1]
+    if len(np.unique(place)) < len(place):
+        order = np.argsort(place, kind="stable")
+        k = int(order[1:][np.diff(place[order]) == 0][0])
+        raise InputError(f"the move from {ids[ends[0][k]]} to {ids[ends[1][k]]} stands twice in the list of moves")
+    made = np.full(len(ids) ** 2, math.inf)
+    made[place] = np.asarray(frame[what], dtype=np.float64) if times is None else times.spans(frame[what], f"column {what}")
+    matrix = made.reshape(len(ids), len(ids))
+    np.fill_diagonal(matrix, 0.0)
+    return matrix
+
+
+def _along_roads(graph: Any, nodes: Ids, ids: Ids, weight: str, what: str) -> Floats:
+    """Shortest ways through a networkx graph, which may have any other nodes, and edges beside each other."""
+    import scipy.sparse as sp
+    from scipy.sparse.csgraph import dijkstra
+
+    number = {node: k for k, node in enumerate(graph.nodes)}
+    named = {str(node): k for node, k in number.items()}
+    absent = next((k for k, node in enumerate(nodes) if node not in named), None)
+    if absent is not None:
+        raise InputError(
+            f"the graph has no node {nodes[absent]!r} for site {ids[absent]}", expected="a node named as the site, or a column node"
+        )
+    lengths: dict[tuple[int, int], float] = {}
+    for tail, head, data in graph.edges(data=True):
+        if weight not in data:
+            raise InputError(f"the edge from {tail} to {head} has no attribute {weight!r}", expected="weight= the one that holds distances",
+                             found=", ".join(map(str, data)) or "none")  # fmt: skip
+        length = float(data[weight])
+        if not length >= 0 or math.isinf(length):
+            raise InputError(f"{weight} of the edge from {tail} to {head} must be finite and not negative", found=str(data[weight]))
+        for pair in ((number[tail], number[head]), *(() if graph.is_directed() else ((number[head], number[tail]),))):
+            lengths[pair] = min(length, lengths.get(pair, math.inf))
+    tails, heads = np.array(list(lengths), dtype=np.int64).reshape(-1, 2).T
+    # A stored 0 is an edge to the sparse routines.
+    roads = sp.csr_matrix((np.array(list(lengths.values())), (tails, heads)), shape=(len(number), len(number)))
+    at = np.array([named[node] for node in nodes], dtype=np.int64)
+    ways = np.asarray(dijkstra(roads, directed=True, indices=at), dtype=np.float64)[:, at]
+    _refuse_cut_off(ways, ids, what)
+    return ways
+
+
+def _refuse_cut_off(ways: Floats, ids: Ids, what: str) -> None:
+    """Raise InputError for a site that has no way at all to or from the others: one pair without a way is a move that cannot be made."""
+    if len(ids) < 2:
+        return
+    apart = np.isinf(ways)
+    np.fill_diagonal(apart, True)
+    for k in np.nonzero(apart.all(axis=1) | apart.all(axis=0))[0].tolist():
+        raise InputError(
+            f"no road leads {'from' if apart[k].all() else 'to'} site {ids[k]}", expected=f"{what}s that connect it to some site"
+        )
+
+
+def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:
+    from scipy.sparse.csgraph import dijkstra
+
+    if tuple(graph.shape) != (len(ids), len(ids)):
+        _refuse_shape(tuple(graph.shape), ids, what)
+    roads = graph.tocsr().astype(np.float64)
+    bad = ~(roads.data >= 0) | np.isinf(roads.data)
+    if bad.any():
+        at = int(np.argmax(bad))
+        i = int(np.searchsorted(roads.indptr, at, side="right")) - 1
+        raise InputError(
+            f"{what} of the road from site {ids[i]} to site {ids[int(roads.indices[at])]} must be finite and not negative",
+            found=str(roads.data[at]),
+        )
+    lengths = np.asarray(dijkstra(roads, directed=True), dtype=np.float64)
+    if np.isinf(lengths).any():
+        i, j = np.argwhere(np.isinf(lengths))[0].tolist()
+        raise InputError(f"no path leads from site {ids[i]} to site {ids[j]}", expected="a road graph that connects all sites")
+    return lengths

@@ -1,0 +1,77 @@
+"""Solved models, of whatever package, as vectors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import waybound as wb
+from waybound.formulations.programs.compiled import Compiled
+from waybound.formulations.programs.handed_back import vector_from
+from waybound.instances.errors import InputError, UsageError
+
+
+@pytest.fixture(scope="module")
+def model() -> Compiled:
+    return wb.read("demo-tiny").compile("two-index-load-flow")
+
+
+@pytest.fixture(scope="module")
+def solved(model: Compiled) -> Any:
+    made = model.to_highs()
+    made.run()
+    return made
+
+
+def test_each_package_hands_its_solution_back_under_the_names_of_the_export(model: Compiled, solved: Any, tmp_path: Path) -> None:
+    import pulp
+    from ortools.math_opt.python import mathopt
+
+    problem, best = model.problem, None
+    columns = [solved.getColName(k)[1] for k in range(model.program.num_variables)]
+    pulp_model = model.to_pulp()
+    pulp_model.solve(pulp.PULP_CBC_CMD(msg=False))
+    cvx = model.to_cvxpy()
+    cvx.solve(solver="HIGHS")
+    solved.writeSolution(str(tmp_path / "raw.sol"), 0)
+    solved.writeSolution(str(tmp_path / "table.sol"), 1)
+    x = np.array(solved.getSolution().col_value)
+    ways: list[Any] = [
+        solved, pulp_model, cvx, mathopt.solve(model.to_mathopt(), mathopt.SolverType.GSCIP), x, x.tolist(),
+        dict(zip(columns, x.tolist(), strict=True)), {v.name: v.value() for v in pulp_model.variables()}, tmp_path / "raw.sol",
+        str(tmp_path / "table.sol"),
+    ]  # fmt: skip
+    assert {v.name for v in pulp_model.variables()} <= {*columns, "__dummy"}
+    assert {v.name for v in model.to_mathopt().variables()} == set(columns)
+    for way in ways:
+        verdict = wb.judge(problem, model.answer(way))
+        best = verdict.objective if best is None else best
+        assert verdict.feasible and verdict.objective == pytest.approx(best), type(way)
+
+
+@pytest.mark.parametrize(
+    ("solution", "message"),
+    [
+        ([1.0, 2.0], r"the vector has another size than the model; expected \(76,\); found \(2,\)"),
+        ([], "was it solved"),
+        (np.full(76, np.nan), "holds a value that is not finite"),
+        ({"x(0,1)": None}, "the model holds no solution"),
+        ({"y": 1.0}, "names a variable that does not exist"),
+    ],
+)
+def test_what_is_no_solution_of_the_model_is_refused(model: Compiled, solution: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        vector_from(model.program, solution)
+
+
+def test_what_is_no_solution_at_all_is_refused(model: Compiled, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="a solution is a file, values by name, a vector or a solved model, not object"):
+        vector_from(model.program, object())
+    (tmp_path / "a.sol").write_text("Route #1: 1\n")
+    with pytest.raises(InputError, match=r"a\.sol: is no solver's solution file"):
+        vector_from(model.program, tmp_path / "a.sol")
+    with pytest.raises(InputError, match="was it solved"):
+        vector_from(model.program, model.to_highs())

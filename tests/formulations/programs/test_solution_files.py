@@ -1,0 +1,122 @@
+"""Solution files of outside solvers, as vectors; files of another model are refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from exported import everything
+
+from waybound.formulations.programs.names import column_names
+from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.programs.solution_files import SolverFile, is_solver_json, solver_file, vector_of
+from waybound.instances.errors import InputError
+
+NAMES = (("a", "b"), ("x-y", "z"))
+
+
+def program(offset: float = 0.0) -> Program:
+    """Four variables ``use-it[a,x-y], ...``, named ``use_it(a,x_y)`` in exports; the objective is 1, 2, 3, 4 times them."""
+    i, j = (k.ravel() for k in np.indices((2, 2)))
+    block = Variables("use-it", (i, j), NAMES, np.zeros(4), np.full(4, 9.0), np.arange(1.0, 5.0), integer=True)
+    return Program("tiny", "min", (block,), (Rows("none"),), offset=offset)
+
+
+MADE = program()
+A, B, C, D = column_names(MADE)
+
+RAW = "Model status\nOptimal\n\n# Primal solution values\nFeasible\nObjective 9\n# Columns 4\n{} 0\n{} 1\n{} 1\n{} 1\n# Rows 0\n"
+HEAD = "Columns\n    Index Status        Lower        Upper       Primal         Dual  Type        Name\n"
+ROW = "        {}                   0          inf  {:9g}               Integer     {}\n"
+TABLE = [ROW.format(k, v, n) for k, (n, v) in enumerate(zip((A, B, C, D), (0, 1, 1, 1), strict=True))]
+CBC = f" - objective value 9.00000000\n      1 {B}      1      2\n      2 {C}      1     3\n"
+
+FILES = {
+    "HiGHS": RAW.format(A, B, C, D),
+    "HiGHS without names": RAW.format("c0", "c1", "c2", "c3"),
+    "HiGHS, a table": HEAD + "".join(TABLE) + "Rows\n    Index Status\n\nModel status: Optimal\n\nObjective value: 9\n",
+    "SCIP": f"solution status: optimal solution found\nobjective value: 9\n{B}  1 \t(obj:2)\n{C}  1 \t(obj:3)\n{D}  1 \t(obj:4)\n",
+    "CBC": f"Optimal{CBC}**    3 {D}    1     4\n",
+    "CBC, stopped": f"Stopped on time{CBC}      3 {D}    1     4\n",
+    "Gurobi": f"# Solution for model tiny\n# Objective value = 9\n{A} 0\n{B} 1\n{C} 1\n{D} 1\n",
+    "MathOpt": "termination {\n  reason: TERMINATION_REASON_OPTIMAL\n}\nsolutions {\n  primal_solution {\n    variable_values {\n"
+    "      ids: 0\n      ids: 1\n      ids: 2\n      ids: 3\n      values: 0\n      values: 1\n      values: 1\n      values: 1\n    }\n"
+    "    objective_value: 9\n  }\n}\n",
+    "MathOpt, JSON": '{"termination": {"reason": "TERMINATION_REASON_OPTIMAL"}, "solutions": [{"primalSolution": {"variableValues":'
+    ' {"ids": ["1", "2", "3"], "values": [1.0, 1.0, 1.0]}, "objectiveValue": 9.0}}]}',
+    "names of the program": "# Objective value = 9\nuse-it[a,z] 1\nuse-it[b,x-y] 1\nuse-it[b,z] 1\n",
+    "numbers with zeros": "# Objective value = 9\nX0000001 1\nX0000002 1\nX0000003 1\n",
+}  # fmt: skip
+
+
+def read(text: str) -> SolverFile:
+    found = solver_file(text)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_solver_is_read(name: str) -> None:
+    found = read(FILES[name])
+    assert found.stated == 9.0
+    assert vector_of(MADE, found).tolist() == [0, 1, 1, 1]
+
+
+def test_names_are_those_of_every_export() -> None:
+    assert column_names(MADE) == ["use_it(a,x_y)", "use_it(a,z)", "use_it(b,x_y)", "use_it(b,z)"]
+
+
+def test_a_constant_that_a_solver_drops_or_a_sign_that_it_turns_is_no_other_model() -> None:
+    shifted, stated = program(offset=5.0), "# Objective value = {}\n" + f"{B} 1\n{C} 1\n{D} 1\nobjoffset 1\n"
+    for value in ("9", "14", "-14", "-9"):
+        assert vector_of(shifted, read(stated.format(value))).sum() == 3
+    with pytest.raises(InputError, match="has the objective 14 by its values; expected the objective that it states; found 8"):
+        vector_of(shifted, read(stated.format("8")))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (FILES["Gurobi"].replace(D, "use_it(b,q)"), r"names a variable that does not exist; did you mean 'use_it\(b,z\)'"),
+        (FILES["Gurobi"].replace("= 9", "= 12"), "has the objective 9 by its values; expected the objective that it states; found 12"),
+        (
+            FILES["HiGHS without names"].replace("Columns 4", "Columns 5").replace("c3 1", "c3 1\nc4 0"),
+            "has another number of variables; expected 4; found 5",
+        ),
+        ("# Objective value = 1\nx7 1\n", "names a variable that does not exist"),
+        ("# Objective value = 1\nx1 1\nc1 1\n", "names two variables of one number"),
+    ],
+)
+def test_a_solution_of_another_model_is_refused(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        vector_of(MADE, read(text))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("Model status\nInfeasible\n\n# Primal solution values\nNone\n", "holds no solution"),
+        (FILES["HiGHS"].replace(f"{D} 1\n", ""), "is cut off; expected 4 variables; found 3"),
+        (FILES["HiGHS"].replace(f"{D} 1", f"{D} one"), "line 11: value of .* must be a finite number"),
+        ("solution status: infeasible\nno solution available\n", "line 1: holds no solution"),
+        (FILES["SCIP"] + "what is this line\n", "line 6: line is not understood"),
+        ("Infeasible - objective value 9.0\n", "line 1: holds no solution"),
+        (FILES["CBC"] + "      3 " + B + "\n", "line 5: line is not understood; expected index, name, value, cost"),
+        (FILES["Gurobi"] + B + " 1\n", "line 7: variable .* stands twice"),
+        (FILES["Gurobi"] + "x 1 2\n", "line 7: line is not understood"),
+        ("termination {\n  reason: TERMINATION_REASON_INFEASIBLE\n}\n", "the result of MathOpt holds no solution"),
+        ("termination {\n  reason: NO_SUCH\n}\n", "is no result of MathOpt"),
+    ],
+)
+def test_a_broken_file_or_one_without_a_solution_is_refused_with_its_line(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        read(text)
+
+
+def test_other_texts_are_none() -> None:
+    assert solver_file("Route #1: 1 2\nCost 9\n") is None and solver_file("vehicle,site\n1,a\n") is None
+    assert is_solver_json({"solutions": [], "termination": {}}) and not is_solver_json({"routes": []})
+
+
+def test_names_of_all_blocks_differ() -> None:
+    made = everything("min")
+    assert len(set(column_names(made))) == made.num_variables

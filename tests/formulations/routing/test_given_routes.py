@@ -1,0 +1,75 @@
+"""Routes as people give them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import waybound as wb
+from waybound.formulations.routing.given_routes import routes_given
+from waybound.instances.errors import UsageError
+
+SITES = pd.DataFrame({"id": ["yard", "a", "b", "c", "d"], "x": [0, 1, 2, 3, 4], "y": 0.0})
+ALIKE = wb.RoutingProblem.from_frame(SITES)
+MIXED = wb.RoutingProblem.from_frame(SITES, fleet=[{"name": "van", "count": 2}, {"name": "big truck", "count": 1}])
+WANTED = wb.Routes.of([[1, 3], [2, 4]])
+TWO = wb.Routes.of([wb.Route((1, 3), 0), wb.Route((2, 4), 1)])
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        [["a", "c"], ["b", "d"]], [[1, 3], [2, 4]], [np.array([1, 3]), np.array([2, 4])], [["yard", "a", "c", "yard"], [0, 2, 4, 0]],
+        {"routes": [["a", "c"], ["b", "d"]]}, {"vehicle 1": ["a", "c"], "vehicle 2": ["b", "d"]}, {"vehicle": [["a", "c"], ["b", "d"]]},
+        {1: ["a", "c"], 2: ["b", "d"]}, WANTED, [["a", "c"], [], ["b", "d"]],
+        pd.DataFrame({"vehicle": [1, 2, 1, 2], "site": ["c", "b", "a", "d"], "position": [2, 1, 1, 2]}),
+        pd.DataFrame({"Route": ["p", "q", "p", "q"], "Customer": ["a", "b", "c", "d"]}),
+    ],
+)  # fmt: skip
+def test_every_way_to_say_it_is_the_same(given: Any) -> None:
+    assert routes_given(ALIKE, given).canonical() == WANTED
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"van 2": ["a", "c"], "big truck": ["b", "d"]}, {"van": [["a", "c"]], "big truck 1": ["b", "d"]},
+        pd.DataFrame({"vehicle": ["van 1", "van 1", "big truck 1", "big truck 1"], "site": list("acbd")}),
+    ],
+)  # fmt: skip
+def test_names_of_vehicles_are_those_of_types_with_a_number_or_without(given: Any) -> None:
+    assert routes_given(MIXED, given).canonical() == TWO
+
+
+@pytest.mark.parametrize(
+    ("problem", "given", "message"),
+    [
+        (ALIKE, 5, "5 is no list of routes"),
+        (ALIKE, "a b", "is no list of routes"),
+        (ALIKE, [["a", "z"]], "there is no site 'z'"),
+        (ALIKE, {"vehicle 1": "ab"}, "the route of vehicle 1 must be a list of sites, not 'ab'"),
+        (ALIKE, {"vehicl": ["a"]}, "there is no vehicle 'vehicl'; did you mean 'vehicle'?"),
+        (MIXED, [["a"]], "lists do not say which of the 2 vehicle types drives a route; give {'van 1': [...]}"),
+        (MIXED, {"bus 1": ["a"]}, "there is no vehicle 'bus 1'; the types are van, big truck"),
+        (ALIKE, pd.DataFrame({"vehicle": [1]}), "a table of visits needs the column 'site'"),
+        (ALIKE, pd.DataFrame({"vehicles": [1], "site": ["a"]}), "needs the column 'vehicle'; did you mean 'vehicles'?"),
+        (ALIKE, pd.DataFrame({"vehicle": [1, None], "site": ["a", "b"]}), "has a row without"),
+    ],
+)
+def test_what_says_nothing_clearly_is_refused(problem: wb.RoutingProblem, given: Any, message: str) -> None:
+    with pytest.raises(UsageError) as error:
+        routes_given(problem, given)
+    assert message in str(error.value) and "\n" not in str(error.value)
+
+
+@given(st.permutations([1, 2, 3, 4]), st.integers(0, 4), st.booleans())
+def test_tables_and_lists_of_an_answer_lead_back_to_it(order: list[int], cut: int, mixed: bool) -> None:
+    problem = MIXED if mixed else ALIKE
+    answer = wb.Routes.of([wb.Route(tuple(order[:cut]), 0), wb.Route(tuple(order[cut:]), int(mixed))])
+    for given_back in (problem.answer_to_frame(answer), problem.answer_routes(answer)):
+        assert routes_given(problem, given_back).canonical() == answer.canonical()

@@ -1,0 +1,117 @@
+"""Several depots, vehicles that differ and prizes in VRPLIB files; files without TYPE. PyVRP's reader is the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import waybound as wb
+from waybound.instances.errors import InputError
+
+HEAD = """NAME : tiny
+DIMENSION : 6
+EDGE_WEIGHT_TYPE : EUC_2D
+CAPACITY : 10
+"""
+PLACES = """NODE_COORD_SECTION
+1 0 0
+2 10 0
+3 1 2
+4 2 1
+5 9 2
+6 8 1
+DEMAND_SECTION
+1 0
+2 0
+3 4
+4 4
+5 4
+6 4
+DEPOT_SECTION
+1
+2
+-1
+VEHICLES_DEPOT_SECTION
+1 1
+2 2
+3 2
+"""
+PRIZES = "PRIZE_SECTION\n1 0\n2 0\n3 0\n4 0\n5 1\n6 30\n"
+MIXED = (HEAD.replace("CAPACITY : 10\n", "VEHICLES_UNIT_DISTANCE_COST : 2\n") + PLACES
+         + "CAPACITY_SECTION\n1 10\n2 4\n3 8\nVEHICLES_FIXED_COST_SECTION\n1 7\n2 1\n3 1\n")  # fmt: skip
+
+
+def read(tmp_path: Path, text: str) -> wb.RoutingProblem:
+    path = tmp_path / "tiny.vrp"
+    path.write_text(text)
+    made = wb.read(path)
+    assert isinstance(made, wb.RoutingProblem)
+    return made
+
+
+@pytest.mark.parametrize("text", [HEAD + PLACES, HEAD + PLACES + PRIZES, MIXED, "TYPE : MDVRP\n" + HEAD + PLACES])
+def test_the_optimum_is_what_pyvrp_finds_in_its_own_reading(tmp_path: Path, text: str) -> None:
+    import pyvrp
+
+    problem = read(tmp_path, text.replace("DIMENSION", "VEHICLES : 3\nDIMENSION"))
+    solution = wb.solve(problem, "highs", form="three-index", bound_time=0.0)
+    own = pyvrp.solve(pyvrp.read(tmp_path / "tiny.vrp", "round"), pyvrp.stop.MaxIterations(200), seed=1, display=False)
+    assert solution.status == "optimal" and solution.objective == own.cost()
+
+
+def test_vehicles_that_are_alike_are_one_type(tmp_path: Path) -> None:
+    told = [(v.name, v.count, v.start, v.end, v.capacity) for v in read(tmp_path, HEAD + PLACES).fleet]
+    assert told == [("type 1", 1, 0, 0, 10), ("type 2", 2, 1, 1, 10)]
+    fleet = read(tmp_path, MIXED.replace("DIMENSION", "DISTANCE : 40\nDIMENSION")).fleet
+    limits = [(v.count, v.capacity, v.fixed_cost, v.unit_cost, v.max_duration) for v in fleet]
+    assert limits == [
+        (1, 10, 7, 2, 40),
+        (1, 4, 1, 2, 40),
+        (1, 8, 1, 2, 40),
+    ]
+
+
+def test_prizes_are_missed_where_a_customer_is_left_out(tmp_path: Path) -> None:
+    problem = read(tmp_path, HEAD + PLACES + PRIZES)
+    assert str(problem.objective) == "total-cost + penalties" and problem.sites.penalty.tolist() == [0, 0, 0, 0, 1, 30]
+    assert problem.sites.required.tolist() == [False, False, True, True, False, False]
+    assert any("prize" in note for note in problem.notes) and any("no TYPE" in note for note in problem.notes)
+
+
+@pytest.mark.parametrize(
+    ("drop", "problem"),
+    [(("DEMAND_SECTION", "DEPOT_SECTION", "VEHICLES_DEPOT_SECTION", "CAPACITY"), "tsp"), (("VEHICLES_DEPOT_SECTION",), "cvrp")],
+)
+def test_a_file_without_type_is_what_it_holds(tmp_path: Path, drop: tuple[str, ...], problem: str) -> None:
+    text = (HEAD + PLACES).replace("\n2\n-1", "\n-1")
+    for name in drop:
+        at = text.index(name)
+        rest = text[at:].split("\n")
+        kept = next((k for k, line in enumerate(rest[1:], start=1) if line[:1].isalpha()), len(rest))
+        text = text[:at] + "\n".join(rest[kept:])
+    assert read(tmp_path, text).problem == problem
+
+
+def test_several_salesmen(tmp_path: Path) -> None:
+    text = "NAME : team\nTYPE : TSP\nVEHICLES : 2\nDIMENSION : 3\nEDGE_WEIGHT_TYPE : EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 3 4\n3 6 8\nEOF\n"
+    made = read(tmp_path, text)
+    assert made.vehicle_limit == 2 and made.problem == "min-cost-vrp"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("3 2\n", "3 5\n", "VEHICLES_DEPOT_SECTION names a node that is no depot; expected 1, 2; found 5.0"),
+        ("VEHICLES_DEPOT_SECTION\n1 1\n2 2\n3 2\n", "", "there are 2 depots, and nothing says where vehicles start"),
+        ("CAPACITY : 10", "CAPACITY : 10\nVEHICLES : 2", "VEHICLES_DEPOT_SECTION has a wrong number of rows"),
+        ("CAPACITY : 10", "CAPACITY : 10\nVEHICLES_FIXED_COST : -1", "VEHICLES_FIXED_COST is negative"),
+        ("VEHICLES_DEPOT", "CAPACITY_SECTION\n1 1\n2 1\n3 1\nVEHICLES_DEPOT", "CAPACITY stands beside a CAPACITY_SECTION"),
+        ("VEHICLES_DEPOT", "PRIZE_SECTION\n1 1\n2 0\n3 0\n4 0\n5 0\n6 0\nVEHICLES_DEPOT", "a depot has a prize"),
+        ("VEHICLES_DEPOT", "PRIZE_SECTION\n1 0\n2 0\n3 -4\n4 0\n5 0\n6 0\nVEHICLES_DEPOT", "prize is negative"),
+        ("VEHICLES_DEPOT", "BACKHAUL_SECTION\n1 0\nVEHICLES_DEPOT", "BACKHAUL_SECTION is not supported"),
+    ],
+)
+def test_a_fault_is_refused(refusal: Callable[..., InputError], old: str, new: str, message: str) -> None:
+    assert message in str(refusal((HEAD + PLACES).replace(old, new)))

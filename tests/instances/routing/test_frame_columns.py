@@ -1,0 +1,98 @@
+"""Titles of frames: which are used, which are kept, and which are refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from waybound.instances.errors import InputError
+from waybound.instances.routing.frame_columns import columns_of, words_of
+
+SITES = pd.DataFrame({"id": ["yard", "a", "b"], "x": [0, 3, 6], "y": [0, 4, 8], "demand": [np.nan, 2, 3]})
+
+
+def test_other_columns_are_kept_as_plain_values() -> None:
+    day = pd.Timestamp("2026-05-04")
+    table = columns_of(SITES.assign(phone=["-", None, "12"], since=[day, pd.NaT, day], stars=np.array([1, 2, 3])), None, ())
+    assert table.extra == ("phone", "since", "stars")
+    assert table.attributes() == {
+        "phone": ["-", None, "12"], "since": ["2026-05-04T00:00:00", None, "2026-05-04T00:00:00"], "stars": [1, 2, 3]
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("mapping", [{"demand": "crates"}, {"crates": "demand"}])
+def test_a_mapping_may_be_given_either_way_round(mapping: dict[str, str]) -> None:
+    table = columns_of(SITES.rename(columns={"demand": "crates"}), mapping, ())
+    assert table.reals("demand").tolist() == [0, 2, 3] and not table.extra
+
+
+@pytest.mark.parametrize(
+    ("frame", "ids"),
+    [
+        (SITES, ("yard", "a", "b")),
+        (SITES.drop(columns="id").assign(name=list("pqr")), ("p", "q", "r")),
+        (SITES.drop(columns="id").assign(name=list("ppr")), ("0", "1", "2")),
+        (SITES.set_index("id"), ("yard", "a", "b")),
+        (SITES.assign(id=[1.0, 2.0, 7.0]), ("1", "2", "7")),
+    ],
+)
+def test_ids_are_the_column_the_index_or_the_names(frame: pd.DataFrame, ids: tuple[str, ...]) -> None:
+    assert columns_of(frame, None, True).ids == ids
+
+
+@pytest.mark.parametrize(
+    ("title", "meant"),
+    [
+        ("dmand", "demand"), ("Demands", "demand"), ("demand_kg", "demand"), ("ready time", "ready"), ("due_date", "due"),
+        ("tw_end", "due"),
+        ("service_time", "service"), ("Latitud", "lat"),
+    ],
+)  # fmt: skip
+def test_a_title_that_looks_misspelt_is_refused_with_both_cures(title: str, meant: str) -> None:
+    frame = SITES.drop(columns="demand").assign(**{title: 1.0})
+    with pytest.raises(InputError) as error:
+        columns_of(frame, None, ())
+    assert f"did you mean {meant!r}?" in str(error.value) and f"columns={{{meant!r}: {title!r}}}" in str(error.value)
+    assert columns_of(frame, {meant: title}, ()).titles[meant] == title
+    assert columns_of(frame, None, [title]).extra == (title,)
+    assert columns_of(frame, None, True).extra == (title,)
+
+
+def test_a_title_beside_the_one_that_it_looks_like_is_kept() -> None:
+    assert columns_of(SITES.assign(demand_note="fragile"), None, ()).extra == ("demand_note",)
+
+
+@pytest.mark.parametrize(
+    ("frame", "mapping", "extra", "message"),
+    [
+        (SITES, {"demand": "crats"}, (), "columns maps 'demand' to the column 'crats', which is not there"),
+        (SITES.assign(crates=1), {"demand": "crats"}, (), "did you mean 'crates'?"),
+        (SITES, {"wheels": "tyres"}, (), "names no title of waybound"),
+        (SITES.assign(latitude=1.0, lat=1.0), None, (), "both tell lat"),
+        (SITES, None, ["fone"], "extra names the column 'fone', which is not there"),
+        (SITES.assign(id=["a", None, "b"]), None, (), "row 1 has no id"),
+        (pd.concat([SITES, SITES["x"]], axis=1), None, (), "column 'x' stands twice"),
+        ([1, 2], None, (), "sites must be a pandas frame"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(frame: Any, mapping: Any, extra: Any, message: str) -> None:
+    with pytest.raises(InputError) as error:
+        columns_of(frame, mapping, extra)
+    assert message in str(error.value) and "\n" not in str(error.value)
+
+
+def test_missing_values_are_nothing_at_a_depot_and_a_fault_elsewhere() -> None:
+    table = columns_of(SITES.assign(demand=[np.nan, 2, np.nan], required=[None, True, None]), None, ())
+    assert np.isnan(table.reals("demand")[2]) and table.reals("demand")[0] == 0
+    assert table.flags("required").tolist() == [True, True, True]
+
+
+def test_words_have_commas_between() -> None:
+    assert (
+        words_of("cold, tall", "skills") == ["cold", "tall"] and words_of(["cold"], "skills") == ["cold"] and words_of(None, "skills") == []
+    )
+    with pytest.raises(InputError, match="must hold words"):
+        words_of(3, "skills")
