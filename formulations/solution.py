@@ -12,6 +12,7 @@ from .evaluation import Evaluation
 from .problem import Problem
 from .programs.exactness import Link
 from .rendering import Line, as_html, as_rich, as_text, number, percent
+from .search_history import Event, history_frame
 from .tolerance import EQUAL, gap, same
 
 if TYPE_CHECKING:
@@ -107,6 +108,8 @@ class Solution:
     faults : tuple of str
         Claims of the solver, and bounds, that contradict the answer. It passed every check all the same; nothing that the solver claims
         is believed then, and a bound that contradicts it is withheld. Empty as it should be.
+    events : tuple of Event
+        What was known at each moment of the search; ``history`` is a frame of them.
     """
 
     problem: Problem
@@ -130,6 +133,17 @@ class Solution:
     chain: tuple[Link, ...] = ()
     opinions: tuple[Opinion, ...] = ()
     faults: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
+
+    @property
+    def history(self) -> pd.DataFrame:
+        """What was known at each moment, one row whenever something better was found, and the checked figures as the last row.
+
+        Columns ``seconds`` since the call of ``solve``, ``phase`` (``solve, bound, check``), ``objective`` and ``bound`` (the best known,
+        by the search's own count before the last row), ``bound_kind`` (``claimed``, ``evidence``: to be checked, ``verified``), ``gap``,
+        ``found_by``; of objectives in order of priority also ``objective_2``, ``bound_2``, ...
+        """
+        return history_frame(self.events, len(self.problem.senses))
 
     def to_frame(self) -> pd.DataFrame:
         """The answer as a table (routing: one row a visit)."""

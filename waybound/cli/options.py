@@ -52,6 +52,18 @@ LpSolver = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more; tracebacks of internal errors.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
+Log = Annotated[
+    str | None,
+    typer.Option("--log", metavar="FILE", help="Write the log of the search to FILE; - is standard error, also where it is no terminal."),
+]
+Objective = Annotated[
+    str | None,
+    typer.Option(
+        "--objective",
+        metavar="TEXT",
+        help='Of routes: terms with weights, in order of priority: "vehicles then total-cost", "total-cost - 2*reward".',
+    ),
+]
 
 MOST_WHOLE = 2**63 - 1
 """Largest whole number of KEY=VALUE: what machines count in."""
@@ -160,6 +172,15 @@ def distinct_paths(**options: Path | None) -> None:
             if real in seen:
                 raise UsageError(f"--{seen[real]} and --{name} name the same file {path}")
             seen[real] = name
+
+
+def log_path(log: str | None, unlike: str, *outputs: Path | None) -> None:
+    """Raise UsageError if the log could not be written, or would be written over the input or another output."""
+    if log is not None and log != "-":
+        output_path("--log", Path(log), unlike=unlike)
+        for other in outputs:
+            if other is not None and os.path.realpath(other) == os.path.realpath(log):
+                raise UsageError(f"--log {log} names the file of another output")
 
 
 def handled(command: Callable[P, R]) -> Callable[P, R]:

@@ -15,6 +15,7 @@ from .options import (
     File,
     Format,
     Json,
+    Log,
     LpSolver,
     ProblemName,
     Quiet,
@@ -25,6 +26,7 @@ from .options import (
     bounded,
     complain,
     distinct_paths,
+    log_path,
     output_path,
     parse_pairs,
     read_problem,
@@ -89,6 +91,7 @@ def solve(
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the answer: .png, .svg or .pdf.")] = None,
+    log: Log = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -103,6 +106,7 @@ def solve(
     options = parse_pairs(option, "--option")
     asked = read_problem(file, format, problem, convention, settings)
     _check_outputs(asked, file, out, certificate, plot)
+    log_path(log, file, out, certificate, plot)
 
     from ..formulations.answers import json_text, read_answer
     from ..solving.solve import solve as search
@@ -119,11 +123,11 @@ def solve(
         for note in read.notes:
             remark(f"{start}: {note}")
     interrupts.keep()
-    with Progress(quiet) as progress, stdout_is_ours():
+    with Progress(quiet, log, logged=True) as progress, stdout_is_ours():
         solution = search(
             asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
-            gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
-            no_improvement=no_improvement, lp_solver=lp_solver, options=options,
+            gap=gap, seed=seed, threads=threads, start=begin, progress=progress, log=progress.log, isolate=isolate,
+            memory_limit=memory_limit, no_improvement=no_improvement, lp_solver=lp_solver, options=options,
         )  # fmt: skip
     delivery = Delivery(verbose)
 

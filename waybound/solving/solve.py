@@ -35,7 +35,9 @@ from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
 from .opinions import claimed, opinion, refuting, second_opinions, unproved
+from .recording import Listener, Recorder
 from .search import BOUND_OVERTIME, Searched, in_time, search
+from .showing import Log, shown
 
 Progress = Callable[[dict[str, Any]], None]
 
@@ -87,6 +89,7 @@ def solve(
     threads: int = 1,
     start: Any = None,
     progress: Progress | None = None,
+    log: Log = None,
     isolate: bool = False,
     memory_limit: float | None = None,
     no_improvement: int | None = None,
@@ -119,7 +122,10 @@ def solve(
         What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
         ``Solution``; the JSON of either; a solution file.
     progress : callable, optional
-        Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
+        Receives ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}`` from a worker thread, the best known of each.
+    log : bool, path or SearchLog, optional
+        True shows a line per improvement and per few seconds, and at the end what was proved: in the cell of a notebook, else on standard
+        error. A path writes it to a file. ``Solution.history`` has the figures in any case.
     lp_solver : str, optional
         Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
     isolate : bool
@@ -177,23 +183,43 @@ def solve(
         run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
 
     run.notes.extend(told)
-    control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
+    listeners: list[Listener] = [] if progress is None else [progress]
+    with shown(log) as written:
+        if written is not None:
+            listeners.append(written)
+            written.begin(problem, _claimant(run), _limits_told(chosen, budget))
+        record = Recorder(problem, listeners)
+        made = _answered(problem, run, chosen, budget, linear, record)
+        made = replace(made, events=record.end(made))
+        if written is not None:
+            written.end(made)
+    return made
+
+
+def _answered(problem: Problem, run: _Run, options: Options, budget: float, linear: LinearPrograms, record: Recorder) -> Solution:
+    """Search, with bounds before it and beside it where the search has none of its own, and conclude."""
+    exactness = Exactness.EXACT if run.made is None else run.made.exactness
+    hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
+    control = Control(hear)
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
         beside: Beside | None = None
-        if not run.bounds and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)
+        if not run.bounds and options.iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, options.gap)
+            if goal is not None and first:
+                record.of_bounds(goal.told())
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
-            elif goal is not None and budget > SECONDS and free_core(threads):
-                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, progress)
+            elif goal is not None and budget > SECONDS and free_core(options.threads):
+                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began
+        record.begin_phase("solve", options.time_limit)
         try:
-            searched = search(run.go, control, time_limit)
+            searched = search(run.go, control, options.time_limit)
         except WayboundError:
             raise
         except Exception as fault:  # of the engine, before it published an answer; the start may be one
@@ -203,12 +229,19 @@ def solve(
         if goal is not None and (goal.reached or goal.infeasible) and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit=goal.limit))
         try:
-            made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first, beside)
+            made = _conclude(problem, run, searched, control, options, budget, record, crash, first, beside)
         finally:
             if beside is not None:
                 beside.stop()
         made.seconds["bound"] += spent
         return made
+
+
+def _limits_told(options: Options, budget: float) -> str:
+    """What a search was asked to keep to, for people."""
+    asked = [f"{name.replace('_', ' ')} {value:g}" for name, value in options.asked().items()]
+    parts = [f"time limit {options.time_limit:g} s", f"bound time {budget:g} s", *asked, f"seed {options.seed}"]
+    return ", ".join([*parts, f"{options.threads} thread{'s' if options.threads != 1 else ''}"])
 
 
 def _solver_run(
@@ -283,7 +316,7 @@ def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None
 
 
 def _conclude(
-    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
+    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, record: Recorder,
     crash: Exception | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
@@ -297,7 +330,7 @@ def _conclude(
         judge, found = _verdict(problem, run, searched.result, control, options, crash)
     spent = time.perf_counter() - began
     try:
-        return _certified(judge, run, searched, options, found, spent, budget, progress, first, beside)
+        return _certified(judge, run, searched, options, found, spent, budget, record, first, beside)
     except CheckFailedError:  # and no answer
         raise
     except (Exception, KeyboardInterrupt) as fault:
@@ -319,7 +352,7 @@ def _verdict(
 
 def _certified(
     judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
-    budget: float | None, progress: Progress | None, first: list[Evidence], beside: Beside | None,
+    budget: float | None, record: Recorder | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
     result, problem = searched.result, judge.problem
@@ -331,12 +364,14 @@ def _certified(
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress, beside)
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, record, beside)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
 
     began = time.perf_counter()
+    if record is not None:
+        record.begin_phase("check")
     guarantee = result.guarantee if evaluation is not None else None
     if run.heuristic and guarantee is None and result.holds is Exactness.NEITHER:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
@@ -439,7 +474,7 @@ def _gather(
     linear: LinearPrograms,
     budget: float,
     best: float | None,
-    progress: Progress | None,
+    record: Recorder | None,
     beside: Beside | None,
 ) -> None:
     """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
@@ -456,13 +491,17 @@ def _gather(
         return
     known = tuple(evidence)
 
+    if record is not None and budget > 0:
+        record.begin_phase("bound", budget)
+
     def find(control: Control) -> RawResult:
         if beside is not None:
             found = beside.found(control, best)
             run.notes.extend(beside.unable)
             if not beside.fault:
                 return RawResult("unknown", answer=found)
-        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
+        hear = None if record is None else record.of_bounds
+        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=hear, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
     found = search(find, Control(), budget, overtime=BOUND_OVERTIME)

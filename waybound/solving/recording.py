@@ -1,0 +1,98 @@
+"""Records a search as it goes: every better answer and bound, with the time since ``solve`` was called and who found it."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from ..formulations.certificate import better_bound
+from ..formulations.problem import Problem
+from ..formulations.search_history import Event
+from ..formulations.solution import Solution
+
+Progress = Callable[[dict[str, Any]], None]
+
+
+class Listener(Protocol):
+    """Hears of events; one with ``begin_phase(phase, limit)`` hears of phases too."""
+
+    def __call__(self, event: dict[str, Any]) -> None: ...
+
+
+class Recorder:
+    """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
+
+    Parameters
+    ----------
+    problem : Problem
+    listeners : sequence of callables
+        Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event.
+    """
+
+    def __init__(self, problem: Problem, listeners: Sequence[Listener] = ()) -> None:
+        self.senses, self._listeners = problem.senses, tuple(listeners)
+        self._lock = threading.Lock()
+        self._began = time.perf_counter()
+        self._value: float | None = None
+        self._bound: tuple[float, str] | None = None
+        self.events: list[Event] = []
+
+    def begin_phase(self, phase: str, limit: float | None = None) -> None:
+        """Tell those who want to know that a phase begins which may take ``limit`` seconds."""
+        for listener in self._listeners:
+            hear = getattr(listener, "begin_phase", None)
+            if hear is not None:
+                hear(phase, limit)
+
+    def of_search(self, who: str, answers: bool = True, bounds: bool = True) -> Progress:
+        """What hears a search by ``who``; its objectives and its bounds count only where they are some of the problem."""
+
+        def hear(event: dict[str, Any]) -> None:
+            value, bound = (event.get("objective") if answers else None), (event.get("bound") if bounds else None)
+            self._take("solve", value, bound, "claimed", who)
+
+        return hear
+
+    def of_bounds(self, event: dict[str, Any]) -> None:
+        """Hears bounding; ``source`` names what the bound rests on."""
+        self._take("bound", None, event.get("bound"), event.get("kind") or "evidence", str(event.get("source", "bounding")))
+
+    def end(self, solution: Solution) -> tuple[Event, ...]:
+        """All events, with what was left at the end as the last one."""
+        with self._lock:
+            values = None if solution.evaluation is None else solution.evaluation.values
+            bound = solution.bound
+            bounds = None if bound is None else tuple(bound) if isinstance(bound, list) else (bound,)
+            self.events.append(Event(self._seconds(), "check", values, bounds, solution.bound_kind, solution.solver))
+            return tuple(self.events)
+
+    def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str) -> None:
+        news = False
+        with self._lock:
+            value = float(value) if isinstance(value, int | float) else None
+            if value is not None and math.isfinite(value) and (self._value is None or self._better(value, self._value)):
+                self._value, news = value, True
+            if isinstance(bound, int | float):
+                bound = float(bound)
+                if self._bound is None or better_bound(self.senses[0], bound, self._bound[0]):
+                    self._bound, news = (bound, kind), True
+            seconds = self._seconds()
+            known, known_kind = self._bound or (None, None)
+            if news:
+                held = None if self._value is None else (self._value,)
+                self.events.append(Event(seconds, phase, held, None if known is None else (known,), known_kind, who))
+            told = {
+                "phase": phase, "seconds": seconds, "objective": self._value, "bound": known, "bound_kind": known_kind, "found_by": who,
+            }  # fmt: skip
+        if news or phase == "solve":
+            for listener in self._listeners:
+                listener(told)
+
+    def _better(self, value: float, than: float) -> bool:
+        return value < than if self.senses[0] == "min" else value > than
+
+    def _seconds(self) -> float:
+        return time.perf_counter() - self._began
