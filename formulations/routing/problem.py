@@ -47,8 +47,8 @@ class RoutingProblem(Problem):
     sites : Sites
     travel : Travel
     fleet : sequence of VehicleType
-    objective : Objective, term, or weighted sum of terms
-        Default: total cost.
+    objective : Objective, term, weighted sum of terms, or text
+        Default: total cost. As text: ``"vehicles then total-cost"``, ``"total-cost - 2*reward"``.
     min_vehicles : int
         Routes that must be used at least.
     forbidden : bool array of shape (sites, sites), optional
@@ -83,7 +83,7 @@ class RoutingProblem(Problem):
         sites: Sites,
         travel: Travel,
         fleet: Sequence[VehicleType],
-        objective: Composable | None = None,
+        objective: Composable | str | None = None,
         min_vehicles: int = 0,
         name: str = "problem",
         problem: str = "cvrp",
@@ -115,7 +115,7 @@ class RoutingProblem(Problem):
         capacity: float = math.inf,
         max_duration: float = math.inf,
         convention: str = "",
-        objective: Composable | None = None,
+        objective: Composable | str | None = None,
         name: str = "frame",
         closing: Any = None,
         fleet: Any = None,

@@ -81,7 +81,8 @@ search by savings; time limit 60 s, bound time 0 s, seed 1, 1 thread
 
   seconds       objective           bound       gap
      TIME               -               -         -  searching begins, for up to 60 s
-     TIME     436.2208418               -         -  checked
+     TIME     436.2208418               -         -  answer by savings, checked
+     TIME     436.2208418               -         -  all checks done
 
 demo-tiny: vrptw, min, convention exact, by savings
 status      feasible

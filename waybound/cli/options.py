@@ -96,9 +96,16 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
     return found
 
 
-def read_problem(file: str, format: str | None, problem: str | None, convention: str | None, settings: Sequence[str] | None) -> Problem:  # noqa: A002
+def read_problem(
+    file: str,
+    format: str | None,  # noqa: A002
+    problem: str | None,
+    convention: str | None,
+    settings: Sequence[str] | None,
+    objective: str | None = None,
+) -> Problem:
     """The problem that the common options name."""
-    return read_both(file, format, problem, convention, settings)[1]
+    return read_both(file, format, problem, convention, settings, objective)[1]
 
 
 def read_both(
@@ -107,14 +114,17 @@ def read_both(
     problem: str | None,
     convention: str | None,
     settings: Sequence[str] | None,
+    objective: str | None = None,
 ) -> tuple[Instance, Problem]:
     """The instance in a file, which is read once because it may be a pipe, and the problem that the common options make of it."""
     from ..api import problem_of, read_source
 
     given = parse_pairs(settings, "--set")
-    for key in ("format", "problem", "convention", "path"):
+    for key in ("format", "problem", "convention", "objective", "path"):
         if key in given:
             raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
+    if objective is not None:
+        given["objective"] = objective
     instance = read_source(file, format, problem)
     return instance, problem_of(instance, problem, convention, given)
 

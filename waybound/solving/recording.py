@@ -60,6 +60,10 @@ class Recorder:
         """Hears bounding; ``source`` names what the bound rests on."""
         self._take("bound", None, event.get("bound"), event.get("kind") or "evidence", str(event.get("source", "bounding")))
 
+    def judged(self, who: str, value: float) -> None:
+        """The value of the answer that is handed over, recomputed from the data."""
+        self._take("check", value, None, "verified", who)
+
     def end(self, solution: Solution) -> tuple[Event, ...]:
         """All events, with what was left at the end as the last one."""
         with self._lock:

@@ -85,7 +85,7 @@ class SearchLog:
             if raised and not math.isfinite(event["bound"]):
                 news = f"no answer exists, says {who}; its evidence is checked at the end"
             else:
-                answer = f"answer by {who}, not checked yet" if better else ""
+                answer = f"answer by {who}, {'checked' if event['phase'] == 'check' else 'not checked yet'}" if better else ""
                 news = ", and ".join(part for part in (answer, f"bound by {who}, {_KINDS[event['bound_kind']]}" if raised else "") if part)
             if not raised and time.perf_counter() - self._answered < APART:
                 self._pending = news
@@ -100,7 +100,7 @@ class SearchLog:
             self._flush()
             value = solution.objective
             self._event = {"objective": value, "bound": solution.bound, "gap": solution.gap}
-            self._say("checked" if value is not None else "ended")
+            self._say("all checks done")
             spent = ", ".join(f"{name} {seconds:.2f}" for name, seconds in solution.seconds.items())
             self._line("")
             for line in as_text(solution_title(solution), [status_line(solution), *verdict_lines(solution)]).split("\n"):

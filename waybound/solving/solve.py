@@ -329,6 +329,8 @@ def _conclude(
     except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
         judge, found = _verdict(problem, run, searched.result, control, options, crash)
     spent = time.perf_counter() - began
+    if found[1] is not None:
+        record.judged(run.name, found[1].values[0])
     try:
         return _certified(judge, run, searched, options, found, spent, budget, record, first, beside)
     except CheckFailedError:  # and no answer

@@ -1,0 +1,326 @@
+"""``compare``: one problem by several solvers and heuristics, every answer checked, against the best bound that any of them led to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from ..formulations.certificate import beats_bound, better_bound
+from ..formulations.problem import Problem
+from ..formulations.rendering import as_text
+from ..formulations.solution import Solution
+from ..formulations.tolerance import gap
+from ..heuristics.heuristic import HEURISTICS
+from ..instances.errors import UsageError, WayboundError, in_words
+from ..instances.printable import one_line
+from ..solvers import interrupts
+from ..solvers.backend import BACKENDS
+from ..solving.search_log import SearchLog
+from ..solving.showing import Log, shown
+from ..solving.solve import solve
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Methods = Sequence[str] | Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What one method came to.
+
+    Parameters
+    ----------
+    name : str
+    solution : Solution or None
+        None where it ended with an error.
+    error : str
+        Why there is no solution; empty if there is one.
+    """
+
+    name: str
+    solution: Solution | None
+    error: str = ""
+
+    @property
+    def objective(self) -> float | None:
+        """Value of the first level of a checked answer."""
+        evaluation = None if self.solution is None else self.solution.evaluation
+        return None if evaluation is None else evaluation.values[0]
+
+    @property
+    def verified(self) -> float | None:
+        """Verified bound of the first level that this run led to."""
+        return None if self.solution is None else self.solution.certificate.bound
+
+    @property
+    def seconds(self) -> float | None:
+        """Wall time of the search alone."""
+        return None if self.solution is None else self.solution.seconds["solve"]
+
+    @property
+    def status(self) -> str:
+        """How it ended, and on whose word."""
+        s = self.solution
+        if s is None:
+            return "error"
+        if s.status == "optimal":
+            return "optimal, verified" if s.bound_kind == "verified" and s.gap == 0.0 else "optimal, by its own word"
+        if s.status == "feasible":
+            return "feasible" if s.limit == "none" else f"feasible, stopped by {s.limit}"
+        if s.certificate.infeasible or s.certificate.unbounded:
+            return f"{s.status}, verified"
+        known = s.status in ("infeasible", "unbounded", "infeasible_or_unbounded")
+        return f"{s.status.replace('_', ' ')}, by its own word" if known else "no answer"
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """One problem, solved by several methods; one row each in the order asked for.
+
+    Attributes
+    ----------
+    problem : Problem
+    runs : tuple of Compared
+    faults : tuple of str
+        Where what one method claims, or what was verified for it, contradicts a checked answer of another. Empty as it should be.
+    """
+
+    problem: Problem
+    runs: tuple[Compared, ...]
+    faults: tuple[str, ...] = field(default=())
+
+    @property
+    def bound(self) -> float | None:
+        """The best verified bound of the first level that any run led to: it holds for all of them."""
+        return None if self._bounded_by is None else self._bounded_by.verified
+
+    @property
+    def bound_source(self) -> str | None:
+        """What proves it, and whose run it comes from."""
+        by = self._bounded_by
+        return None if by is None or by.solution is None else f"{by.solution.certificate.bound_source}, from the run of {by.name}"
+
+    @property
+    def best(self) -> Solution | None:
+        """The best checked answer; of equal ones the first."""
+        found: Solution | None = None
+        for run in self.runs:
+            s = run.solution
+            if s is not None and s.evaluation is not None and (found is None or _ahead(self.problem, s, found)):
+                found = s
+        return found
+
+    @property
+    def infeasible(self) -> bool:
+        """Whether it is proved that there is no answer."""
+        return any(run.solution is not None and run.solution.certificate.infeasible for run in self.runs)
+
+    @property
+    def _bounded_by(self) -> Compared | None:
+        found: Compared | None = None
+        for run in self.runs:
+            known = None if found is None else found.verified
+            if run.verified is not None and (known is None or better_bound(self.problem.sense, run.verified, known)):
+                found = run
+        return found
+
+    def gap(self, run: Compared) -> float | None:
+        """Of a run's answer to the best verified bound of all; None without either."""
+        if run.objective is None or self.bound is None or run.solution is None or run.solution.evaluation is None:
+            return None
+        return gap(run.objective, self.bound, run.solution.evaluation.size, run.solution.evaluation.precision)
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row a method.
+
+        Columns ``method, objective`` (of the first level, checked), ``verified_bound`` (that its own run led to), ``gap`` (to the best
+        verified bound of all runs), ``seconds`` (search alone), ``status``, ``remark``.
+        """
+        import pandas as pd
+
+        rows = [(r.name, r.objective, r.verified, self.gap(r), r.seconds, r.status, remark_of(r)) for r in self.runs]
+        names = ["method", "objective", "verified_bound", "gap", "seconds", "status", "remark"]
+        return pd.DataFrame(rows, columns=names).astype(dict.fromkeys(names[1:5], float))
+
+    def plot(self, *, ax: Any = None, title: str | None = None) -> Any:
+        """Progress of all runs over time, on matplotlib axes; see ``plot_history``."""
+        from .plots.history import plot_history
+
+        return plot_history(self, ax=ax, title=title)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data: a row each, and the solutions as ``Solution.to_json`` has them."""
+        return {
+            "schema": 1, "instance": self.problem.name, "problem": self.problem.problem, "sense": self.problem.sense, "bound": self.bound,
+            "bound_source": self.bound_source, "faults": list(self.faults),
+            "runs": [
+                {
+                    "method": r.name, "objective": r.objective, "verified_bound": r.verified, "gap": self.gap(r), "seconds": r.seconds,
+                    "status": r.status, "remark": remark_of(r), "solution": None if r.solution is None else r.solution.to_json(),
+                } for r in self.runs
+            ],
+        }  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def __getitem__(self, name: str) -> Solution | None:
+        """The solution by the method of this name, None where it ended with an error."""
+        for run in self.runs:
+            if run.name == name:
+                return run.solution
+        raise UsageError(f"nothing was compared under the name {name!r}; there are {', '.join(r.name for r in self.runs)}")
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {', '.join(r.name for r in self.runs)} on {self.problem.name}>"
+
+    def __str__(self) -> str:
+        from .tables.comparing import comparison_lines, comparison_table, plain_text
+
+        table = comparison_table(self)
+        return plain_text(table) + "\n" + as_text("", comparison_lines(self)).lstrip("\n")
+
+    def _repr_html_(self) -> str:
+        from .tables.comparing import comparison_html
+
+        return comparison_html(self)
+
+
+def compare(
+    problem: Problem,
+    methods: Methods,
+    *,
+    time_limit: float = 60.0,
+    log: Log = None,
+    progress: Callable[[dict[str, Any]], None] | None = None,
+    **common: Any,
+) -> Comparison:
+    """Solve one problem by several methods, one after the other, each with the same limits.
+
+    Parameters
+    ----------
+    problem : Problem
+    methods : sequence of str, or mapping
+        Names of solvers and heuristics (``"pyvrp"``, ``"pulp:HiGHS"``, ``"savings"``). A mapping has a name of one's own for each and
+        keywords for ``solve``: ``{"h = 3": {"heuristic": "local", "h": 3}}``.
+    time_limit : float, seconds
+        Of each search.
+    log : bool, path or SearchLog, optional
+        As for ``solve``: the logs of all runs, one after the other.
+    progress : callable, optional
+        As for ``solve``.
+    **common
+        Further keywords for ``solve``, the same for all: ``bound_time, seed, threads, gap, start, isolate, ...``
+
+    Returns
+    -------
+    Comparison
+        A method that fails or cannot take the problem is a row that says why. Ctrl-C ends the run that is under way and leaves out the
+        rest.
+
+    Raises
+    ------
+    UsageError
+        For a name that is none, before anything is run.
+    """
+    asked = _asked(methods)
+    runs: list[Compared] = []
+    with shown(log) as written:
+        for name, own in asked.items():
+            if runs and (interrupts.received or _interrupted(runs[-1])):
+                runs.append(Compared(name, None, "not run: interrupted"))
+                continue
+            runs.append(_run(problem, name, {"time_limit": time_limit, **common, **own}, written, progress))
+    return Comparison(problem, tuple(runs), tuple(_contradictions(problem, runs)))
+
+
+def remark_of(run: Compared) -> str:
+    """An error, a fault, or a bound that the method claims beyond the verified one."""
+    s = run.solution
+    if s is None:
+        return one_line(run.error)
+    parts = [one_line(fault) for fault in s.faults]
+    if s.bound_kind == "claimed" and isinstance(s.bound, float):
+        parts.append(f"claims the bound {s.bound:.10g}")
+    return "; ".join(parts)
+
+
+def _asked(methods: Methods) -> dict[str, dict[str, Any]]:
+    """Keywords for ``solve`` by the name of each row."""
+    if isinstance(methods, str):
+        raise UsageError(f"compare takes a list of names, not {methods!r}: [{methods!r}, ...]")
+    if isinstance(methods, Mapping):
+        made = {str(name): dict(own) for name, own in methods.items()}
+    else:
+        made = {}
+        for name in methods:
+            if name in made:
+                raise UsageError(f"{name} is to be compared with itself; a mapping gives runs of one method names of their own")
+            made[name] = _method(name)
+    for own in made.values():
+        if own.get("solver") is not None:
+            _ = BACKENDS[str(own["solver"]).partition(":")[0]]
+        if own.get("heuristic") is not None:
+            _ = HEURISTICS[own["heuristic"]]
+    if not made:
+        raise UsageError("there is nothing to compare: name some solvers and heuristics")
+    return made
+
+
+def _method(name: str) -> dict[str, Any]:
+    if name in HEURISTICS:
+        return {"heuristic": name}
+    if name.partition(":")[0] in BACKENDS:
+        return {"solver": name}
+    raise UsageError(f"no solver and no heuristic is named {name!r}; there are {', '.join([*BACKENDS, *HEURISTICS])}")
+
+
+def _run(problem: Problem, name: str, keywords: dict[str, Any], log: SearchLog | None, progress: Any) -> Compared:
+    try:
+        return Compared(name, solve(problem, log=log, progress=progress, **keywords))
+    except WayboundError as fault:
+        return Compared(name, None, str(fault))
+    except Exception as fault:  # of whatever package: it costs this row, and no other
+        return Compared(name, None, in_words(fault))
+
+
+def _interrupted(run: Compared) -> bool:
+    return run.solution is not None and run.solution.limit == "interrupt"
+
+
+def _ahead(problem: Problem, a: Solution, b: Solution) -> bool:
+    """Whether the checked answer of ``a`` is better, level by level."""
+    assert a.evaluation is not None and b.evaluation is not None
+    for level, sense in enumerate(problem.senses):
+        if not a.evaluation.same_at(level, b.evaluation.values[level]):
+            return better_bound(sense, b.evaluation.values[level], a.evaluation.values[level])
+    return False
+
+
+def _contradictions(problem: Problem, runs: Sequence[Compared]) -> list[str]:
+    """What one run claims, or was verified for it, against the checked answers of the others."""
+    found = []
+    for one in runs:
+        for other in runs:
+            s, t = one.solution, other.solution
+            if s is None or t is None or t.evaluation is None or one is other:
+                continue
+            value, size = t.evaluation.values[0], t.evaluation.size
+            told = f"{other.name} has an answer of value {value!r}, which passed every check"
+            if s.certificate.infeasible:
+                found.append(
+                    f"{told}; {s.certificate.bound_source} proves that there is none: one of the two checks is wrong, please report this"
+                )
+            elif s.status in ("infeasible", "infeasible_or_unbounded") and s.evaluation is None:
+                found.append(f"{one.name} says {s.status.replace('_', ' ')}, but {told}")
+            bound = s.bound[0] if isinstance(s.bound, list) else s.bound
+            for kind, limit in (("verified", s.certificate.bound), ("claimed", bound if s.bound_kind == "claimed" else None)):
+                if limit is not None and beats_bound(problem.sense, value, limit, size) and not t.evaluation.same_at(0, limit, CLAIMED):
+                    found.append(f"the {kind} bound {limit!r} of {one.name} is refuted: {told}")
+    return found
+
+
+CLAIMED = 1e-5
+"""Relative difference up to which a bound that a search counts counts as that of an answer: solvers see no closer."""
