@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from . import plotting
-from .certificate import Certificate, answer_lines, ratio_lines
+from .certificate import Certificate, answer_lines, bound_line, ratio_lines
 from .evaluation import Evaluation
 from .problem import Problem
 from .programs.exactness import Link
@@ -291,9 +291,9 @@ def solution_lines(solution: Solution) -> list[Line]:
     if s.bound_kind == "claimed":
         lines.append(Line("bound", f"{number(s.bound)}, claimed by {s.bound_source} (its own figure, no evidence)"))
         if c.bound is not None:
-            lines.append(Line("", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
+            lines.append(replace(bound_line(c), label=""))
     elif c.bound is not None:
-        lines.append(Line("bound", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
+        lines.append(bound_line(c))
     else:
         lines.append(Line("bound", "none", "quiet"))
     if s.gap is not None:

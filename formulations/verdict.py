@@ -43,7 +43,7 @@ def verdict_lines(solution: Solution) -> list[Line]:
 
 def _verified_bounds(s: Solution) -> list[tuple[float, str]]:
     c = s.certificate
-    return [] if c.bound is None else [(c.bound, str(c.bound_source))]
+    return [] if c.bound is None else [(c.bound, str(c.bound_source)), *((level.bound, level.source) for level in c.levels)]
 
 
 def _levels(s: Solution, verified: Sequence[tuple[float, str]], values: Sequence[float | None] | None) -> list[Line]:

@@ -10,7 +10,7 @@ from ..formulations.certificate import beats_bound, better_bound
 from ..formulations.problem import Problem
 from ..formulations.rendering import as_text
 from ..formulations.solution import Solution
-from ..formulations.tolerance import gap
+from ..formulations.tolerance import gap, same
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import UsageError, WayboundError, in_words
 from ..instances.printable import one_line
@@ -126,11 +126,39 @@ class Comparison:
                 found = run
         return found
 
-    def gap(self, run: Compared) -> float | None:
-        """Of a run's answer to the best verified bound of all; None without either."""
-        if run.objective is None or self.bound is None or run.solution is None or run.solution.evaluation is None:
+    def bounds(self, values: Sequence[float]) -> list[float]:
+        """The best verified bound of each level for answers of these values: of the first, and of further ones as far as those before are
+        closed, by runs whose answers were worth as much there."""
+        found: list[float] = []
+        for level, sense in enumerate(self.problem.senses):
+            known = [self.bound] if level == 0 else [self._level_bound(run, level, values) for run in self.runs]
+            at_level = [bound for bound in known if bound is not None]
+            if not at_level:
+                break
+            found.append(max(at_level) if sense == "min" else min(at_level))
+            if not same(values[level], found[-1]):
+                break
+        return found
+
+    @staticmethod
+    def _level_bound(run: Compared, level: int, values: Sequence[float]) -> float | None:
+        levels = () if run.solution is None else run.solution.certificate.levels
+        if level > len(levels) or not all(same(a, b) for a, b in zip(levels[level - 1].given, values, strict=False)):
             return None
-        return gap(run.objective, self.bound, run.solution.evaluation.size, run.solution.evaluation.precision)
+        return levels[level - 1].bound
+
+    def gap(self, run: Compared) -> float | None:
+        """Of a run's answer to the best verified bound of all, at the first level that is open; None without either."""
+        evaluation = None if run.solution is None else run.solution.evaluation
+        bounds = [] if evaluation is None else self.bounds(evaluation.values)
+        if (
+            evaluation is None
+            or not bounds
+            or (same(evaluation.values[len(bounds) - 1], bounds[-1]) and len(bounds) < len(evaluation.values))
+        ):
+            return None
+        level = len(bounds) - 1
+        return gap(evaluation.values[level], bounds[-1], evaluation.sizes[level] if evaluation.sizes else 0.0, evaluation.precision)
 
     def to_frame(self) -> pd.DataFrame:
         """One row a method.

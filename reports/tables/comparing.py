@@ -9,7 +9,7 @@ from ...formulations.rendering import Line, as_html, number, percent
 from .table import Column, Table
 
 if TYPE_CHECKING:
-    from ..comparing import Comparison
+    from ..comparing import Compared, Comparison
 
 
 def comparison_table(comparison: Comparison) -> Table:
@@ -20,7 +20,7 @@ def comparison_table(comparison: Comparison) -> Table:
         (
             run.name,
             "-" if run.solution is None else number(run.solution.objective),
-            number(run.verified),
+            number(_verified(run)),
             percent(comparison.gap(run)),
             "-" if run.seconds is None else f"{run.seconds:.2f}",
             run.status,
@@ -37,6 +37,13 @@ def comparison_table(comparison: Comparison) -> Table:
     return Table(title, columns, tuple(rows))
 
 
+def _verified(run: Compared) -> float | list[float] | None:
+    """Verified bounds that a run led to, level by level."""
+    if run.solution is None or run.verified is None or not run.solution.certificate.levels:
+        return run.verified
+    return [run.verified, *(level.bound for level in run.solution.certificate.levels)]
+
+
 def comparison_lines(comparison: Comparison) -> list[Line]:
     """The best answer, the best verified bound, and what contradicts what."""
     best, lines = comparison.best, [Line("fault", fault, "bad") for fault in comparison.faults]
@@ -49,7 +56,9 @@ def comparison_lines(comparison: Comparison) -> list[Line]:
     elif comparison.bound is None:
         lines.append(Line("best bound", "none was verified, so that no gap is known", "quiet"))
     else:
-        lines.append(Line("best bound", f"{number(comparison.bound)}, verified: {comparison.bound_source}; gaps are to this one", "good"))
+        bounds = [comparison.bound] if best is None or best.evaluation is None else comparison.bounds(best.evaluation.values)
+        told = f"{number(bounds)}, verified: {comparison.bound_source}; gaps are to this one"
+        lines.append(Line("best bound", told, "good"))
     return lines
 
 

@@ -34,6 +34,7 @@ from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
+from .levels import bounds_of_levels, further_levels
 from .opinions import claimed, opinion, refuting, second_opinions, unproved
 from .recording import Listener, Recorder
 from .search import BOUND_OVERTIME, Searched, in_time, search
@@ -386,6 +387,12 @@ def _certified(
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
+    left = 0.0 if budget is None or record is None else budget - bound_seconds
+    if record is not None and len(problem.senses) > 1 and evaluation is not None and left > 0.0 and not searched.interrupted:
+        try:
+            certificate = further_levels(problem, certificate, evaluation, left, _linear(options), record, run.notes)
+        except CheckFailedError as fault:
+            judge.faults.append(f"{fault} (the bound is withheld)")
     heard: list[tuple[str, RawResult]] = []
     if budget is not None and not searched.interrupted and not judge.faults:
         asked = time.perf_counter()
@@ -421,7 +428,8 @@ def _certified(
     bound, kind, source = _best_bound(problem, run, result, certificate, size, precision)
     objective = None if evaluation is None else evaluation.objective
     if isinstance(bound, float) and len(problem.senses) > 1:
-        bound, kind, source = _bounds_of_levels(problem, run, result, evaluation, bound, kind, source)
+        further = dict(claims.concerned(problem.senses, result, evaluation)) if evaluation and run.exactness(result).bound_is_valid else {}
+        bound, kind, source = bounds_of_levels(problem, evaluation, certificate.levels, further, _claimant(run), bound, kind, source)
     gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
     status = _status(problem, run, result, certificate, evaluation, bound)
     messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
@@ -529,27 +537,6 @@ def _claimant(run: _Run) -> str:
     return f"{run.name} ({run.form})" if run.form else run.name
 
 
-def _bounds_of_levels(
-    problem: Problem, run: _Run, result: RawResult, evaluation: Evaluation | None, first: float, kind: str | None, source: str | None
-) -> tuple[Value, str | None, str | None]:
-    """The bound of each level up to the first open one, that of the first level given; a later level has claimed ones alone.
-
-    What a solver calls closed, as closely as it sees, has the bound that is the answer's own value: a level that is closed is no gap.
-    """
-    if evaluation is None:
-        return [first, *[None] * (len(problem.senses) - 1)], kind, source
-    closed = evaluation.same_at(0, first, EQUAL_TOLERANCE)
-    bounds: list[float | None] = [evaluation.values[0] if closed else first]
-    for level, claim in claims.concerned(problem.senses, result, evaluation) if run.exactness(result).bound_is_valid else ():
-        if not closed or claim.bound is None or not math.isfinite(claim.bound):
-            break
-        closed = evaluation.same_at(level, claim.bound, EQUAL_TOLERANCE)
-        bounds.append(evaluation.values[level] if closed else claim.bound)
-        if kind == "verified":
-            kind, source = "claimed", f"{source}, then {_claimant(run)}"
-    return [*bounds, *[None] * (len(evaluation.values) - len(bounds))], kind, source
-
-
 def _status(
     problem: Problem, run: _Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None, bound: Value | None
 ) -> str:
@@ -558,6 +545,9 @@ def _status(
             value = evaluation.values[0]
             if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
+        verified = [] if certificate.bound is None else [certificate.bound, *(level.bound for level in certificate.levels)]
+        if 1 < len(verified) == len(evaluation.values) and all(evaluation.same_at(k, known) for k, known in enumerate(verified)):
+            return "optimal"
         reached = all(evaluation.same_at(k, claim.objective, EQUAL_TOLERANCE) for k, claim in enumerate(result.further, start=1))
         claimed = result.status == "optimal" and reached and _claims_optimum(run.exactness(result), result, evaluation)
         return "optimal" if claimed else "feasible"
