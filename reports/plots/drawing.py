@@ -39,6 +39,14 @@ def new_axes() -> Any:
     return axes_without_display()
 
 
+def roomy(ax: Any, width: float = 0.0, height: float = 0.0) -> None:
+    """Make a figure that holds these axes alone at least as large as said, in inches, up to three times what figures have."""
+    figure = ax.figure
+    if len(figure.axes) == 1:
+        wide, high = figure.get_size_inches()
+        figure.set_size_inches(max(wide, min(width, 24.0)), max(high, min(height, 19.2)))
+
+
 def axes_without_display() -> Any:
     """Axes of a figure that pyplot knows nothing of."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -71,7 +79,9 @@ def figures_of(problem: Problem, answer: Any, solution: Solution | None) -> str:
 def entitle(ax: Any, head: str, detail: str) -> None:
     """A bold heading above the axes, and below it lines of detail."""
     ax.set_title(head + "\n" * (1 + detail.count("\n")), loc="left", fontsize=11, fontweight="bold", color="#222222")
-    ax.text(0.0, 1.015, detail, transform=ax.transAxes, fontsize=9, color="#555555", va="bottom")
+    ax.annotate(
+        detail, (0.0, 1.0), xycoords="axes fraction", xytext=(0, 6), textcoords="offset points", fontsize=9, color="#555555", va="bottom"
+    )
     literal(ax)
 
 
@@ -121,6 +131,14 @@ def bars(ax: Any, values: Floats, names: list[str], what: str, *, worst: float |
     margin = max(0.6, (8 - len(values)) / 2)  # few bars stay slender
     ax.set_xlim(-margin, len(values) - 1 + margin)
     chart_axes(ax)
+
+
+def legend_below(ax: Any, handles: Any, labels: Any, columns: int, lines: float = 3.6) -> None:
+    """A legend below the axes, ``lines`` of text below their lower edge."""
+    ax.legend(
+        handles, labels, loc="upper left", bbox_to_anchor=(0.0, 0.0), borderaxespad=lines, ncols=columns, frameon=False, fontsize=8.5,
+        handlelength=2.4,
+    )  # fmt: skip
 
 
 def chart_axes(ax: Any) -> None:

@@ -13,7 +13,7 @@ from ...formulations.rendering import number
 from ...formulations.solution import Solution
 from ...instances.errors import UsageError
 from ..comparing import Comparison
-from .drawing import ALARM, COLOURS, chart_axes, entitle, figures_of, literal, new_axes, rounded
+from .drawing import ALARM, COLOURS, chart_axes, entitle, figures_of, legend_below, literal, new_axes, rounded
 
 if TYPE_CHECKING:
     from ...formulations.search_history import Event
@@ -66,10 +66,7 @@ def plot_history(history: History, *, ax: Any = None, title: str | None = None, 
         ax.axhline(best, color="#222222", linewidth=1.0, linestyle=(0, (1, 2)), label=f"best verified bound {rounded(best)}", zorder=2)
     _frame(ax, named, level - 1, ends)
     handles, labels = ax.get_legend_handles_labels()
-    ax.legend(
-        handles, labels, loc="upper left", bbox_to_anchor=(0.0, -0.12), ncols=2 if len(handles) < 9 else 3, frameon=False,
-        fontsize=8.5, handlelength=2.4,
-    )  # fmt: skip
+    legend_below(ax, handles, labels, 2 if len(handles) < 9 else 3, 4.2)
     chart_axes(ax)
     problem = first.problem
     ax.set_ylabel(

@@ -253,7 +253,7 @@ def test_what_native_code_prints_does_not_reach_standard_output(engine, capfd, m
     assert "Welcome to the solver" in err
 
 
-def test_progress_goes_to_standard_error_and_not_when_quiet(run, engine):
+def test_the_log_goes_to_standard_error_where_it_is_asked_for(run, engine):
     good = wb.solve(wb.read("demo-tiny"), heuristic="savings", bound_time=0)
     assert isinstance(good.objective, float)
     value = good.objective
@@ -263,10 +263,11 @@ def test_progress_goes_to_standard_error_and_not_when_quiet(run, engine):
         return RawResult("feasible", answer=good.answer, objective=value)
 
     engine(publish)
-    loud = run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json")
+    loud = run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json", "--log", "-")
     assert "objective" in loud.stderr
     assert "gap" in loud.stderr
-    assert run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json", "-q").stderr == ""
+    for quiet in ([], ["-q"]):  # by itself where standard error is no terminal
+        assert run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json", *quiet).stderr == ""
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,8 @@ class Goal:
 
     def met(self, value: float | None) -> bool:
         """Whether ``value`` is that of the bound, or nobody can have any."""
-        return self.infeasible or (value is not None and self.first_level is not None and same(value, self.first_level))
+        known = self.first_level if self.bound is None else self.bound
+        return self.infeasible or (value is not None and known is not None and same(value, known))
 
     def _close(self, value: float) -> bool:
         assert self.bound is not None
