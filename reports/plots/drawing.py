@@ -112,22 +112,39 @@ def entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, 
     return ax
 
 
-def bars(ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0]) -> None:
-    """One bar each in the order of the instance while they can be named, else from the least to the largest."""
+def bars(
+    ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0], ascending: bool = False,
+    bound: tuple[float, str] | None = None,
+) -> None:  # fmt: skip
+    """One bar each in the order of the instance while they can be named, else or where it is asked for from the least to the largest.
+
+    ``worst`` is a line across all bars, ``bound`` another above or below, with the kind of bound that it is.
+    """
     named = len(values) <= LABELLED_BARS
-    order = np.arange(len(values)) if named else np.argsort(values, kind="stable")
+    order = np.arange(len(values)) if named and not ascending else np.argsort(values, kind="stable")
     if not isinstance(colours, str):
         colours = [colours[k] for k in order.tolist()]
     ax.bar(np.arange(len(values)), values[order], width=0.8 if named else 1.0, color=colours, zorder=2)
-    if worst is not None:
-        ax.axhline(worst, color=ALARM, linewidth=1.0, zorder=3)
-        ax.annotate(f"{worst:.4g}", (1.0, worst), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
-                    color=ALARM, fontsize=9, va="center")  # fmt: skip
+    close = (
+        worst is not None
+        and bound is not None
+        and abs(worst - bound[0]) < 0.03 * max(float(np.abs(values).max(initial=0.0)), abs(bound[0]))
+    )
+    for level, text, colour, style in (
+        (worst, "" if worst is None else f"{worst:.4g}", INK, "-"),
+        *(((bound[0], f"bound {bound[0]:.4g}\n({bound[1]})", ALARM, (0, (5, 2))),) if bound is not None else ()),
+    ):
+        if level is not None:
+            ax.axhline(level, color=colour, linewidth=1.2, linestyle=style, zorder=3)
+            above = 0 if not close else (-9 if colour == INK else 9)
+            ax.annotate(text, (1.0, level), xycoords=("axes fraction", "data"), xytext=(4, above), textcoords="offset points",
+                        color=colour, fontsize=8.5, va="center")  # fmt: skip
     if named:
-        ax.set_xticks(np.arange(len(values)), names, fontsize=7.5, rotation=90 if len(values) > 20 else 0)
+        ax.set_xticks(np.arange(len(values)), [names[k] for k in order.tolist()], fontsize=7.5, rotation=90 if len(values) > 20 else 0)
     else:
         ax.set_xticks([])
-    ax.set_xlabel(f"{what}s" + ("" if named else f", {len(values)} of them in ascending order"), fontsize=9, color="#555555")
+    told = f", {len(values)} of them in ascending order" if not named else ", in ascending order" if ascending else ""
+    ax.set_xlabel(f"{what}s{told}", fontsize=9, color="#555555")
     margin = max(0.6, (8 - len(values)) / 2)  # few bars stay slender
     ax.set_xlim(-margin, len(values) - 1 + margin)
     chart_axes(ax)

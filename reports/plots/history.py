@@ -72,20 +72,16 @@ def plot_history(history: History, *, ax: Any = None, title: str | None = None, 
     ax.set_ylabel(
         str(problem.facts().get("objective", "objective")) if len(problem.senses) == 1 else f"level {level} of the objective", fontsize=9
     )
-    head = (
-        title if title is not None else f"{problem.name}: " + (f"search by {first.solver}" if len(named) == 1 else f"{len(named)} methods")
-    )
-    detail = (
-        ""
-        if title is not None
-        else f"{problem.senses[level - 1]} "
-        + (
-            figures_of(problem, first.answer, first)
-            if len(named) == 1 and first.answer is not None
-            else "answers: full lines, bounds: dashed"
-        )
-    )
-    entitle(ax, head, detail)
+    head = title
+    if title is None:
+        head = f"{problem.name}: search by {first.solver}" if len(named) == 1 else f"{problem.name}: {len(named)} methods"
+    if title is not None:
+        detail = ""
+    elif len(named) == 1 and first.answer is not None:
+        detail = f"{problem.senses[level - 1]} {figures_of(problem, first.answer, first)}"
+    else:
+        detail = f"{problem.senses[level - 1]}; answers: full lines, bounds: dashed, ends of runs: dots"
+    entitle(ax, str(head), detail)
     literal(ax)
     return ax
 
@@ -153,13 +149,12 @@ def _frame(ax: Any, named: Mapping[str, Solution], level: int, ends: float) -> N
         low, high = max(min(every), min(near) - span), min(max(every), max(near) + span)
         margin = 0.06 * max(high - low, span)
         ax.set_ylim(low - margin, high + margin)
-        for k, (name, values) in enumerate(ends_at.items()):
-            if values and not low <= values[0] <= high:
-                above = values[0] > high
-                told = f"{name} ends {'above' if above else 'below'} the picture, at {rounded(values[0])}"
-                at = (0.99, 0.985 - 0.04 * k if above else 0.02 + 0.04 * k)
-                ax.annotate(told, at, xycoords="axes fraction", ha="right", va="top" if above else "bottom", fontsize=8.5,
-                            color=COLOURS[k % len(COLOURS)])  # fmt: skip
+        beyond = [(k, name, values[0]) for k, (name, values) in enumerate(ends_at.items()) if values and not low <= values[0] <= high]
+        for line, (k, name, value) in enumerate(beyond):
+            above = value > high
+            told = f"{name} ends {'above' if above else 'below'} the picture, at {rounded(value)}"
+            at, colour = (0.99, 0.985 - 0.04 * line if above else 0.02 + 0.04 * line), COLOURS[k % len(COLOURS)]
+            ax.annotate(told, at, xycoords="axes fraction", ha="right", va="top" if above else "bottom", fontsize=8.5, color=colour)
     times = [e.seconds for s in named.values() for e in s.events]
     if times and ends > 20.0 * max(min(times), LEAST_SECONDS):
         ax.set_xscale("log")
