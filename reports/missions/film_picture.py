@@ -43,15 +43,16 @@ class Picture:
 
         self.films = dict(films)
         several = len(self.films) > 1
-        self.figure = Figure(figsize=(4.6 * len(self.films), 6.6) if several else (9.0, 4.8), layout="constrained")
+        count = len(self.films)
+        self.figure = Figure(figsize=(4.6 * count, 6.6) if several else (9.0, 4.8))  # its margins are fixed: a layout found anew jumps
         self.canvas = FigureCanvasAgg(self.figure)
         self.figure.set_dpi(80)
         if several:
-            grid = self.figure.add_gridspec(2, len(self.films), height_ratios=(2.4, 1.0))
-            worlds, chart = [self.figure.add_subplot(grid[0, k]) for k in range(len(self.films))], self.figure.add_subplot(grid[1, :])
+            rows = self.figure.add_gridspec(2, count, height_ratios=(2.6, 1.0), left=0.07, right=0.98, top=0.9, bottom=0.14, hspace=0.22)
+            worlds, chart = [self.figure.add_subplot(rows[0, k]) for k in range(count)], self.figure.add_subplot(rows[1, :])
         else:
-            world, chart = self.figure.subplots(1, 2, width_ratios=(1.25, 1.0))
-            worlds = [world]
+            row = self.figure.add_gridspec(1, 2, width_ratios=(1.25, 1.0), left=0.05, right=0.98, top=0.91, bottom=0.19, wspace=0.18)
+            worlds, chart = [self.figure.add_subplot(row[0, 0])], self.figure.add_subplot(row[0, 1])
         self.stages = [
             _Stage(ax, film, name, CURVES[k % len(CURVES)])
             for k, (ax, (name, film)) in enumerate(zip(worlds, self.films.items(), strict=True))
@@ -59,10 +60,8 @@ class Picture:
         self.title = self.figure.suptitle("", fontsize=11, fontweight="bold", color="#222222")
         self._chart(chart)
         handles, labels = worlds[0].get_legend_handles_labels()
-        self.figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False, fontsize=8, handletextpad=0.4)
+        self.figure.legend(handles, labels, loc="lower center", ncols=5, frameon=False, fontsize=8, handletextpad=0.4)
         self.show(0)
-        self.figure.draw_without_rendering()
-        self.figure.set_layout_engine("none")  # the layout of the first frame holds; finding it anew takes most of a frame's time
 
     def _chart(self, chart: Any) -> None:
         from matplotlib.ticker import MaxNLocator
