@@ -63,7 +63,9 @@ def best_level_bound(
     before = evaluation.values[:level]
     part, sense = problem.given(before), problem.senses[level]
     found: LevelBound | None = None
-    for piece in evidence if part is not None else ():
+    if part is None:
+        return None
+    for piece in evidence:
         try:
             bound = verified_bound(part, piece)
         except Exception as fault:

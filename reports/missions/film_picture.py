@@ -107,8 +107,8 @@ class Picture:
             self.past[k].set_data(range(step + 1), values[: step + 1])
             self.now[k].set_data([step], [values[step]])
         film = next(iter(self.films.values()))
-        values = " and ".join(number(film.values[step]) for film in self.films.values())
-        self.title.set_text(f"{film.mission.name}, step {step}: {film.mission.headline} {values} of {len(film.shots[step][0].points)}")
+        now = " and ".join(number(film.values[step]) for film in self.films.values())
+        self.title.set_text(f"{film.mission.name}, step {step}: {film.mission.headline} {now} of {len(film.shots[step][0].points)}")
         return [*changed, *self.past, *self.now, self.title]
 
 

@@ -79,7 +79,8 @@ def plot_loads(
         0.0, 1.12 * max(1e-12, *(float(b[dimension - 1].max(initial=0.0)) for b in boards), *(c for c in capacities if c < math.inf))
     )
     if any(math.isfinite(c) for c in capacities):
-        legend_below(ax, *ax.get_legend_handles_labels(), 1, 3.0 if len(names) <= 10 else 7.5 if len(names) <= LABELLED_ROUTES else 3.6)
+        handles, labels = ax.get_legend_handles_labels()
+        legend_below(ax, handles, labels, 1, 3.0 if len(names) <= 10 else 7.5 if len(names) <= LABELLED_ROUTES else 3.6)
     chart_axes(ax)
     head = f"{problem.name}: loads" + ("" if solution is None else f" by {solution.solver}") if title is None else title
     entitle(

@@ -123,7 +123,7 @@ def _check_outputs(mission: Mission, out: Path | None, animation: Path | None) -
             raise MissingPackageError("--animation needs the package matplotlib: pip install matplotlib")
 
 
-def _decider(text: str) -> dict[str, str]:
+def _decider(text: str) -> dict[str, Any]:
     """What decides, as a keyword for ``run``."""
     kind, colon, name = text.partition(":")
     if kind not in ("solver", "heuristic", "policy") or not colon or not name:

@@ -6,7 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from ..formulations.certificate import better_bound
 from ..formulations.problem import Problem
@@ -16,12 +16,6 @@ from ..formulations.solution import Solution
 Progress = Callable[[dict[str, Any]], None]
 
 
-class Listener(Protocol):
-    """Hears of events; one with ``begin_phase(phase, limit)`` hears of phases too."""
-
-    def __call__(self, event: dict[str, Any]) -> None: ...
-
-
 class Recorder:
     """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
 
@@ -29,10 +23,11 @@ class Recorder:
     ----------
     problem : Problem
     listeners : sequence of callables
-        Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event.
+        Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
+        has a method ``begin_phase(phase, limit)`` hears of phases too.
     """
 
-    def __init__(self, problem: Problem, listeners: Sequence[Listener] = ()) -> None:
+    def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
         self.senses, self._listeners = problem.senses, tuple(listeners)
         self._lock = threading.Lock()
         self._began = time.perf_counter()

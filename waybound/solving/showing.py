@@ -72,8 +72,9 @@ class _Cell:
     """The output of a cell: the lines so far, shown anew now and then, so that what stays is the log as a whole."""
 
     def __init__(self) -> None:
-        from IPython.display import display  # type: ignore[import-not-found, unused-ignore]
+        from importlib import import_module
 
+        display: Any = import_module("IPython.display").display  # there is none without a notebook
         self._lines: list[str] = []
         self._drawn = 0.0
         self._handle: Any = display(self._page(), raw=True, display_id=True)

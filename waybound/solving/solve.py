@@ -36,11 +36,9 @@ from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
 from .levels import bounds_of_levels, further_levels
 from .opinions import claimed, opinion, refuting, second_opinions, unproved
-from .recording import Listener, Recorder
+from .recording import Progress, Recorder
 from .search import BOUND_OVERTIME, Searched, in_time, search
 from .showing import Log, shown
-
-Progress = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
@@ -184,7 +182,7 @@ def solve(
         run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
 
     run.notes.extend(told)
-    listeners: list[Listener] = [] if progress is None else [progress]
+    listeners: list[Progress] = [] if progress is None else [progress]
     with shown(log) as written:
         if written is not None:
             listeners.append(written)
