@@ -10,7 +10,7 @@ from ..formulations.certificate import beats_bound, better_bound
 from ..formulations.problem import Problem
 from ..formulations.rendering import as_text
 from ..formulations.solution import Solution
-from ..formulations.tolerance import gap, same
+from ..formulations.tolerance import EQUAL, gap, same
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import UsageError, WayboundError, in_words
 from ..instances.printable import one_line
@@ -66,7 +66,8 @@ class Compared:
         if s is None:
             return "error"
         if s.status == "optimal":
-            return "optimal, verified" if s.bound_kind == "verified" and s.gap == 0.0 else "optimal, by its own word"
+            proved = s.bound_kind == "verified" and s.gap is not None and s.gap <= EQUAL
+            return "optimal, verified" if proved else "optimal, by its own word"
         if s.status == "feasible":
             return "feasible" if s.limit == "none" else f"feasible, stopped by {s.limit}"
         if s.certificate.infeasible or s.certificate.unbounded:

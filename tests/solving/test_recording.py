@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import waybound as wb
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solving.recording import Recorder
 
 
@@ -42,6 +43,34 @@ def test_where_more_is_better_larger_answers_and_smaller_bounds_are_news() -> No
     assert [(e.objective, e.bound) for e in record.events] == [((1.0,), (9.0,)), ((2.0,), (8.0,))]
 
 
+def test_levels_of_priority_are_compared_one_after_the_other() -> None:
+    heard: list[dict[str, Any]] = []
+    record = Recorder(wb.read("demo-tiny", objective="vehicles then total-cost"), [heard.append])
+    for values in ([3.0, 400.0], [2.0, 500.0], [3.0, 100.0], [2.0, 450.0]):
+        record.of_search("engine")({"objective": values, "bound": 1.0})
+    assert [e.objective for e in record.events] == [(3.0, 400.0), (2.0, 500.0), (2.0, 450.0)]
+    assert heard[-1]["objective"] == [2.0, 450.0]
+
+
+def test_incumbents_of_several_levels_are_priced_for_who_watches(registered: Any) -> None:
+    problem = wb.read("demo-tiny", objective="vehicles then total-cost")
+    answer = wb.solve(problem, heuristic="insertion", bound_time=0.0).answer
+
+    class Publishes(Engine):
+        name, family, package, modules, summary, features = "publishes", "routing", "waybound", ("json",), "for tests", frozenset()
+
+        def missing(self, problem: wb.Problem) -> frozenset[str]:
+            return frozenset()
+
+        def run(self, problem: wb.Problem, options: Options, control: Control) -> RawResult:
+            control.publish(answer, None)
+            return RawResult("feasible", answer=answer)
+
+    registered(BACKENDS, "publishes", Publishes)
+    events = wb.solve(problem, "publishes", bound_time=0.0).events
+    assert ("solve", problem.evaluate(answer).values) in [(e.phase, e.objective) for e in events]
+
+
 def test_what_does_not_hold_for_the_problem_is_no_event(problem: wb.Problem) -> None:
     record = Recorder(problem)
     record.of_search("relaxed", answers=False)({"objective": 1.0, "bound": 1.0})
@@ -51,7 +80,7 @@ def test_what_does_not_hold_for_the_problem_is_no_event(problem: wb.Problem) -> 
 
 def test_objectives_that_are_none_or_no_numbers_are_no_events(problem: wb.Problem) -> None:
     record = Recorder(problem)
-    for value in (None, math.nan, math.inf, [1.0, 2.0]):
+    for value in (None, math.nan, math.inf, [1.0, None], [], "1"):
         record.of_search("engine")({"objective": value, "bound": None})
     assert record.events == []
 

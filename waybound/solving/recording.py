@@ -31,7 +31,7 @@ class Recorder:
         self.senses, self._listeners = problem.senses, tuple(listeners)
         self._lock = threading.Lock()
         self._began = time.perf_counter()
-        self._value: float | None = None
+        self._value: tuple[float, ...] | None = None
         self._bound: tuple[float, str] | None = None
         self.events: list[Event] = []
 
@@ -55,9 +55,9 @@ class Recorder:
         """Hears bounding; ``source`` names what the bound rests on."""
         self._take("bound", None, event.get("bound"), event.get("kind") or "evidence", str(event.get("source", "bounding")))
 
-    def judged(self, who: str, value: float) -> None:
-        """The value of the answer that is handed over, recomputed from the data."""
-        self._take("check", value, None, "verified", who)
+    def judged(self, who: str, values: Sequence[float]) -> None:
+        """The values of the answer that is handed over, recomputed from the data."""
+        self._take("check", values, None, "verified", who)
 
     def end(self, solution: Solution) -> tuple[Event, ...]:
         """All events, with what was left at the end as the last one."""
@@ -71,9 +71,9 @@ class Recorder:
     def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str) -> None:
         news = False
         with self._lock:
-            value = float(value) if isinstance(value, int | float) else None
-            if value is not None and math.isfinite(value) and (self._value is None or self._better(value, self._value)):
-                self._value, news = value, True
+            values = _levels(value)
+            if values is not None and (self._value is None or self._better(values, self._value)):
+                self._value, news = values, True
             if isinstance(bound, int | float):
                 bound = float(bound)
                 if self._bound is None or better_bound(self.senses[0], bound, self._bound[0]):
@@ -81,17 +81,27 @@ class Recorder:
             seconds = self._seconds()
             known, known_kind = self._bound or (None, None)
             if news:
-                held = None if self._value is None else (self._value,)
-                self.events.append(Event(seconds, phase, held, None if known is None else (known,), known_kind, who))
-            told = {
-                "phase": phase, "seconds": seconds, "objective": self._value, "bound": known, "bound_kind": known_kind, "found_by": who,
-            }  # fmt: skip
+                self.events.append(Event(seconds, phase, self._value, None if known is None else (known,), known_kind, who))
+            best = self._value if self._value is None or len(self._value) > 1 else self._value[0]
+            shown = list(best) if isinstance(best, tuple) else best
+            told = {"phase": phase, "seconds": seconds, "objective": shown, "bound": known, "bound_kind": known_kind, "found_by": who}
         if news or phase == "solve":
             for listener in self._listeners:
                 listener(told)
 
-    def _better(self, value: float, than: float) -> bool:
-        return value < than if self.senses[0] == "min" else value > than
+    def _better(self, values: tuple[float, ...], than: tuple[float, ...]) -> bool:
+        """Level by level; who tells of the first level alone is better by that alone."""
+        for sense, value, other in zip(self.senses, values, than, strict=False):
+            if value != other:
+                return value < other if sense == "min" else value > other
+        return False
 
     def _seconds(self) -> float:
         return time.perf_counter() - self._began
+
+
+def _levels(value: Any) -> tuple[float, ...] | None:
+    """A value a level; None for what is not known, and for what is no finite number."""
+    values = value if isinstance(value, list | tuple) else [value]
+    known = [float(v) for v in values if isinstance(v, int | float) and math.isfinite(v)]
+    return tuple(known) if known and len(known) == len(values) else None

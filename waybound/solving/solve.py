@@ -40,6 +40,9 @@ from .recording import Progress, Recorder
 from .search import BOUND_OVERTIME, Searched, in_time, search
 from .showing import Log, shown
 
+PRICED_EVERY = 0.25
+"""Least seconds between two incumbents of several levels that are priced for who watches."""
+
 
 @dataclass(frozen=True)
 class _Run:
@@ -199,7 +202,8 @@ def _answered(problem: Problem, run: _Run, options: Options, budget: float, line
     """Search, with bounds before it and beside it where the search has none of its own, and conclude."""
     exactness = Exactness.EXACT if run.made is None else run.made.exactness
     hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
-    control = Control(hear)
+    control = Control(hear if run.made is not None or len(problem.senses) == 1 else lambda event: hear({**event, **priced()}))
+    priced = _pricing(problem, control)
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         began = time.perf_counter()
@@ -234,6 +238,25 @@ def _answered(problem: Problem, run: _Run, options: Options, budget: float, line
                 beside.stop()
         made.seconds["bound"] += spent
         return made
+
+
+def _pricing(problem: Problem, control: Control) -> Callable[[], dict[str, Any]]:
+    """Prices the engine's incumbent where the objective has levels, of which engines tell none, or the first: now and then, for the log."""
+    last = -math.inf
+
+    def priced() -> dict[str, Any]:
+        nonlocal last
+        now = time.perf_counter()
+        if control.answer is None or now - last < PRICED_EVERY:
+            return {"objective": None}
+        last = now
+        try:
+            judged = problem.evaluate(control.answer)
+        except Exception:  # it will be judged, and told what is wrong, at the end
+            return {"objective": None}
+        return {"objective": list(judged.values) if judged.feasible else None}
+
+    return priced
 
 
 def _limits_told(options: Options, budget: float) -> str:
@@ -329,7 +352,7 @@ def _conclude(
         judge, found = _verdict(problem, run, searched.result, control, options, crash)
     spent = time.perf_counter() - began
     if found[1] is not None:
-        record.judged(run.name, found[1].values[0])
+        record.judged(run.name, found[1].values)
     try:
         return _certified(judge, run, searched, options, found, spent, budget, record, first, beside)
     except CheckFailedError:  # and no answer
