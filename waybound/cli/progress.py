@@ -40,7 +40,7 @@ class Progress:
 
     def __init__(self, quiet: bool, log: str | None = None, logged: bool = False) -> None:
         self._lock = threading.Lock()
-        self._event: dict[str, Any] = {"phase": "start", "seconds": 0.0, "objective": None, "bound": None}
+        self._event: dict[str, Any] = {"phase": "preparing", "seconds": 0.0, "objective": None, "bound": None}
         self._began = self._phase_began = time.perf_counter()
         self._limit: float | None = None
         self._live: Any = None
@@ -88,7 +88,7 @@ class Progress:
     def line(self) -> str:
         """What is known now: phase, seconds and limit, incumbent, bound, gap."""
         from ..formulations.rendering import number, percent
-        from ..formulations.solution import relative_gap
+        from ..solving.search_log import open_gap
 
         with self._lock:
             e, limit, now = self._event, self._limit, time.perf_counter()
@@ -99,9 +99,7 @@ class Progress:
         if e["bound"] is not None:
             known = math.isfinite(e["bound"]) if isinstance(e["bound"], float) else True
             parts.append(f"bound {number(e['bound'])}" if known else "no answer exists")
-        gap = None
-        if isinstance(e["objective"], int | float) and isinstance(e["bound"], int | float):
-            gap = relative_gap(float(e["objective"]), float(e["bound"]))
+        gap = open_gap(e["objective"], e["bound"])
         if gap is not None:
             parts.append(f"gap {percent(gap)}")
         return ", ".join(parts)

@@ -13,6 +13,7 @@ from typing import Any
 from ..formulations.problem import Problem
 from ..formulations.rendering import as_text, number, percent
 from ..formulations.solution import Solution, relative_gap, solution_title, status_line
+from ..formulations.tolerance import same
 from ..formulations.verdict import verdict_lines
 from ..instances.printable import one_line
 
@@ -130,7 +131,7 @@ class SearchLog:
     def _say(self, news: str) -> None:
         self._said = time.perf_counter()
         value, bound = self._event.get("objective"), self._event.get("bound")
-        gap = self._event.get("gap", relative_gap(value, bound) if isinstance(value, float) and isinstance(bound, float) else None)
+        gap = self._event["gap"] if "gap" in self._event else open_gap(value, bound)
         known = bound is None or not isinstance(bound, float) or math.isfinite(bound)
         self._line(
             f"{self._said - self._began:>9.2f}  {_short(value):>14}  {_short(bound) if known else 'no answer':>14}  "
@@ -140,6 +141,14 @@ class SearchLog:
     def _line(self, text: str) -> None:
         with self._lock, contextlib.suppress(OSError, ValueError):  # nobody can read it, which must not end a search
             self._write(text.rstrip())
+
+
+def open_gap(value: Any, bound: Any) -> float | None:
+    """The gap while a search runs: of the first level, where that one is still open."""
+    first = value[0] if isinstance(value, list) else value
+    if not isinstance(first, float | int) or not isinstance(bound, float | int) or (isinstance(value, list) and same(first, bound)):
+        return None
+    return relative_gap(float(first), float(bound))
 
 
 def _short(value: Any) -> str:

@@ -211,6 +211,8 @@ def _answered(problem: Problem, run: _Run, options: Options, budget: float, line
         goal: Goal | None = None
         beside: Beside | None = None
         if not run.bounds and options.iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            if budget > 0:
+                record.begin_phase("bound", min(SECONDS, budget))
             first, goal = first_evidence(problem, min(SECONDS, budget), linear, options.gap)
             if goal is not None and first:
                 record.of_bounds(goal.told())
