@@ -53,7 +53,7 @@ def _levels(s: Solution, verified: Sequence[tuple[float, str]], values: Sequence
     for level, sense in enumerate(senses):
         best, beyond = _BEST[sense]
         at = f" at level {level + 1}" if len(senses) > 1 else ""
-        given = "" if level == 0 else " and no worse before it"
+        given = "" if level == 0 else " as good before"
         value = None if values is None else values[level]
         if level >= len(verified):
             what = "any limit on what answers are worth" if value is None else f"that {number(value)} is the {best}"
@@ -61,7 +61,7 @@ def _levels(s: Solution, verified: Sequence[tuple[float, str]], values: Sequence
             return lines
         bound, source = verified[level]
         lines.append(
-            Line("proved", f"no answer is {beyond} {number(bound)}{at}{given} (evidence: {source}; checked without any solver)", "good")
+            Line("proved", f"no answer{given} is {beyond} {number(bound)}{at} (evidence: {source}; checked without any solver)", "good")
         )
         if value is None:
             return lines

@@ -58,7 +58,7 @@ def test_of_a_flood_of_answers_the_last_is_told(clock: Any) -> None:
 def test_that_no_answer_exists_is_told_in_words(clock: Any) -> None:
     lines: list[str] = []
     SearchLog(lines.append)(told(None, float("inf"), "evidence", "bin packing"))
-    assert "no answer exists, says bin packing" in lines[0] and "inf" not in lines[0]
+    assert "no answer exists: bin packing; its evidence is checked at the end" in lines[0] and "inf" not in lines[0]
 
 
 def test_a_reader_who_is_gone_ends_nothing() -> None:

@@ -90,11 +90,11 @@ class Recorder:
                 listener(told)
 
     def _better(self, values: tuple[float, ...], than: tuple[float, ...]) -> bool:
-        """Level by level; who tells of the first level alone is better by that alone."""
+        """Level by level; of equal ones who tells of more levels."""
         for sense, value, other in zip(self.senses, values, than, strict=False):
             if value != other:
                 return value < other if sense == "min" else value > other
-        return False
+        return len(values) > len(than)
 
     def _seconds(self) -> float:
         return time.perf_counter() - self._began

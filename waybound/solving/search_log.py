@@ -84,7 +84,7 @@ class SearchLog:
                 return
             who = event["found_by"]
             if raised and not math.isfinite(event["bound"]):
-                news = f"no answer exists, says {who}; its evidence is checked at the end"
+                news = f"no answer exists: {who}; {_KINDS[event['bound_kind']]}"
             else:
                 answer = f"answer by {who}, {'checked' if event['phase'] == 'check' else 'not checked yet'}" if better else ""
                 news = ", and ".join(part for part in (answer, f"bound by {who}, {_KINDS[event['bound_kind']]}" if raised else "") if part)

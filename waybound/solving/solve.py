@@ -222,7 +222,8 @@ def _answered(problem: Problem, run: _Run, options: Options, budget: float, line
             elif goal is not None and budget > SECONDS and free_core(options.threads):
                 beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began
-        record.begin_phase("solve", options.time_limit)
+        if goal is None or not goal.infeasible:
+            record.begin_phase("solve", options.time_limit)
         try:
             searched = search(run.go, control, options.time_limit)
         except WayboundError:
