@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .rendering import Line, number, percent
-from .tolerance import EQUAL, same
+from .tolerance import EQUAL, gap, same
 
 if TYPE_CHECKING:
     from .solution import Solution
@@ -66,8 +65,7 @@ def _levels(s: Solution, verified: Sequence[tuple[float, str]], values: Sequence
         if value is None:
             return lines
         if not _met(s, level, bound, value):
-            span = abs(value - bound) / max(abs(value), 1e-9)
-            far = f"better ones may exist, by up to {percent(span)}" if math.isfinite(span) else "better ones may exist"
+            far = f"better ones may exist, by up to {percent(gap(value, bound))}"
             lines.append(Line("not proved", f"that {number(value)} is the {best}{at}: {far}", "quiet"))
             return lines
         lines.append(Line("proved", f"{number(value)} is the {best}{at}: bound and answer meet", "good"))

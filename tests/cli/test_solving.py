@@ -364,3 +364,25 @@ def test_what_the_command_line_itself_refuses_is_exit_2(run, arguments):
     result = run(*arguments)
     assert result.exit_code == 2
     assert result.stdout == ""
+
+
+def test_a_view_is_drawn_and_one_that_does_not_exist_is_refused(run, refused, tmp_path):
+    given = ("solve", "demo-tiny", "--heuristic", "savings", "--bound-time", 0)
+    assert run(*given, "--plot", tmp_path / "a.svg", "--view", "schedule").exit_code == 0
+    assert (tmp_path / "a.svg").read_text().startswith("<?xml")
+    assert "there are loads, schedule, history" in refused(*given, "--plot", tmp_path / "b.svg", "--view", "gantt")
+    assert "give a file with --plot" in refused(*given, "--view", "schedule")
+
+
+def test_an_objective_is_taken_as_text(run, refused, strict_json):
+    result = run("solve", "demo-tiny", "--heuristic", "insertion", "--bound-time", 0, "--objective", "vehicles then total-cost", "--json")
+    assert len(strict_json(result.stdout)["objective"]) == 2
+    assert "did you mean total-cost?" in refused("info", "demo-tiny", "--objective", "total-costs")
+    assert "use --objective" in refused("solve", "demo-tiny", "--set", "objective=vehicles")
+    assert "no setting 'objective'" in refused("solve", "sata-s3", "--objective", "vehicles")
+
+
+def test_the_log_overwrites_neither_input_nor_other_outputs(refused, tmp_path):
+    given = ("solve", "demo-tiny", "--heuristic", "savings", "--bound-time", 0)
+    assert "another output" in refused(*given, "--out", tmp_path / "a.sol", "--log", tmp_path / "a.sol")
+    assert "no folder" in refused(*given, "--log", tmp_path / "none" / "a.log")
