@@ -83,7 +83,8 @@ if TYPE_CHECKING:
     from .instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
     from .instances.selection.instance import SelectionInstance
     from .instances.sensing.graph import SensingGraph
-    from .reports.comparing import Comparison, compare
+    from .reports.comparing import compare
+    from .reports.comparison import Comparison
     from .reports.missions.running import run
     from .reports.plots.history import plot_history
     from .solving.explaining import Explanation
@@ -161,7 +162,8 @@ _MODULES = {
     "instances.selection.instance": ("SelectionInstance",),
     "instances.sensing.graph": ("SensingGraph",),
     "instances.routing.travel": ("Travel",),
-    "reports.comparing": ("Comparison", "compare"),
+    "reports.comparing": ("compare",),
+    "reports.comparison": ("Comparison",),
     "reports.missions.running": ("run",),
     "reports.plots.history": ("plot_history",),
     "solving.explaining": ("Explanation",),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...formulations.rendering import number
 from ...formulations.solution import Solution
 from ...instances.errors import UsageError
-from ..comparing import Comparison
+from ..comparison import Comparison
 from .drawing import ALARM, COLOURS, chart_axes, entitle, figures_of, legend_below, literal, new_axes, rounded
 
 if TYPE_CHECKING:

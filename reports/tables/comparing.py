@@ -9,12 +9,12 @@ from ...formulations.rendering import Line, as_html, number, percent
 from .table import Column, Table
 
 if TYPE_CHECKING:
-    from ..comparing import Compared, Comparison
+    from ..comparison import Compared, Comparison
 
 
 def comparison_table(comparison: Comparison) -> Table:
     """One row a method; the gap is to the best verified bound of all."""
-    from ..comparing import remark_of
+    from ..comparison import remark_of
 
     rows = [
         (

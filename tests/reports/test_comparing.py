@@ -9,7 +9,8 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.problem import Problem
-from waybound.reports.comparing import Compared, Comparison, _contradictions
+from waybound.reports.comparing import _contradictions
+from waybound.reports.comparison import Compared, Comparison
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 
 

@@ -33,7 +33,7 @@ from .options import (
 from .solving import PLOT_SUFFIXES
 
 if TYPE_CHECKING:
-    from ..reports.comparing import Comparison
+    from ..reports.comparison import Comparison
 
 TABLE_SUFFIXES = (".csv", ".json")
 

@@ -12,8 +12,12 @@ from ..formulations.certificate import better_bound
 from ..formulations.problem import Problem
 from ..formulations.search_history import Event
 from ..formulations.solution import Solution
+from ..solvers.backend import Control
 
 Progress = Callable[[dict[str, Any]], None]
+
+PRICED_EVERY = 0.25
+"""Least seconds between two incumbents of several levels that are priced for who watches."""
 
 
 class Recorder:
@@ -105,3 +109,22 @@ def _levels(value: Any) -> tuple[float, ...] | None:
     values = value if isinstance(value, list | tuple) else [value]
     known = [float(v) for v in values if isinstance(v, int | float) and math.isfinite(v)]
     return tuple(known) if known and len(known) == len(values) else None
+
+
+def pricing(problem: Problem, control: Control) -> Callable[[], dict[str, Any]]:
+    """Prices the engine's incumbent where the objective has levels, of which engines tell none, or the first: now and then, for the log."""
+    last = -math.inf
+
+    def priced() -> dict[str, Any]:
+        nonlocal last
+        now = time.perf_counter()
+        if control.answer is None or now - last < PRICED_EVERY:
+            return {"objective": None}
+        last = now
+        try:
+            judged = problem.evaluate(control.answer)
+        except Exception:  # it will be judged, and told what is wrong, at the end
+            return {"objective": None}
+        return {"objective": list(judged.values) if judged.feasible else None}
+
+    return priced

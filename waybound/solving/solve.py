@@ -36,12 +36,9 @@ from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
 from .levels import bounds_of_levels, further_levels
 from .opinions import claimed, opinion, refuting, second_opinions, unproved
-from .recording import Progress, Recorder
+from .recording import Progress, Recorder, pricing
 from .search import BOUND_OVERTIME, Searched, in_time, search
 from .showing import Log, shown
-
-PRICED_EVERY = 0.25
-"""Least seconds between two incumbents of several levels that are priced for who watches."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +200,7 @@ def _answered(problem: Problem, run: _Run, options: Options, budget: float, line
     exactness = Exactness.EXACT if run.made is None else run.made.exactness
     hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
     control = Control(hear if run.made is not None or len(problem.senses) == 1 else lambda event: hear({**event, **priced()}))
-    priced = _pricing(problem, control)
+    priced = pricing(problem, control)
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         began = time.perf_counter()
@@ -241,25 +238,6 @@ def _answered(problem: Problem, run: _Run, options: Options, budget: float, line
                 beside.stop()
         made.seconds["bound"] += spent
         return made
-
-
-def _pricing(problem: Problem, control: Control) -> Callable[[], dict[str, Any]]:
-    """Prices the engine's incumbent where the objective has levels, of which engines tell none, or the first: now and then, for the log."""
-    last = -math.inf
-
-    def priced() -> dict[str, Any]:
-        nonlocal last
-        now = time.perf_counter()
-        if control.answer is None or now - last < PRICED_EVERY:
-            return {"objective": None}
-        last = now
-        try:
-            judged = problem.evaluate(control.answer)
-        except Exception:  # it will be judged, and told what is wrong, at the end
-            return {"objective": None}
-        return {"objective": list(judged.values) if judged.feasible else None}
-
-    return priced
 
 
 def _limits_told(options: Options, budget: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import waybound as wb
-from waybound.reports.comparing import Compared, Comparison
+from waybound.reports.comparison import Compared, Comparison
 from waybound.reports.tables.comparing import comparison_html, comparison_lines, comparison_table, plain_text
 
 
