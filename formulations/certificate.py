@@ -12,6 +12,7 @@ from ..instances.printable import printable
 from . import tolerance
 from .evaluation import Check, Evaluation, Violation
 from .evidence import CHECKERS, ENDLESS, Evidence, Guarantee
+from .levels import LevelBound, check_levels, with_levels
 from .problem import Problem
 from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .stated import compare_answer, real, stated_evidence, stated_guarantee
@@ -55,6 +56,8 @@ class Certificate:
         One that a certificate file states; nothing verifies it.
     observed_ratio : float or None
         Worse over better of objective and verified bound: no smaller than the true ratio. None where their signs differ.
+    levels : tuple of LevelBound
+        Verified bounds of the levels of priority after the first, for answers that are no worse than this one at the levels before.
     from_file : bool
         Whether the names of sources are those of a file, and shown as such.
     """
@@ -77,6 +80,7 @@ class Certificate:
     observed_ratio: float | None = None
     stated_guarantee: Guarantee | None = None
     from_file: bool = False
+    levels: tuple[LevelBound, ...] = ()
 
     def to_json(self, *, with_evidence: bool = False) -> dict[str, Any]:
         """The certificate's keys in the JSON of ``solve``; ``with_evidence`` makes it a certificate file."""
@@ -93,6 +97,8 @@ class Certificate:
             "guarantee": None if self.guarantee is None else self.guarantee.to_json(),
             "observed_ratio": self.observed_ratio,
         }
+        if self.levels:
+            data["levels"] = [level.to_json(with_evidence=with_evidence) for level in self.levels]
         if self.stated_guarantee is not None:
             data["stated_guarantee"] = self.stated_guarantee.to_json()
         if with_evidence:
@@ -293,6 +299,9 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
         _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
     for piece in evidence:
         _compare_evidence(problem, piece, made)
+    levels = check_levels(problem, data.get("levels"), evaluation)
+    if levels:
+        made = replace(made, levels=levels) if evaluation is None else with_levels(made, evaluation, levels)
     _compare_figures(data, made)
     return replace(made, from_file=True, stated_guarantee=stated_guarantee(data))
 
@@ -376,7 +385,8 @@ def bound_line(c: Certificate) -> Line:
         return Line("bound", f"none: there is no {'solution' if c.infeasible else 'best solution'}, verified: {_source(c)}", "bad")
     if c.bound is None:
         return Line("bound", "none verified", "quiet")
-    return Line("bound", f"{number(c.bound)}, verified: {_source(c)}", "good")
+    bounds, sources = [c.bound, *(level.bound for level in c.levels)], [_source(c), *(_level_source(c, level) for level in c.levels)]
+    return Line("bound", f"{number(bounds if c.levels else c.bound)}, verified: {', then '.join(sources)}", "good")
 
 
 def _bound_lines(c: Certificate) -> list[Line]:
@@ -389,6 +399,10 @@ def _bound_lines(c: Certificate) -> list[Line]:
 def _source(c: Certificate) -> str:
     """What proves the bound: a file's own name for it stands in quotes, behind the kind of evidence that was multiplied out."""
     return f"{c.evidence[0].kind}, in the file {printable(c.bound_source, 200)!r}" if c.from_file and c.evidence else str(c.bound_source)
+
+
+def _level_source(c: Certificate, level: LevelBound) -> str:
+    return f"{level.evidence.kind}, in the file {printable(level.source, 200)!r}" if c.from_file else level.source
 
 
 def ratio_lines(c: Certificate) -> list[Line]:

@@ -139,6 +139,14 @@ class Problem(ABC):
             self.check_statement(statement)
         return self
 
+    def given(self, values: Sequence[float]) -> Problem | None:
+        """The problem of the levels of priority after the first ``len(values)``; None in families that know none.
+
+        Its answers include all answers of this one that are no worse than ``values`` at the levels before, so that what bounds its first
+        level bounds those.
+        """
+        return None
+
     def in_words(self, statement: Any, holds: bool) -> str:
         """A statement, or its opposite, for people."""
         return f"{statement} {'holds' if holds else 'does not hold'}"

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..instances.errors import UsageError
 from ..instances.suggestions import did_you_mean
 from . import plotting
-from .certificate import Certificate, answer_lines, ratio_lines
+from .certificate import Certificate, answer_lines, bound_line, ratio_lines
 from .evaluation import Evaluation
 from .problem import Problem
 from .programs.exactness import Link
 from .rendering import Line, as_html, as_rich, as_text, number, percent
+from .search_history import Event, history_frame
 from .tolerance import EQUAL, gap, same
 
 if TYPE_CHECKING:
@@ -111,6 +112,8 @@ class Solution:
     faults : tuple of str
         Claims of the solver, and bounds, that contradict the answer. It passed every check all the same; nothing that the solver claims
         is believed then, and a bound that contradicts it is withheld. Empty as it should be.
+    events : tuple of Event
+        What was known at each moment of the search; ``history`` is a frame of them.
     """
 
     problem: Problem
@@ -134,6 +137,17 @@ class Solution:
     chain: tuple[Link, ...] = ()
     opinions: tuple[Opinion, ...] = ()
     faults: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
+
+    @property
+    def history(self) -> pd.DataFrame:
+        """What was known at each moment, one row whenever something better was found, and the checked figures as the last row.
+
+        Columns ``seconds`` since the call of ``solve``, ``phase`` (``solve, bound, check``), ``objective`` and ``bound`` (the best known,
+        by the search's own count before the last row), ``bound_kind`` (``claimed``, ``evidence``: to be checked, ``verified``), ``gap``,
+        ``found_by``; of objectives in order of priority also ``objective_2``, ``bound_2``, ...
+        """
+        return history_frame(self.events, len(self.problem.senses))
 
     def to_frame(self, of: str | None = None) -> pd.DataFrame:
         """The answer as a table.
@@ -342,9 +356,9 @@ def solution_lines(solution: Solution) -> list[Line]:
     if s.bound_kind == "claimed":
         lines.append(Line("bound", f"{number(s.bound)}, claimed by {s.bound_source} (its own figure, no evidence)"))
         if c.bound is not None:
-            lines.append(Line("", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
+            lines.append(replace(bound_line(c), label=""))
     elif c.bound is not None:
-        lines.append(Line("bound", f"{number(c.bound)}, verified: {c.bound_source}", "good"))
+        lines.append(bound_line(c))
     else:
         lines.append(Line("bound", "none", "quiet"))
     if s.gap is not None:

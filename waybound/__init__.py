@@ -87,7 +87,10 @@ if TYPE_CHECKING:
     from .instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
     from .instances.selection.instance import SelectionInstance
     from .instances.sensing.graph import SensingGraph
+    from .reports.comparing import compare
+    from .reports.comparison import Comparison
     from .reports.missions.running import run
+    from .reports.plots.history import plot_history
     from .solving.explaining import Explanation
     from .solving.listing import heuristic_table as heuristics
     from .solving.listing import solver_table as solvers
@@ -167,7 +170,10 @@ _MODULES = {
     "instances.selection.instance": ("SelectionInstance",),
     "instances.sensing.graph": ("SensingGraph",),
     "instances.routing.travel": ("Travel",),
+    "reports.comparing": ("compare",),
+    "reports.comparison": ("Comparison",),
     "reports.missions.running": ("run",),
+    "reports.plots.history": ("plot_history",),
     "solving.explaining": ("Explanation",),
     "solving.solve": ("solve",),
 }
@@ -186,6 +192,7 @@ __all__ = [
     "Certificate",
     "Check",
     "CheckFailedError",
+    "Comparison",
     "Compiled",
     "Coverage",
     "DenseFacilityLocation",
@@ -252,6 +259,7 @@ __all__ = [
     "bound",
     "check",
     "check_submodular",
+    "compare",
     "cvrp",
     "explain",
     "generate",
@@ -263,6 +271,7 @@ __all__ = [
     "min_makespan_vrp",
     "orienteering",
     "pdptw",
+    "plot_history",
     "read",
     "recharging_vrp",
     "run",

@@ -53,7 +53,7 @@ def read(
         How distances are rounded: ``file, exact, trunc1`` (``dimacs``), ``trunc2, round, ceil``.
     **settings
         Changes of the data, as with ``--set``: ``customers=25``, ``vehicles=3``, ``vehicles="unlimited"``,
-        ``vehicles_exactly=17``, ``capacity=100``; ``fractional=True`` for a bottleneck problem.
+        ``vehicles_exactly=17``, ``capacity=100``, ``objective="vehicles then total-cost"``; ``fractional=True`` for a bottleneck problem.
 
     Returns
     -------

@@ -192,8 +192,12 @@ class Objective(Composable):
         return self._levels
 
     @classmethod
-    def of(cls, value: Composable) -> Objective:
-        """Any composable as an objective."""
+    def of(cls, value: Composable | str) -> Objective:
+        """Any composable, or a text such as ``vehicles then total-cost``, as an objective."""
+        if isinstance(value, str):
+            from .objective_text import objective_from
+
+            return objective_from(value)
         return value if isinstance(value, Objective) else cls(value.levels())
 
     @classmethod

@@ -30,7 +30,7 @@ from .geojson import answer_geojson, visits_of_geojson
 from .given_routes import routes_given
 from .judge import evaluate_routes
 from .left_out import left_out
-from .objective import Composable, Objective, Reward
+from .objective import Composable, Objective, Reward, Vehicles
 from .reachability import unreachable
 from .route_graph import answer_graph
 from .routes import Routes
@@ -51,8 +51,8 @@ class RoutingProblem(Problem):
     sites : Sites
     travel : Travel
     fleet : sequence of VehicleType
-    objective : Objective, term, or weighted sum of terms
-        Default: total cost.
+    objective : Objective, term, weighted sum of terms, or text
+        Default: total cost. As text: ``"vehicles then total-cost"``, ``"total-cost - 2*reward"``.
     min_vehicles : int
         Routes that must be used at least.
     forbidden : bool array of shape (sites, sites), optional
@@ -90,7 +90,7 @@ class RoutingProblem(Problem):
         sites: Sites,
         travel: Travel,
         fleet: Sequence[VehicleType],
-        objective: Composable | None = None,
+        objective: Composable | str | None = None,
         min_vehicles: int = 0,
         name: str = "problem",
         problem: str = "cvrp",
@@ -327,6 +327,22 @@ class RoutingProblem(Problem):
         made = copy.copy(self)
         fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in self.fleet)
         made.__dict__.update(forbidden=moves, min_vehicles=least, fleet=fleet if most < len(self.sites) else self.fleet)
+        return made
+
+    def given(self, values: Sequence[float]) -> RoutingProblem | None:
+        """The levels after those of ``values``. Where a level before counts vehicles alone, there are no more of them than its value
+        says; other levels restrict nothing, so that bounds hold for more answers than they need to."""
+        levels = self.objective.levels()
+        if not 0 < len(values) < len(levels):
+            return None
+        made = copy.copy(self)
+        for level, value in zip(levels, values, strict=False):
+            ((weight, term), *others) = level.terms
+            if isinstance(term, Vehicles) and not others and weight > 0 and math.isfinite(value):
+                most = max(1, math.floor(value / weight * (1.0 + 1e-9)))
+                fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in made.fleet)
+                made.__dict__.update(fleet=fleet)
+        made.__dict__.update(objective=Objective(levels[len(values) :]))
         return made
 
     def in_words(self, statement: Any, holds: bool) -> str:

@@ -14,7 +14,7 @@ from .objective import Objective
 if TYPE_CHECKING:
     from ...instances.routing.instance import RoutingInstance
 
-KNOWN = ("vehicles", "vehicles-exactly", "capacity", "customers", "risk", "team-risk")
+KNOWN = ("vehicles", "vehicles-exactly", "capacity", "customers", "risk", "team-risk", "objective")
 
 
 def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -67,16 +67,28 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
             fleet = (replace(fleet[0], count=count),)
             least = 0 if key == "vehicles" or count is None else count
             notes = ()
+    asked = given.pop("objective", None)
     if given:
         raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {', '.join(KNOWN)}")
     objective = DEFAULT_OBJECTIVE.get(name, Objective())
     if instance.objective and (name == instance.problem or objective == Objective()):
         objective = Objective.named(instance.objective)
+    if asked is not None:
+        objective = Objective.of(asked)
+        _refuse_empty_terms(objective, instance)
     return {
         "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": objective, "min_vehicles": least, "name": instance.name,
         "problem": name, "notes": notes, "team_risk": risks.get("team-risk", instance.team_risk),
         "forbidden": instance.forbidden, "clock": instance.clock,
     }  # fmt: skip
+
+
+def _refuse_empty_terms(objective: Objective, instance: RoutingInstance) -> None:
+    """Raise UsageError for a term that is 0 for every answer, because the data hold nothing that it counts."""
+    sites = instance.sites
+    for name, values in (("reward", sites.reward), ("penalties", sites.penalty)):
+        if f"objective:{name}" in objective.features() and not values.any():
+            raise UsageError(f"objective {str(objective)!r}: no site of {instance.name} has any {name}, so that it would count nothing")
 
 
 def _whole(name: str, value: Any) -> int:

@@ -59,6 +59,10 @@ class Scene:
         Points that are attained: seen, visited, done.
     labels : tuple of str
         What agents, marked points and the other points are.
+    headings : array of shape (agents,), radians, optional
+        Where agents face.
+    links : sequence of (agent, point)
+        Which points are assigned to which agent, by what was decided last.
     """
 
     area: tuple[float, float, float, float]
@@ -67,6 +71,8 @@ class Scene:
     points: NDArray[np.float64]
     marked: NDArray[np.bool_]
     labels: tuple[str, str, str] = ("agents", "attained", "open")
+    headings: NDArray[np.float64] | None = None
+    links: Sequence[tuple[int, int]] = ()
 
 
 class Mission(ABC):

@@ -69,12 +69,13 @@ class Tracking(Mission):
         self.values = {key: preset[key] if value is None else value for key, value in values.items()}
         made = make_world("tracking", seed, **{key: values[key] for key in WORLDS["tracking"].settings})
         assert isinstance(made, TrackingWorld)
+        self._assigned = list[tuple[int, int]]()
         self._draw = Draw(np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, 1]))))
         return made
 
     def teams(self, observation: TrackingObservation) -> Sequence[TrackingObservation]:
         """Robots that hear each other, directly or relayed, and share targets, directly or through others of them."""
-        o = observation
+        o, self._assigned = observation, []
         sees = o.seen.astype(np.int64)
         adjacent = (sees @ sees.T > 0) & (o.components[:, None] == o.components[None, :])
         label = linked(adjacent | np.eye(len(o.ids), dtype=bool))
@@ -113,6 +114,7 @@ class Tracking(Mission):
         to: dict[int, Floats] = {}
         if problem is not None and answer is not None:
             graph, chosen = _graph(problem), chosen_actions(problem, answer)
+            self._assigned += [(int(o.ids[robot]), target) for robot, target in assigned(problem, answer)]
             assert graph.action_positions is not None
             if isinstance(problem, WinnerTakesAllSATA):  # without credit any primitive is as good
                 credited = set(problem.winners(tuple(chosen))[0].tolist() if answer.winners is None else answer.winners)
@@ -159,7 +161,8 @@ class Tracking(Mission):
         assert isinstance(world, TrackingWorld)
         r, seen = world.rules, world.observe().seen_by_any
         labels = ("robots", "targets seen", "targets unseen")
-        return Scene((0.0, 0.0, r.width, r.height), world.robots, r.sensing, world.targets, seen, labels)
+        area = (0.0, 0.0, r.width, r.height)
+        return Scene(area, world.robots, r.sensing, world.targets, seen, labels, world.headings, tuple(self._assigned))
 
     # ------------------------------------------------------------------------------------------------------------------
 
@@ -209,6 +212,17 @@ def chosen_actions(problem: Problem, answer: Any) -> list[int]:
     if isinstance(problem, BottleneckSATA) and problem.fractional:
         return [int(action) for action in largest_shares(problem.graph, np.asarray(answer, dtype=np.float64))]
     return [int(action) for action in answer]
+
+
+def assigned(problem: Problem, answer: Any) -> list[tuple[int, int]]:
+    """Robots of a problem, and targets by their numbers in the world: whom each target is credited to, or who is predicted to see it."""
+    graph, targets = _graph(problem), _targets(problem)
+    chosen = chosen_actions(problem, answer)
+    if isinstance(problem, WinnerTakesAllSATA):
+        winners = problem.winners(tuple(chosen))[0] if answer.winners is None else np.asarray(answer.winners)
+        return [(int(robot), targets[t]) for t, robot in enumerate(winners.tolist()) if robot >= 0]
+    edges = [(int(graph.robot_of_action[a]), graph.indices[graph.indptr[a] : graph.indptr[a + 1]].tolist()) for a in chosen]
+    return [(robot, targets[t]) for robot, seen in edges for t in seen]
 
 
 def _graph(problem: Problem | None) -> SensingGraph:

@@ -32,19 +32,32 @@ PLOTS: Registry[Plot] = Registry("plot", "waybound.reports.plots")
 """By family of problems."""
 
 
-def check_drawable(problem: Problem) -> None:
-    """Raise UsageError if no plot is registered for the problem's family."""
-    if problem.family not in PLOTS:
+HISTORY = "history"
+"""The view that all families have: objective and bound over time."""
+
+
+def views(problem: Problem) -> list[str]:
+    """Names of the views of an answer beside the first one: those registered as ``family:view``, and its history."""
+    return [*(name.partition(":")[2] for name in PLOTS if name.startswith(f"{problem.family}:")), HISTORY]
+
+
+def check_drawable(problem: Problem, view: str | None = None) -> None:
+    """Raise UsageError if no plot is registered for the problem's family, or no such view."""
+    if view is not None and view not in views(problem):
+        raise UsageError(f"answers to {problem.problem} problems have no view {view!r}; there are {', '.join(views(problem))}")
+    if view != HISTORY and problem.family not in PLOTS:
         raise UsageError(f"answers to {problem.problem} problems cannot be drawn")
 
 
-def plot_solution(solution: Solution, **options: Any) -> Any:
+def plot_solution(solution: Solution, *, view: str | None = None, **options: Any) -> Any:
     """Draw the answer of ``solution``; ``solution.plot`` calls this.
 
     Parameters
     ----------
     solution : Solution
         With an answer.
+    view : str, optional
+        Another picture than the first one: ``history``; of routes ``schedule`` and ``loads``.
     **options
         Of the family's plot: ``ax``, ``title``, ...
 
@@ -55,13 +68,18 @@ def plot_solution(solution: Solution, **options: Any) -> Any:
     Raises
     ------
     UsageError
-        If answers of this family cannot be drawn.
+        If answers of this family cannot be drawn, or have no such view.
     """
-    check_drawable(solution.problem)
-    return PLOTS[solution.problem.family](solution.problem, solution.answer, **{"solution": solution, **options})
+    check_drawable(solution.problem, view)
+    if view == HISTORY:
+        from .history import plot_history
+
+        return plot_history(solution, **options)
+    name = solution.problem.family + ("" if view is None else f":{view}")
+    return PLOTS[name](solution.problem, solution.answer, **{"solution": solution, **options})
 
 
-def save_plot(solution: Solution, path: str | PathLike[str]) -> None:
+def save_plot(solution: Solution, path: str | PathLike[str], view: str | None = None) -> None:
     """Draw ``solution`` into a PNG, SVG or PDF file, whole or not at all; needs no display.
 
     Raises
@@ -69,15 +87,32 @@ def save_plot(solution: Solution, path: str | PathLike[str]) -> None:
     UsageError
         If the suffix is another, or answers of this family cannot be drawn.
     """
-    from matplotlib import rc_context
-
-    from ...instances.atomic import atomic_write
     from .drawing import axes_without_display
 
+    _suffix(path)
+    save_axes(plot_solution(solution, ax=axes_without_display(), view=view), path)
+
+
+def _suffix(path: str | PathLike[str]) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise UsageError(f"{path}: a plot is written as .png, .svg or .pdf")
-    drawn = plot_solution(solution, ax=axes_without_display())
+    return suffix
+
+
+def save_axes(drawn: Any, path: str | PathLike[str]) -> None:
+    """Write the figure of ``drawn``, matplotlib axes, into a PNG, SVG or PDF file, whole or not at all.
+
+    Raises
+    ------
+    UsageError
+        If the suffix is another.
+    """
+    from matplotlib import rc_context
+
+    from ...instances.atomic import atomic_write
+
+    suffix = _suffix(path)
     buffer = io.BytesIO()
     # No dates and no random ids: the same answer gives the same file.
     dates = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {})

@@ -39,6 +39,14 @@ def new_axes() -> Any:
     return axes_without_display()
 
 
+def roomy(ax: Any, width: float = 0.0, height: float = 0.0) -> None:
+    """Make a figure that holds these axes alone at least as large as said, in inches, up to three times what figures have."""
+    figure = ax.figure
+    if len(figure.axes) == 1:
+        wide, high = figure.get_size_inches()
+        figure.set_size_inches(max(wide, min(width, 24.0)), max(high, min(height, 19.2)))
+
+
 def axes_without_display() -> Any:
     """Axes of a figure that pyplot knows nothing of."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -71,7 +79,9 @@ def figures_of(problem: Problem, answer: Any, solution: Solution | None) -> str:
 def entitle(ax: Any, head: str, detail: str) -> None:
     """A bold heading above the axes, and below it lines of detail."""
     ax.set_title(head + "\n" * (1 + detail.count("\n")), loc="left", fontsize=11, fontweight="bold", color="#222222")
-    ax.text(0.0, 1.015, detail, transform=ax.transAxes, fontsize=9, color="#555555", va="bottom")
+    ax.annotate(
+        detail, (0.0, 1.0), xycoords="axes fraction", xytext=(0, 6), textcoords="offset points", fontsize=9, color="#555555", va="bottom"
+    )
     literal(ax)
 
 
@@ -102,25 +112,50 @@ def entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, 
     return ax
 
 
-def bars(ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0]) -> None:
-    """One bar each in the order of the instance while they can be named, else from the least to the largest."""
+def bars(
+    ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0], ascending: bool = False,
+    bound: tuple[float, str] | None = None,
+) -> None:  # fmt: skip
+    """One bar each in the order of the instance while they can be named, else or where it is asked for from the least to the largest.
+
+    ``worst`` is a line across all bars, ``bound`` another above or below, with the kind of bound that it is.
+    """
     named = len(values) <= LABELLED_BARS
-    order = np.arange(len(values)) if named else np.argsort(values, kind="stable")
+    order = np.arange(len(values)) if named and not ascending else np.argsort(values, kind="stable")
     if not isinstance(colours, str):
         colours = [colours[k] for k in order.tolist()]
     ax.bar(np.arange(len(values)), values[order], width=0.8 if named else 1.0, color=colours, zorder=2)
-    if worst is not None:
-        ax.axhline(worst, color=ALARM, linewidth=1.0, zorder=3)
-        ax.annotate(f"{worst:.4g}", (1.0, worst), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
-                    color=ALARM, fontsize=9, va="center")  # fmt: skip
+    close = (
+        worst is not None
+        and bound is not None
+        and abs(worst - bound[0]) < 0.03 * max(float(np.abs(values).max(initial=0.0)), abs(bound[0]))
+    )
+    for level, text, colour, style in (
+        (worst, "" if worst is None else f"{worst:.4g}", INK, "-"),
+        *(((bound[0], f"bound {bound[0]:.4g}\n({bound[1]})", ALARM, (0, (5, 2))),) if bound is not None else ()),
+    ):
+        if level is not None:
+            ax.axhline(level, color=colour, linewidth=1.2, linestyle=style, zorder=3)
+            above = 0 if not close else (-9 if colour == INK else 9)
+            ax.annotate(text, (1.0, level), xycoords=("axes fraction", "data"), xytext=(4, above), textcoords="offset points",
+                        color=colour, fontsize=8.5, va="center")  # fmt: skip
     if named:
-        ax.set_xticks(np.arange(len(values)), names, fontsize=7.5, rotation=90 if len(values) > 20 else 0)
+        ax.set_xticks(np.arange(len(values)), [names[k] for k in order.tolist()], fontsize=7.5, rotation=90 if len(values) > 20 else 0)
     else:
         ax.set_xticks([])
-    ax.set_xlabel(f"{what}s" + ("" if named else f", {len(values)} of them in ascending order"), fontsize=9, color="#555555")
+    told = f", {len(values)} of them in ascending order" if not named else ", in ascending order" if ascending else ""
+    ax.set_xlabel(f"{what}s{told}", fontsize=9, color="#555555")
     margin = max(0.6, (8 - len(values)) / 2)  # few bars stay slender
     ax.set_xlim(-margin, len(values) - 1 + margin)
     chart_axes(ax)
+
+
+def legend_below(ax: Any, handles: Any, labels: Any, columns: int, lines: float = 3.6) -> None:
+    """A legend below the axes, ``lines`` of text below their lower edge."""
+    ax.legend(
+        handles, labels, loc="upper left", bbox_to_anchor=(0.0, 0.0), borderaxespad=lines, ncols=columns, frameon=False, fontsize=8.5,
+        handlelength=2.4,
+    )  # fmt: skip
 
 
 def chart_axes(ax: Any) -> None:

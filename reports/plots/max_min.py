@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from . import PLOTS
-from .drawing import bars, entitled, new_axes
+from .drawing import ALARM, COLOURS, bars, entitled, new_axes
 from .sensing import draw_graph, target_names
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def plot_max_min(
         matrix, what = (problem.covering, "covering row") if problem.sense == "max" else (problem.packing, "packing row")
         values = np.asarray(matrix.scipy @ x, dtype=np.float64)
         worst = float(values.min() if problem.sense == "max" else values.max())
-        bars(ax, values, [str(k + 1) for k in range(matrix.rows)], what, worst=worst)
+        bars(ax, values, [str(k + 1) for k in range(matrix.rows)], what, worst=worst, ascending=True, bound=_bound(solution))
         return entitled(ax, problem, answer, solution, title, f"value of each {what}")
     graph = problem.graph
     shares = np.zeros(graph.num_actions)
@@ -53,8 +54,20 @@ def plot_max_min(
     covered = problem.coverage(shares)
     drawn = draw_graph(ax, graph, shares, covered, None)
     if not drawn:
-        bars(ax, covered, target_names(graph), "target", worst=float(covered.min()))
-    return entitled(ax, problem, answer, solution, title, drawn or "coverage of each target")
+        worst = float(covered.min(initial=np.inf))
+        names = target_names(graph)
+        bars(ax, covered, names, "target", worst=worst, ascending=True, bound=_bound(solution), colours=_shades(covered, worst))
+    return entitled(ax, problem, answer, solution, title, drawn or "coverage of each target, the worst covered in red")
+
+
+def _shades(covered: NDArray[np.float64], worst: float) -> list[str]:
+    """Colours of targets: the worst covered stand out."""
+    return [ALARM if value <= worst * (1.0 + 1e-9) else COLOURS[0] for value in covered.tolist()]
+
+
+def _bound(solution: Solution | None) -> tuple[float, str] | None:
+    """What no answer can lift the worst beyond, and on whose word."""
+    return (solution.bound, str(solution.bound_kind)) if solution is not None and isinstance(solution.bound, float) else None
 
 
 PLOTS.add("max-min", plot_max_min)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
-from ...instances.errors import UsageError
 from . import PLOTS
-from .drawing import COLOURS, bare, entitle, figures_of, literal, new_axes
+from .drawing import COLOURS, entitle, figures_of, literal, new_axes
+from .maps import MOST_ARROWS, arrows, geographic, legend_of_routes, map_axes, scale_bar, site_positions
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
@@ -21,20 +21,23 @@ Floats = NDArray[np.float64]
 
 LINE_STYLES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 
-LEGEND_ROUTES = 12
-"""More routes than this get no legend: it would hide the map."""
+FEW_ROUTES = 12
+"""Of more routes the legs from and to the depot are fainter."""
 
 LABELLED_SITES = 30
 """Up to this many sites are labelled by their ids."""
 
-SCALED_SITES = 3000
-"""Largest number of sites that are placed by scaling their distances (cubic time, square memory)."""
+CONVENTIONS = {
+    "file": "distances rounded as the file prescribes", "exact": "distances not rounded", "trunc1": "distances truncated to 1 decimal",
+    "trunc2": "distances truncated to 2 decimals", "round": "distances rounded to whole numbers", "ceil": "distances rounded up",
+}  # fmt: skip
+"""In words."""
 
 
 def plot_routes(
     problem: RoutingProblem, answer: Routes, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """Map of an answer: depots as squares, customers as dots, one colour and line style a route.
+    """Map of an answer: depots as squares, customers as dots, one colour and line style a route, arrows that say which way it goes.
 
     Parameters
     ----------
@@ -61,42 +64,17 @@ def plot_routes(
     for rank, k in enumerate(_around_the_depot(problem, answer, where)):
         _draw_route(ax, problem, answer, where, rank, k, names[k])
     _draw_sites(ax, problem, answer, where)
-    bare(ax)
+    globe = geographic(problem)
+    map_axes(ax, where, globe)
+    if not placed:
+        scale_bar(ax, where, globe)
     entitle(ax, *(_title(problem, answer, solution, placed) if title is None else (title, "")))
-    if 1 < len(answer) <= LEGEND_ROUTES:
+    if len(answer) > 1:
         handles, labels = ax.get_legend_handles_labels()
         order = np.argsort([int(h.get_gid() or 0) for h in handles], kind="stable")
-        ax.legend(
-            [handles[k] for k in order], [labels[k] for k in order], loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False,
-            fontsize=9, handlelength=2.6, labelspacing=0.7,
-        )  # fmt: skip
+        legend_of_routes(ax, [handles[k] for k in order], [labels[k] for k in order])
         literal(ax)
     return ax
-
-
-def site_positions(problem: RoutingProblem) -> tuple[Floats, bool]:
-    """Positions to draw at, shape (sites, 2), and whether they were made by scaling the distances."""
-    xy = problem.sites.coordinates if problem.sites.coordinates is not None else problem.travel.coordinates
-    if xy is None:
-        return scaled_positions(problem.travel.distances), True
-    return (np.asarray(xy)[:, ::-1] if problem.travel.metric == "GEO" else np.asarray(xy)), False  # GEO: latitude, longitude
-
-
-def scaled_positions(distances: Floats) -> Floats:
-    """Positions in the plane whose distances come close to ``distances``, shape (sites, 2): classical scaling."""
-    n = len(distances)
-    if n > SCALED_SITES:
-        raise UsageError(f"{n} sites without coordinates are too many to be placed on a map; at most {SCALED_SITES} are")
-    if n == 1:
-        return np.zeros((1, 2))
-    from scipy.linalg import eigh
-
-    squares = ((distances + distances.T) / 2.0) ** 2
-    centred = -0.5 * (squares - squares.mean(axis=0) - squares.mean(axis=1)[:, None] + squares.mean())
-    values, vectors = eigh(centred, subset_by_index=[n - 2, n - 1])
-    placed = vectors[:, ::-1] * np.sqrt(np.maximum(values[::-1], 0.0))
-    signs = np.sign(placed[np.abs(placed).argmax(axis=0), [0, 1]])  # eigenvectors have no sign of their own
-    return np.asarray(placed * np.where(signs == 0, 1.0, signs))
 
 
 def _around_the_depot(problem: RoutingProblem, answer: Routes, where: Floats) -> list[int]:
@@ -118,7 +96,7 @@ def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats,
     visits = list(route.visits)
     inner, out, back = where[visits], where[[vehicle.start, visits[0]]], where[[visits[-1], vehicle.end]]
     # The legs from and to the depot are faint: near a depot they all meet.
-    faint = 1.0 if count == 1 else 0.45 if count <= LEGEND_ROUTES else 0.2
+    faint = 1.0 if count == 1 else 0.45 if count <= FEW_ROUTES else 0.2
     for leg in (out, back):
         ax.plot(
             leg[:, 0], leg[:, 1], color=colour, linestyle=style, linewidth=width if count == 1 else 0.55 * width, alpha=faint, zorder=1,
@@ -126,8 +104,13 @@ def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats,
         )  # fmt: skip
     ax.plot(
         inner[:, 0], inner[:, 1], color=colour, linestyle=style, linewidth=width, zorder=2, gid=str(number_of),
-        label=f"{name}: {len(route)} visits", solid_capstyle="round", solid_joinstyle="round",
+        label=f"{name}: {len(route)} visits" if count <= FEW_ROUTES else f"{name} ({len(route)})", solid_capstyle="round",
+        solid_joinstyle="round",
     )  # fmt: skip
+    crowded = count > FEW_ROUTES  # the legs from and to the depot are hardly seen then
+    heads = 8 if count == 1 else min(1 if crowded else 3, MOST_ARROWS // count)
+    if heads:
+        arrows(ax, inner if crowded else where[[vehicle.start, *visits, vehicle.end]], colour, heads, 7.0 + 4.0 * width)
     ax.scatter(inner[:, 0], inner[:, 1], s=_dot_sizes(problem, visits), color=colour, edgecolors="white", linewidths=0.35 * width, zorder=3)
 
 
@@ -164,7 +147,7 @@ def _title(problem: RoutingProblem, answer: Routes, solution: Solution | None, p
     head = f"{problem.name}: {len(answer)} {'route' if len(answer) == 1 else 'routes'}"
     if solution is not None:
         head += f" by {solution.solver}"
-    detail = f"{problem.objective} {figures_of(problem, answer, solution)}, distances {problem.convention}"
+    detail = f"{problem.objective} {figures_of(problem, answer, solution)}; {CONVENTIONS.get(problem.convention, problem.convention)}"
     if placed:
         detail += "\nno coordinates in the file: sites placed by scaling of their distances"
     return head, detail

@@ -11,7 +11,8 @@ import waybound as wb
 from waybound.cli.app import app
 
 COMMANDS = {
-    "bound", "check", "convert", "explain", "export", "generate", "heuristics", "info", "instances", "ratio", "run", "solve", "solvers",
+    "bound", "check", "compare", "convert", "explain", "export", "generate", "heuristics", "info", "instances", "ratio", "run", "solve",
+    "solvers",
 }  # fmt: skip
 
 

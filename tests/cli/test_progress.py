@@ -1,13 +1,14 @@
-"""Progress on standard error: sparse lines, none when quiet, and no harm where nobody can read them."""
+"""Progress on standard error: only where somebody looks, and no harm where nobody can read it."""
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from waybound.cli.progress import SPARSE_SECONDS, Progress
+from waybound.cli.progress import Progress
 
 
 @pytest.fixture
@@ -26,15 +27,38 @@ def told(progress: Progress, **event: Any) -> None:
     progress({"phase": "solve", **event})
 
 
-def test_lines_are_sparse_and_hold_all_that_is_known(clock: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    with Progress(quiet=False) as progress:
+def test_nothing_is_said_where_nobody_looks(clock: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    with Progress(quiet=False, logged=True) as progress:
+        assert progress.log is None
         told(progress, objective=12.0)
-        clock(SPARSE_SECONDS - 0.1)
+        clock(100.0)
         told(progress, bound=8.0)
-        assert capsys.readouterr().err == "solve 0.0 s, objective 12\n"
-        clock(SPARSE_SECONDS + 0.1)
-        told(progress, phase="bound", objective=None)
-    assert capsys.readouterr().err == "bound 5.1 s, objective 12, bound 8, gap 33.3 %\n"
+    assert capsys.readouterr().err == ""
+
+
+def test_a_log_is_written_to_a_file_wherever_standard_error_goes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with Progress(quiet=True, log=str(tmp_path / "a.log"), logged=True) as progress:
+        assert progress.log is not None
+        progress.log({"phase": "solve", "objective": 12.0, "bound": None, "bound_kind": None, "found_by": "pyvrp"})
+    assert "answer by pyvrp" in (tmp_path / "a.log").read_text()
+    assert capsys.readouterr().err == ""
+
+
+def test_a_dash_is_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
+    with Progress(quiet=False, log="-", logged=True) as progress:
+        assert progress.log is not None
+        progress.log({"phase": "solve", "objective": 12.0, "bound": None, "bound_kind": None, "found_by": "pyvrp"})
+    assert "answer by pyvrp" in capsys.readouterr().err
+
+
+def test_the_live_line_shows_the_limit_of_the_phase(clock: Any) -> None:
+    progress = Progress(quiet=True)
+    with progress:
+        clock(2.0)
+        progress.begin_phase("solve", 60.0)
+        clock(5.5)
+        told(progress, objective=12.0)
+        assert progress.line() == "solve 3.5 of 60 s, objective 12"
 
 
 def test_what_is_told_later_replaces_what_was_and_none_does_not(clock: Any) -> None:
@@ -80,5 +104,6 @@ def test_a_stream_that_nobody_reads_does_not_end_a_search(clock: Any, monkeypatc
             raise BrokenPipeError
 
     monkeypatch.setattr(sys, "stderr", Closed())
-    with Progress(quiet=False) as progress:
-        told(progress, objective=1.0)
+    with Progress(quiet=False, log="-", logged=True) as progress:
+        assert progress.log is not None
+        progress.log({"phase": "solve", "objective": 1.0, "bound": None, "bound_kind": None, "found_by": "a"})

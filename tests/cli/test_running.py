@@ -112,3 +112,15 @@ def test_an_interrupt_before_the_first_step_is_exit_130_and_writes_nothing(refus
     told = refused("run", "tracking", "--heuristic", "greedy", "--out", tmp_path / "log.csv", "-q", code=130)
     assert "interrupted" in told
     assert list(tmp_path.iterdir()) == []
+
+
+def test_two_methods_are_filmed_side_by_side(run, tmp_path):
+    common = ("--steps", 2, "--set", "robots=2", "--set", "targets=3", "--animation", tmp_path / "a.gif")
+    result = run("run", "tracking", "--policy", "stay", "--against", "policy:force-vector", *common)
+    assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF")
+
+
+def test_a_second_method_needs_a_kind_and_a_film(refused, tmp_path):
+    assert "give a file with --animation" in refused("run", "tracking", "--policy", "stay", "--against", "policy:stay")
+    assert "solver:NAME" in refused("run", "tracking", "--policy", "stay", "--against", "stay", "--animation", tmp_path / "a.gif")

@@ -253,7 +253,7 @@ def test_what_native_code_prints_does_not_reach_standard_output(engine, capfd, m
     assert "Welcome to the solver" in err
 
 
-def test_progress_goes_to_standard_error_and_not_when_quiet(run, engine):
+def test_the_log_goes_to_standard_error_where_it_is_asked_for(run, engine):
     good = wb.solve(wb.read("demo-tiny"), heuristic="savings", bound_time=0)
     assert isinstance(good.objective, float)
     value = good.objective
@@ -263,10 +263,11 @@ def test_progress_goes_to_standard_error_and_not_when_quiet(run, engine):
         return RawResult("feasible", answer=good.answer, objective=value)
 
     engine(publish)
-    loud = run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json")
+    loud = run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json", "--log", "-")
     assert "objective" in loud.stderr
     assert "gap" in loud.stderr
-    assert run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json", "-q").stderr == ""
+    for quiet in ([], ["-q"]):  # by itself where standard error is no terminal
+        assert run("solve", "demo-tiny", "--solver", "made", "--bound-time", "0", "--json", *quiet).stderr == ""
 
 
 @pytest.mark.parametrize(
@@ -378,3 +379,25 @@ def test_thirty_customers_with_risks_get_a_checked_answer_by_default(run, strict
     assert "safety-margins" in (data["solver"], *data["message"].split())
     checks = {check["name"]: check for check in data["certificate"]["checks"]}
     assert checks["route-risk" if setting.startswith("risk") else "team-risk"]["passed"]
+
+
+def test_a_view_is_drawn_and_one_that_does_not_exist_is_refused(run, refused, tmp_path):
+    given = ("solve", "demo-tiny", "--heuristic", "savings", "--bound-time", 0)
+    assert run(*given, "--plot", tmp_path / "a.svg", "--view", "schedule").exit_code == 0
+    assert (tmp_path / "a.svg").read_text().startswith("<?xml")
+    assert "there are loads, schedule, history" in refused(*given, "--plot", tmp_path / "b.svg", "--view", "gantt")
+    assert "give a file with --plot" in refused(*given, "--view", "schedule")
+
+
+def test_an_objective_is_taken_as_text(run, refused, strict_json):
+    result = run("solve", "demo-tiny", "--heuristic", "insertion", "--bound-time", 0, "--objective", "vehicles then total-cost", "--json")
+    assert len(strict_json(result.stdout)["objective"]) == 2
+    assert "did you mean total-cost?" in refused("info", "demo-tiny", "--objective", "total-costs")
+    assert "use --objective" in refused("solve", "demo-tiny", "--set", "objective=vehicles")
+    assert "no setting 'objective'" in refused("solve", "sata-s3", "--objective", "vehicles")
+
+
+def test_the_log_overwrites_neither_input_nor_other_outputs(refused, tmp_path):
+    given = ("solve", "demo-tiny", "--heuristic", "savings", "--bound-time", 0)
+    assert "another output" in refused(*given, "--out", tmp_path / "a.sol", "--log", tmp_path / "a.sol")
+    assert "no folder" in refused(*given, "--log", tmp_path / "none" / "a.log")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import bundled, files, judging, listing, ratio, running, solving
+from . import bundled, comparing, files, judging, listing, ratio, running, solving
 from .options import handled
 
 app = typer.Typer(
@@ -36,7 +36,8 @@ def _root(
 
 
 for _command in (
-    solving.solve, judging.check, judging.bound, judging.explain, listing.info, files.export, files.convert, files.generate,
+    solving.solve, comparing.compare, judging.check, judging.bound, judging.explain, listing.info, files.export, files.convert,
+    files.generate,
     listing.solvers, listing.heuristics, ratio.ratio, running.run,
 ):  # fmt: skip
     app.command()(handled(_command))

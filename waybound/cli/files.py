@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..instances.errors import UsageError
-from .options import Convention, File, Format, ProblemName, Set, Verbose, bounded, output_path, parse_pairs, read_problem
+from .options import Convention, File, Format, Objective, ProblemName, Set, Verbose, bounded, output_path, parse_pairs, read_problem
 from .output import print_text
 
 PROGRAM_SUFFIXES = (".mps", ".lp")
@@ -25,11 +25,12 @@ def export(
     problem: ProblemName = None,
     convention: Convention = None,
     settings: Set = None,
+    objective: Objective = None,
     verbose: Verbose = False,
 ) -> None:
     """Write an instance as a mathematical program that any solver reads."""
     output_path("--to", to, PROGRAM_SUFFIXES, unlike=file)
-    made = read_problem(file, format, problem, convention, settings).compile(form, relax=relax)
+    made = read_problem(file, format, problem, convention, settings, objective).compile(form, relax=relax)
     made.write(to)
     program = made.program
     size = f"{program.num_variables} variables, {program.num_rows} rows, {len(program.data)} nonzeros"

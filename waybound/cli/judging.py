@@ -16,6 +16,7 @@ from .options import (
     Format,
     Json,
     LpSolver,
+    Objective,
     ProblemName,
     Quiet,
     Seed,
@@ -57,6 +58,7 @@ def check(
         str | None,
         typer.Option("--form", metavar="NAME", help="For a solver's file: the form that was exported; whichever fits by default."),
     ] = None,
+    objective: Objective = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -67,7 +69,7 @@ def check(
     from ..api import check as verify
     from ..formulations.answers import read_answer
 
-    asked = read_problem(file, format, problem, convention, settings)
+    asked = read_problem(file, format, problem, convention, settings, objective)
     read = read_answer(asked, solution, form)
     evaluation = asked.evaluate(read.answer)
     made = verify(asked, read.answer, certificate)
@@ -133,6 +135,7 @@ def bound(
     problem: ProblemName = None,
     convention: Convention = None,
     settings: Set = None,
+    objective: Objective = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -144,7 +147,7 @@ def bound(
     bounded(bound_time=bound_time, seed=seed, threads=threads)
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
-    asked = read_problem(file, format, problem, convention, settings)
+    asked = read_problem(file, format, problem, convention, settings, objective)
     output_path("--certificate", certificate, (".json",), unlike=file)
 
     from ..formulations.answers import json_text
@@ -217,6 +220,7 @@ def explain(
     problem: ProblemName = None,
     convention: Convention = None,
     settings: Set = None,
+    objective: Objective = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -225,7 +229,7 @@ def explain(
     Exit code 3 if there is no solution, 0 if there is one, 4 if neither was found out.
     """
     bounded(time_limit=time_limit)
-    asked = read_problem(file, format, problem, convention, settings)
+    asked = read_problem(file, format, problem, convention, settings, objective)
 
     from ..solving.explaining import explain as find
     from .output import print_json, print_lines, print_table, stdout_is_ours

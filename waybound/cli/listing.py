@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Convention, File, Format, Json, ProblemName, Quiet, Set, Verbose, read_both, read_problem
+from .options import Convention, File, Format, Json, Objective, ProblemName, Quiet, Set, Verbose, read_both, read_problem
 
 MaybeFile = Annotated[
     str | None,
@@ -22,6 +22,7 @@ def info(
     problem: ProblemName = None,
     convention: Convention = None,
     settings: Set = None,
+    objective: Objective = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -31,7 +32,7 @@ def info(
     from ..solving.listing import heuristic_table, solver_table
     from .output import print_json, print_table
 
-    source, asked = read_both(file, format, problem, convention, settings)
+    source, asked = read_both(file, format, problem, convention, settings, objective)
     data = facts(asked)
     able, approximate = solver_table(asked), heuristic_table(asked)
     if json:
@@ -51,6 +52,7 @@ def solvers(
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     settings: Set = None,
+    objective: Objective = None,
     examine: Annotated[
         bool,
         typer.Option("--examine", help="Give solvers small programs whose optima are known: all that are installed, or the one named."),
@@ -76,7 +78,7 @@ def solvers(
 
     own = {"count": count, "seed": seed, "kind": kind, "form": form, "option": option, "by": by, "out": out}
     if examine:
-        refuse_settings("without", format=format, problem=problem, set=settings)
+        refuse_settings("without", format=format, problem=problem, set=settings, objective=objective)
         examine_solvers(file, **own, json=json, quiet=quiet)  # type: ignore[arg-type]
         return
     refuse_settings("with", **own)
@@ -84,7 +86,7 @@ def solvers(
     from ..solving.listing import solver_table
     from .output import print_json, print_table
 
-    infos = solver_table(None if file is None else read_problem(file, format, problem, None, settings))
+    infos = solver_table(None if file is None else read_problem(file, format, problem, None, settings, objective))
     if json:
         print_json({"solvers": [dataclasses.asdict(i) for i in infos]})
     else:
@@ -96,6 +98,7 @@ def heuristics(
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     settings: Set = None,
+    objective: Objective = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -104,7 +107,7 @@ def heuristics(
     from ..solving.listing import heuristic_table
     from .output import print_json, print_table
 
-    infos = heuristic_table(None if file is None else read_problem(file, format, problem, None, settings))
+    infos = heuristic_table(None if file is None else read_problem(file, format, problem, None, settings, objective))
     if json:
         print_json({"heuristics": [dataclasses.asdict(i) for i in infos]})
     else:

@@ -52,6 +52,18 @@ LpSolver = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more; tracebacks of internal errors.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
+Log = Annotated[
+    str | None,
+    typer.Option("--log", metavar="FILE", help="Write the log of the search to FILE; - is standard error, also where it is no terminal."),
+]
+Objective = Annotated[
+    str | None,
+    typer.Option(
+        "--objective",
+        metavar="TEXT",
+        help='Of routes: terms with weights, in order of priority: "vehicles then total-cost", "total-cost - 2*reward".',
+    ),
+]
 
 MOST_WHOLE = 2**63 - 1
 """Largest whole number of KEY=VALUE: what machines count in."""
@@ -84,9 +96,16 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
     return found
 
 
-def read_problem(file: str, format: str | None, problem: str | None, convention: str | None, settings: Sequence[str] | None) -> Problem:  # noqa: A002
+def read_problem(
+    file: str,
+    format: str | None,  # noqa: A002
+    problem: str | None,
+    convention: str | None,
+    settings: Sequence[str] | None,
+    objective: str | None = None,
+) -> Problem:
     """The problem that the common options name."""
-    return read_both(file, format, problem, convention, settings)[1]
+    return read_both(file, format, problem, convention, settings, objective)[1]
 
 
 def read_both(
@@ -95,14 +114,17 @@ def read_both(
     problem: str | None,
     convention: str | None,
     settings: Sequence[str] | None,
+    objective: str | None = None,
 ) -> tuple[Instance, Problem]:
     """The instance in a file, which is read once because it may be a pipe, and the problem that the common options make of it."""
     from ..api import problem_of, read_source
 
     given = parse_pairs(settings, "--set")
-    for key in ("format", "problem", "convention", "path"):
+    for key in ("format", "problem", "convention", "objective", "path"):
         if key in given:
             raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
+    if objective is not None:
+        given["objective"] = objective
     instance = read_source(file, format, problem)
     return instance, problem_of(instance, problem, convention, given)
 
@@ -160,6 +182,15 @@ def distinct_paths(**options: Path | None) -> None:
             if real in seen:
                 raise UsageError(f"--{seen[real]} and --{name} name the same file {path}")
             seen[real] = name
+
+
+def log_path(log: str | None, unlike: str, *outputs: Path | None) -> None:
+    """Raise UsageError if the log could not be written, or would be written over the input or another output."""
+    if log is not None and log != "-":
+        output_path("--log", Path(log), unlike=unlike)
+        for other in outputs:
+            if other is not None and os.path.realpath(other) == os.path.realpath(log):
+                raise UsageError(f"--log {log} names the file of another output")
 
 
 def handled(command: Callable[P, R]) -> Callable[P, R]:

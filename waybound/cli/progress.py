@@ -1,4 +1,4 @@
-"""Progress on standard error: a live line in a terminal, sparse lines elsewhere, nothing when asked to be quiet."""
+"""Progress in a terminal: a log that stays and can be pasted, above a live line that shows the limit; nothing where nobody looks."""
 
 from __future__ import annotations
 
@@ -7,27 +7,54 @@ import math
 import sys
 import threading
 import time
+from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import IO, TYPE_CHECKING, Any
+
+from ..instances.errors import UsageError, in_words
+
+if TYPE_CHECKING:
+    from ..solving.search_log import SearchLog
 
 SPARSE_SECONDS = 5.0
-"""Shortest time between two lines where standard error is no terminal."""
+"""Shortest time between two lines of a ``PartsCounter`` where standard error is no terminal."""
 
 
 class Progress:
-    """Receives the events of ``solve``, in whatever thread they come."""
+    """Receives the events of ``solve``, in whatever thread they come; shown on standard error where that is a terminal.
 
-    def __init__(self, quiet: bool) -> None:
-        self.quiet = quiet
+    Parameters
+    ----------
+    quiet : bool
+        Show nothing.
+    log : str, optional
+        A file that receives the log, or ``-`` for standard error, terminal or not.
+    logged : bool
+        Whether there is a log at all: of ``solve``, and not of what has no answer to improve.
+
+    Attributes
+    ----------
+    log : SearchLog or None
+        For the ``log`` of ``solve``; None where nobody reads it.
+    """
+
+    def __init__(self, quiet: bool, log: str | None = None, logged: bool = False) -> None:
         self._lock = threading.Lock()
-        self._event: dict[str, Any] = {"phase": "start", "seconds": 0.0, "objective": None, "bound": None}
-        self._began = time.perf_counter()
-        self._said = -SPARSE_SECONDS
+        self._event: dict[str, Any] = {"phase": "preparing", "seconds": 0.0, "objective": None, "bound": None}
+        self._began = self._phase_began = time.perf_counter()
+        self._limit: float | None = None
         self._live: Any = None
+        self._shows = not quiet and sys.stderr.isatty()
+        self._path, self._stream = log, None if log in (None, "-") else _opened(str(log))
+        self.log: SearchLog | None = None
+        if logged and (self._shows or log is not None):
+            from ..solving.search_log import SearchLog
+
+            self.log = SearchLog(self._write)
 
     def __enter__(self) -> Progress:
-        self._began = time.perf_counter()
-        if not self.quiet and sys.stderr.isatty():
+        self._began = self._phase_began = time.perf_counter()
+        if self._shows:
             from rich.console import Console
             from rich.live import Live
 
@@ -36,39 +63,43 @@ class Progress:
                 redirect_stdout=False, redirect_stderr=False,
             )  # fmt: skip
             self._live.start()
+        if self.log is not None:
+            self.log.__enter__()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None) -> None:
+        if self.log is not None:
+            self.log.__exit__(kind, fault, trace)
         if self._live is not None:
             self._live.stop()
+        if self._stream is not None:
+            with contextlib.suppress(OSError):
+                self._stream.close()
 
     def __call__(self, event: dict[str, Any]) -> None:
         with self._lock:
-            news = {key: value for key, value in event.items() if value is not None}
-            self._event = {**self._event, **news}
-            now = time.perf_counter() - self._began
-            if self.quiet or self._live is not None or now - self._said < SPARSE_SECONDS:
-                return
-            self._said = now
-            text = self.line()
-        with contextlib.suppress(OSError):  # nobody can read it, which must not end a search
-            print(text, file=sys.stderr, flush=True)
+            self._event = {**self._event, **{key: value for key, value in event.items() if value is not None}}
+
+    def begin_phase(self, phase: str, limit: float | None) -> None:
+        """What is done from now on, for ``limit`` seconds at most."""
+        with self._lock:
+            self._event, self._limit, self._phase_began = {**self._event, "phase": phase}, limit, time.perf_counter()
 
     def line(self) -> str:
-        """What is known now: phase, seconds, incumbent, bound, gap."""
+        """What is known now: phase, seconds and limit, incumbent, bound, gap."""
         from ..formulations.rendering import number, percent
-        from ..formulations.solution import relative_gap
+        from ..solving.search_log import open_gap
 
-        e = self._event
-        parts = [f"{e['phase']} {time.perf_counter() - self._began:.1f} s"]
+        with self._lock:
+            e, limit, now = self._event, self._limit, time.perf_counter()
+        spent = f"{now - self._began:.1f} s" if limit is None else f"{now - self._phase_began:.1f} of {limit:g} s"
+        parts = [f"{e['phase']} {spent}"]
         if e["objective"] is not None:
             parts.append(f"objective {number(e['objective'])}")
         if e["bound"] is not None:
             known = math.isfinite(e["bound"]) if isinstance(e["bound"], float) else True
             parts.append(f"bound {number(e['bound'])}" if known else "no answer exists")
-        gap = None
-        if isinstance(e["objective"], int | float) and isinstance(e["bound"], int | float):
-            gap = relative_gap(float(e["objective"]), float(e["bound"]))
+        gap = open_gap(e["objective"], e["bound"])
         if gap is not None:
             parts.append(f"gap {percent(gap)}")
         return ", ".join(parts)
@@ -77,6 +108,25 @@ class Progress:
         from rich.text import Text
 
         return Text(self.line(), style="dim")
+
+    def _write(self, line: str) -> None:
+        """A line of the log, to whoever reads it; one that cannot be written to costs the others nothing."""
+        if self._live is not None:
+            with contextlib.suppress(OSError):
+                self._live.console.print(line, markup=False, highlight=False, soft_wrap=True)
+        elif self._path == "-":
+            with contextlib.suppress(OSError):
+                print(line, file=sys.stderr, flush=True)
+        if self._stream is not None:
+            with contextlib.suppress(OSError, ValueError):
+                print(line, file=self._stream, flush=True)
+
+
+def _opened(path: str) -> IO[str]:
+    try:
+        return Path(path).open("w", encoding="utf-8")
+    except OSError as fault:
+        raise UsageError(f"--log {path}: cannot be written: {in_words(fault)}") from fault
 
 
 class PartsCounter:

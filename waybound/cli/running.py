@@ -31,6 +31,10 @@ def run(
         str | None,
         typer.Option("--policy", metavar="NAME", help="A rule of the mission's own that solves no problem; an unknown one lists them."),
     ] = None,
+    against: Annotated[
+        str | None,
+        typer.Option("--against", metavar="KIND:NAME", help="A second method, shown beside the first: solver:, heuristic: or policy:NAME."),
+    ] = None,
     steps: Annotated[int, typer.Option("--steps", metavar="N", help="How long the mission lasts.")] = 100,
     seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same world, whatever decides.")] = 1,
     settings: Annotated[
@@ -59,6 +63,9 @@ def run(
     played = MISSIONS[mission]()
     setting_values(mission, played.settings, given)
     _check_outputs(played, out, animation)
+    other = None if against is None else _decider(against)
+    if other is not None and animation is None:
+        raise UsageError("--against shows a second method beside the first: give a file with --animation")
 
     from ..formulations.answers import json_text
     from ..instances.atomic import atomic_write
@@ -69,7 +76,7 @@ def run(
 
     film = None
     if animation is not None:
-        from ..reports.missions.animation import Film
+        from ..reports.missions.animation import Film, save_side_by_side
 
         film = Film(played)
     interrupts.keep()
@@ -78,6 +85,13 @@ def run(
             played, solver=solver, heuristic=heuristic, policy=policy, steps=steps, seed=seed, time_limit=time_limit, bound_time=bound_time,
             options=parse_pairs(option, "--option"), watch=film, progress=progress, **given,
         )  # fmt: skip
+        beside, second = None, None
+        if other is not None and len(log) and log.attrs["limit"] != "interrupt":
+            beside = Film(rival := MISSIONS[mission]())
+            second = play(
+                rival, **other, steps=steps, seed=seed, time_limit=time_limit, bound_time=bound_time, watch=beside, progress=progress,
+                **given,
+            )  # fmt: skip
     if not len(log):
         raise KeyboardInterrupt
     for fault in log.attrs["faults"]:
@@ -86,7 +100,10 @@ def run(
         remark(f"interrupted after {len(log)} of {steps} steps")
     delivery = Delivery(verbose)
     delivery.file("--out", out, lambda path: atomic_write(path, log.to_csv(index=False)))
-    if film is not None:
+    if film is not None and beside is not None and second is not None and len(beside.shots) == len(film.shots):
+        films = {_named(log): film, _named(second): beside}
+        delivery.file("--animation", animation, lambda path: save_side_by_side(films, path))
+    elif film is not None:
         delivery.file("--animation", animation, film.save)
     delivery.show(lambda: json_text(_as_json(log)) if json else _shown(log, played), lambda: str(log.to_csv(index=False)))
     raise typer.Exit(5 if log.attrs["faults"] else delivery.code)
@@ -104,6 +121,18 @@ def _check_outputs(mission: Mission, out: Path | None, animation: Path | None) -
             raise UsageError(f"--animation: mission {mission.name} has no pictures")
         if find_spec("matplotlib") is None:
             raise MissingPackageError("--animation needs the package matplotlib: pip install matplotlib")
+
+
+def _decider(text: str) -> dict[str, Any]:
+    """What decides, as a keyword for ``run``."""
+    kind, colon, name = text.partition(":")
+    if kind not in ("solver", "heuristic", "policy") or not colon or not name:
+        raise UsageError(f"--against takes solver:NAME, heuristic:NAME or policy:NAME, not {text!r}")
+    return {kind: name}
+
+
+def _named(log: pd.DataFrame) -> str:
+    return next((str(log.attrs[kind]) for kind in ("solver", "heuristic", "policy") if log.attrs.get(kind)), "default")
 
 
 def _as_json(log: pd.DataFrame) -> dict[str, Any]:

@@ -15,7 +15,9 @@ from .options import (
     File,
     Format,
     Json,
+    Log,
     LpSolver,
+    Objective,
     ProblemName,
     Quiet,
     Seed,
@@ -25,6 +27,7 @@ from .options import (
     bounded,
     complain,
     distinct_paths,
+    log_path,
     output_path,
     parse_pairs,
     read_problem,
@@ -56,6 +59,7 @@ def solve(
     ] = None,
     relax: Annotated[bool, typer.Option("--relax", help="Drop integrality: the optimum is a bound.")] = False,
     settings: Set = None,
+    objective: Objective = None,
     option: Annotated[
         list[str] | None, typer.Option("--option", metavar="KEY=VALUE", help="An option of the solver or heuristic itself. Repeatable.")
     ] = None,
@@ -89,6 +93,10 @@ def solve(
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the answer: .png, .svg or .pdf.")] = None,
+    view: Annotated[
+        str | None, typer.Option("--view", metavar="NAME", help="What --plot draws: history; of routes also schedule, loads; else a map.")
+    ] = None,
+    log: Log = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -101,8 +109,9 @@ def solve(
         no_improvement=no_improvement, seed=seed, threads=threads,
     )  # fmt: skip
     options = parse_pairs(option, "--option")
-    asked = read_problem(file, format, problem, convention, settings)
-    _check_outputs(asked, file, out, certificate, plot)
+    asked = read_problem(file, format, problem, convention, settings, objective)
+    _check_outputs(asked, file, out, certificate, plot, view)
+    log_path(log, file, out, certificate, plot)
 
     from ..formulations.answers import json_text, read_answer
     from ..solving.solve import solve as search
@@ -119,16 +128,16 @@ def solve(
         for note in read.notes:
             remark(f"{start}: {note}")
     interrupts.keep()
-    with Progress(quiet) as progress, stdout_is_ours():
+    with Progress(quiet, log, logged=True) as progress, stdout_is_ours():
         solution = search(
             asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
-            gap=gap, seed=seed, threads=threads, start=begin, progress=progress, isolate=isolate, memory_limit=memory_limit,
-            no_improvement=no_improvement, lp_solver=lp_solver, options=options,
+            gap=gap, seed=seed, threads=threads, start=begin, progress=progress, log=progress.log, isolate=isolate,
+            memory_limit=memory_limit, no_improvement=no_improvement, lp_solver=lp_solver, options=options,
         )  # fmt: skip
     delivery = Delivery(verbose)
 
     def hand_over() -> None:
-        _write_outputs(delivery, solution, out, certificate, plot)
+        _write_outputs(delivery, solution, out, certificate, plot, view)
         delivery.show(lambda: json_text(solution.to_json()) if json else _shown(solution, verbose), lambda: json_text(_least(solution)))
         for fault in solution.faults:
             complain(fault)
@@ -154,7 +163,7 @@ def exit_code(solution: Solution) -> int:
     return 1 if solution.status == "error" else 4
 
 
-def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: Path | None, plot: Path | None) -> None:
+def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: Path | None, plot: Path | None, view: str | None) -> None:
     """Refuse now what could not be written after the search."""
     distinct_paths(out=out, certificate=certificate, plot=plot)
     output_path("--out", out, unlike=file)
@@ -164,24 +173,28 @@ def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: P
         from ..formulations.answers import check_answer_path
 
         check_answer_path(problem, out)
+    if view is not None and plot is None:
+        raise UsageError("--view says what --plot draws: give a file with --plot")
     if plot is not None:
         from importlib.util import find_spec
 
         from ..reports.plots import check_drawable
 
-        check_drawable(problem)
+        check_drawable(problem, view)
         if find_spec("matplotlib") is None:
             raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
 
 
-def _write_outputs(delivery: Delivery, solution: Solution, out: Path | None, certificate: Path | None, plot: Path | None) -> None:
+def _write_outputs(
+    delivery: Delivery, solution: Solution, out: Path | None, certificate: Path | None, plot: Path | None, view: str | None
+) -> None:
     from ..formulations.answers import write_answer
     from ..formulations.certificate_files import write_certificate
 
     def draw(path: Path) -> None:
         from ..reports.plots import save_plot
 
-        save_plot(solution, path)
+        save_plot(solution, path, view)
 
     if solution.answer is None:
         for path in (out, plot):

@@ -89,7 +89,9 @@ class Beside(Control):
             return
         if self._tell is not None:
             seconds = time.perf_counter() - self.started
-            self._tell({"phase": "bound", "seconds": seconds, "objective": self._searched.objective, "bound": answer[-1].value})
+            last: Evidence = answer[-1]
+            known = {"phase": "bound", "seconds": seconds, "objective": self._searched.objective}
+            self._tell({**known, "bound": last.value, "source": last.source})
         with suppress(Exception):  # a checker that fails is told when the certificate is made
             self._goal.learn(answer)
             held = self._searched.answer

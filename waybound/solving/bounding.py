@@ -87,7 +87,8 @@ def find_bounds(
         found.append(evidence)
         control.publish(list(found))
         if progress is not None:
-            progress({"phase": "bound", "seconds": bound_time - stop.seconds_left, "objective": target, "bound": evidence.value})
+            seconds = bound_time - stop.seconds_left
+            progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
         if evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target)):
             break
     return found

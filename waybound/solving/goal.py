@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -58,8 +59,15 @@ class Goal:
     def learn(self, evidence: Sequence[Evidence]) -> None:
         """Take more evidence into account."""
         certificate = certify(self.problem, None, [*self.first, *evidence])
-        self.infeasible = bool(certificate.infeasible)
+        self.infeasible, self.first_level, self.source = bool(certificate.infeasible), certificate.bound, str(certificate.bound_source)
         self.bound = certificate.bound if isinstance(certificate.bound, float) and len(self.problem.senses) == 1 else None
+
+    def told(self) -> dict[str, Any]:
+        """The event of the best bound that was checked so far."""
+        worst = math.inf if self.problem.sense == "min" else -math.inf
+        if self.infeasible:
+            return {"bound": worst, "kind": "verified", "source": self.source}
+        return {"bound": self.first_level, "kind": "verified", "source": self.source}
 
     def __call__(self, answer: Any, objective: float | None) -> bool:
         """Whether ``answer``, of this ``objective`` by its engine's count, leaves nothing to gain."""
@@ -71,7 +79,8 @@ class Goal:
 
     def met(self, value: float | None) -> bool:
         """Whether ``value`` is that of the bound, or nobody can have any."""
-        return self.infeasible or (value is not None and self.bound is not None and same(value, self.bound))
+        known = self.first_level if self.bound is None else self.bound
+        return self.infeasible or (value is not None and known is not None and same(value, known))
 
     def _close(self, value: float) -> bool:
         assert self.bound is not None

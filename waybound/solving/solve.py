@@ -34,11 +34,12 @@ from .bounding import find_bounds, proved
 from .choice import able_solvers, default_solver, first_compiled
 from .goal import SECONDS, Goal, first_evidence
 from .judging import Judge
+from .levels import bounds_of_levels, further_levels
 from .opening import LARGEST, opened, opening_heuristic
 from .opinions import claimed, opinion, refuting, second_opinions, unproved
+from .recording import Progress, Recorder, pricing
 from .search import BOUND_OVERTIME, Searched, in_time, search
-
-Progress = Callable[[dict[str, Any]], None]
+from .showing import Log, shown
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class _Run:
     bounds: bool = True
     heuristic: bool = False
     isolated: bool = False
+    opening: str | None = None
 
     @property
     def form(self) -> str | None:
@@ -88,6 +90,7 @@ def solve(
     threads: int = 1,
     start: Any = None,
     progress: Progress | None = None,
+    log: Log = None,
     isolate: bool = False,
     memory_limit: float | None = None,
     no_improvement: int | None = None,
@@ -120,7 +123,10 @@ def solve(
         What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
         ``Solution``; the JSON of either; a solution file.
     progress : callable, optional
-        Receives ``{"phase", "seconds", "objective", "bound"}`` from a worker thread.
+        Receives ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}`` from a worker thread, the best known of each.
+    log : bool, path or SearchLog, optional
+        True shows a line per improvement and per few seconds, and at the end what was proved: in the cell of a notebook, else on standard
+        error. A path writes it to a file. ``Solution.history`` has the figures in any case.
     lp_solver : str, optional
         Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
     isolate : bool
@@ -169,34 +175,63 @@ def solve(
         time_limit, iterations, gap, threads, seed, start, memory_limit, no_improvement, linear.solver, {**(options or {}), **parameters}
     )  # fmt: skip
 
-    if heuristic is not None and (solver is not None or form is not None or relax):
-        raise UsageError("a heuristic takes no solver, form or relaxation")
-    control = Control(None if progress is None else lambda event: progress({"phase": "solve", **event}))
+    if heuristic is not None:
+        if solver is not None or form is not None or relax:
+            raise UsageError("a heuristic takes no solver, form or relaxation")
+        run = _heuristic_run(problem, heuristic, chosen, isolate)
+    elif solver is None and form is None and not relax and given is None:
+        run = _default_run(problem, chosen, isolate)
+    else:
+        solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
+        run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
+
+    run.notes.extend(told)
+    listeners: list[Progress] = [] if progress is None else [progress]
+    with shown(log) as written:
+        if written is not None:
+            listeners.append(written)
+            written.begin(problem, _claimant(run), _limits_told(chosen, budget))
+        record = Recorder(problem, listeners)
+        made = _answered(problem, run, chosen, budget, linear, record, isolate)
+        made = replace(made, events=record.end(made))
+        if written is not None:
+            written.end(made)
+    return made
+
+
+def _answered(
+    problem: Problem, run: _Run, options: Options, budget: float, linear: LinearPrograms, record: Recorder, isolate: bool
+) -> Solution:
+    """Search, with bounds before it and beside it where the search has none of its own, and conclude."""
+    exactness = Exactness.EXACT if run.made is None else run.made.exactness
+    hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
+    control = Control(hear if run.made is not None or len(problem.senses) == 1 else lambda event: hear({**event, **priced()}))
+    priced = pricing(problem, control)
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         before = 0.0
-        if heuristic is not None:
-            run = _heuristic_run(problem, heuristic, chosen, isolate)
-        elif solver is not None or form is not None or relax or given is not None:
-            solver = solver or default_solver(problem, None if given is None else given.program, form, relax)
-            run = _solver_run(problem, given, solver, form, relax, chosen, isolate)
-        else:
-            run, chosen, before = _default_run(problem, chosen, isolate)
-        run.notes.extend(told)
+        if run.opening is not None:
+            run, options, before = _opened(problem, run, options, isolate)
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
         beside: Beside | None = None
-        if not run.bounds and iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            first, goal = first_evidence(problem, min(SECONDS, budget), linear, gap)
+        if not run.bounds and options.iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
+            if budget > 0:
+                record.begin_phase("bound", min(SECONDS, budget))
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, options.gap)
+            if goal is not None and first:
+                record.of_bounds(goal.told())
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
-            elif goal is not None and budget > SECONDS and free_core(threads):
-                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, progress)
+            elif goal is not None and budget > SECONDS and free_core(options.threads):
+                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began
+        if goal is None or not goal.infeasible:
+            record.begin_phase("solve", options.time_limit)
         try:
-            searched = search(run.go, control, chosen.time_limit)
+            searched = search(run.go, control, options.time_limit)
         except WayboundError:
             raise
         except Exception as fault:  # of the engine, before it published an answer; the start may be one
@@ -206,7 +241,7 @@ def solve(
         if goal is not None and (goal.reached or goal.infeasible) and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit=goal.limit))
         try:
-            made = _conclude(problem, run, searched, control, chosen, budget, progress, crash, first, beside)
+            made = _conclude(problem, run, searched, control, options, budget, record, crash, first, beside)
         finally:
             if beside is not None:
                 beside.stop()
@@ -215,24 +250,36 @@ def solve(
         return made
 
 
-def _default_run(problem: Problem, options: Options, isolate: bool) -> tuple[_Run, Options, float]:
-    """Where the user names no method: what is run, with what options, and the seconds that a heuristic took for their start."""
+def _default_run(problem: Problem, options: Options, isolate: bool) -> _Run:
+    """Where the user names no method: what is run, begun by a heuristic that opens the problem where there is one."""
     opening = opening_heuristic(problem, options)
     try:
         solver = default_solver(problem, None, None, False)
     except (UnsupportedError, UsageError):  # none takes it, or through inexact forms alone
         if opening is None:
             raise
-        return _heuristic_run(problem, opening, options, isolate), options, 0.0
-    if opening is None or BACKENDS[solver].takes == "problem":
-        return _solver_run(problem, None, solver, None, False, options, isolate), options, 0.0
-    if problem.size > LARGEST and not options.asked():
-        return _heuristic_run(problem, opening, options, isolate), options, 0.0
-    options, seconds, said = opened(problem, opening, options, isolate)
+        return _heuristic_run(problem, opening, options, isolate)
+    if opening is not None and BACKENDS[solver].takes != "problem" and problem.size > LARGEST and not options.asked():
+        return _heuristic_run(problem, opening, options, isolate)
     run = _solver_run(problem, None, solver, None, False, options, isolate)
-    found = options.start is not None
-    run.notes.append(f"{solver} started from the answer of {opening}" if found else f"{opening} found no start: {said or 'no answer'}")
-    return run, options, seconds
+    return run if opening is None or run.made is None else replace(run, opening=opening)
+
+
+def _opened(problem: Problem, run: _Run, options: Options, isolate: bool) -> tuple[_Run, Options, float]:
+    """A run that goes on from the answer of the heuristic that opens the problem, in the time that is left, and the seconds that it took."""
+    assert run.opening is not None
+    later, seconds, said = opened(problem, run.opening, options, isolate)
+    made = _solver_run(problem, run.made, run.name, None, False, later, isolate)
+    found = f"{run.name} started from the answer of {run.opening}"
+    made.notes.extend([*run.notes, found if later.start is not None else f"{run.opening} found no start: {said or 'no answer'}"])
+    return replace(made, compile_seconds=run.compile_seconds), later, seconds
+
+
+def _limits_told(options: Options, budget: float) -> str:
+    """What a search was asked to keep to, for people."""
+    asked = [f"{name.replace('_', ' ')} {value:g}" for name, value in options.asked().items()]
+    parts = [f"time limit {options.time_limit:g} s", f"bound time {budget:g} s", *asked, f"seed {options.seed}"]
+    return ", ".join([*parts, f"{options.threads} thread{'s' if options.threads != 1 else ''}"])
 
 
 def _solver_run(
@@ -307,7 +354,7 @@ def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None
 
 
 def _conclude(
-    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, progress: Progress | None,
+    problem: Problem, run: _Run, searched: Searched, control: Control, options: Options, budget: float, record: Recorder,
     crash: Exception | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
@@ -320,8 +367,10 @@ def _conclude(
     except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
         judge, found = _verdict(problem, run, searched.result, control, options, crash)
     spent = time.perf_counter() - began
+    if found[1] is not None:
+        record.judged(run.name, found[1].values)
     try:
-        return _certified(judge, run, searched, options, found, spent, budget, progress, first, beside)
+        return _certified(judge, run, searched, options, found, spent, budget, record, first, beside)
     except CheckFailedError:  # and no answer
         raise
     except (Exception, KeyboardInterrupt) as fault:
@@ -343,7 +392,7 @@ def _verdict(
 
 def _certified(
     judge: Judge, run: _Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
-    budget: float | None, progress: Progress | None, first: list[Evidence], beside: Beside | None,
+    budget: float | None, record: Recorder | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
     result, problem = searched.result, judge.problem
@@ -355,12 +404,14 @@ def _certified(
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, _linear(options), budget, best, progress, beside)
+            _gather(evidence, problem, run, searched, _linear(options), budget, best, record, beside)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     bound_seconds = time.perf_counter() - began
 
     began = time.perf_counter()
+    if record is not None:
+        record.begin_phase("check")
     guarantee = result.guarantee if evaluation is not None else None
     if run.heuristic and guarantee is None and result.holds is Exactness.NEITHER:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
@@ -373,6 +424,12 @@ def _certified(
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     certificate = certificate or judged_only(problem, evaluation)
+    left = 0.0 if budget is None or record is None else budget - bound_seconds
+    if record is not None and len(problem.senses) > 1 and evaluation is not None and left > 0.0 and not searched.interrupted:
+        try:
+            certificate = further_levels(problem, certificate, evaluation, left, _linear(options), record, run.notes)
+        except CheckFailedError as fault:
+            judge.faults.append(f"{fault} (the bound is withheld)")
     heard: list[tuple[str, RawResult]] = []
     if budget is not None and not searched.interrupted and not judge.faults:
         asked = time.perf_counter()
@@ -408,7 +465,8 @@ def _certified(
     bound, kind, source = _best_bound(problem, run, result, certificate, size, precision)
     objective = None if evaluation is None else evaluation.objective
     if isinstance(bound, float) and len(problem.senses) > 1:
-        bound, kind, source = _bounds_of_levels(problem, run, result, evaluation, bound, kind, source)
+        further = dict(claims.concerned(problem.senses, result, evaluation)) if evaluation and run.exactness(result).bound_is_valid else {}
+        bound, kind, source = bounds_of_levels(problem, evaluation, certificate.levels, further, _claimant(run), bound, kind, source)
     gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
     status = _status(problem, run, result, certificate, evaluation, bound)
     messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
@@ -463,7 +521,7 @@ def _gather(
     linear: LinearPrograms,
     budget: float,
     best: float | None,
-    progress: Progress | None,
+    record: Recorder | None,
     beside: Beside | None,
 ) -> None:
     """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
@@ -480,13 +538,17 @@ def _gather(
         return
     known = tuple(evidence)
 
+    if record is not None and budget > 0:
+        record.begin_phase("bound", budget)
+
     def find(control: Control) -> RawResult:
         if beside is not None:
             found = beside.found(control, best)
             run.notes.extend(beside.unable)
             if not beside.fault:
                 return RawResult("unknown", answer=found)
-        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=progress, unable=run.notes, linear=linear)
+        hear = None if record is None else record.of_bounds
+        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=hear, unable=run.notes, linear=linear)
         return RawResult("unknown", answer=found)
 
     found = search(find, Control(), budget, overtime=BOUND_OVERTIME)
@@ -512,27 +574,6 @@ def _claimant(run: _Run) -> str:
     return f"{run.name} ({run.form})" if run.form else run.name
 
 
-def _bounds_of_levels(
-    problem: Problem, run: _Run, result: RawResult, evaluation: Evaluation | None, first: float, kind: str | None, source: str | None
-) -> tuple[Value, str | None, str | None]:
-    """The bound of each level up to the first open one, that of the first level given; a later level has claimed ones alone.
-
-    What a solver calls closed, as closely as it sees, has the bound that is the answer's own value: a level that is closed is no gap.
-    """
-    if evaluation is None:
-        return [first, *[None] * (len(problem.senses) - 1)], kind, source
-    closed = evaluation.same_at(0, first, EQUAL_TOLERANCE)
-    bounds: list[float | None] = [evaluation.values[0] if closed else first]
-    for level, claim in claims.concerned(problem.senses, result, evaluation) if run.exactness(result).bound_is_valid else ():
-        if not closed or claim.bound is None or not math.isfinite(claim.bound):
-            break
-        closed = evaluation.same_at(level, claim.bound, EQUAL_TOLERANCE)
-        bounds.append(evaluation.values[level] if closed else claim.bound)
-        if kind == "verified":
-            kind, source = "claimed", f"{source}, then {_claimant(run)}"
-    return [*bounds, *[None] * (len(evaluation.values) - len(bounds))], kind, source
-
-
 def _status(
     problem: Problem, run: _Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None, bound: Value | None
 ) -> str:
@@ -541,6 +582,9 @@ def _status(
             value = evaluation.values[0]
             if same(bound, value, evaluation.size, evaluation.precision):
                 return "optimal"
+        verified = [] if certificate.bound is None else [certificate.bound, *(level.bound for level in certificate.levels)]
+        if 1 < len(verified) == len(evaluation.values) and all(evaluation.same_at(k, known) for k, known in enumerate(verified)):
+            return "optimal"
         reached = all(evaluation.same_at(k, claim.objective, EQUAL_TOLERANCE) for k, claim in enumerate(result.further, start=1))
         claimed = result.status == "optimal" and reached and _claims_optimum(run.exactness(result), result, evaluation)
         return "optimal" if claimed else "feasible"

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 
-def _lacks(problem: Problem) -> frozenset[str]:
+def lacks(problem: Problem) -> frozenset[str]:
+    """Features under which nothing is proved, and objectives in which vehicles do not count."""
     if problem.family != "routing":
         return frozenset({f"{problem.family} problems"})
     missing, terms = unknown_features(without_stops(problem)), terms_of(problem)  # type: ignore[arg-type]
@@ -41,4 +42,4 @@ def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearP
     return Evidence("vehicles-needed", "vehicles that the loads need", check_vehicles_needed(problem, data), data)
 
 
-BOUNDS.add("vehicles-needed", BoundMethod("vehicles-needed", _lacks, vehicles_needed, order=0))
+BOUNDS.add("vehicles-needed", BoundMethod("vehicles-needed", lacks, vehicles_needed, order=0))

@@ -10,7 +10,7 @@ import pytest
 from waybound import run
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.worlds import World
-from waybound.reports.missions.animation import MOST_FRAMES, Film
+from waybound.reports.missions.animation import MOST_FRAMES, Film, save_side_by_side
 from waybound.reports.missions.mission import Mission
 from waybound.reports.missions.tracking import Tracking
 
@@ -97,3 +97,16 @@ def test_a_mission_without_pictures_is_refused():
 
     with pytest.raises(UsageError, match="dark has no pictures"):
         Film(Dark())
+
+
+def test_two_methods_are_shown_beside_each_other(film, tmp_path):
+    other = Film(Tracking())
+    run(other.mission, steps=4, seed=2, policy="stay", watch=other, **SMALL)
+    save_side_by_side({"force vectors": film[0], "stay": other}, tmp_path / "both.gif")
+    from PIL import Image
+
+    with Image.open(tmp_path / "both.gif") as both:
+        assert both.n_frames == 5
+    with pytest.raises(UsageError, match="of one length"):
+        other.shots.pop()
+        save_side_by_side({"a": film[0], "b": other}, tmp_path / "c.gif")

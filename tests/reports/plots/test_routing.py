@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 import waybound as wb
 from waybound.reports.plots import routing as plots
 from waybound.reports.plots import save_plot
-from waybound.reports.plots.routing import plot_routes, scaled_positions, site_positions
+from waybound.reports.plots.maps import scaled_positions
+from waybound.reports.plots.routing import plot_routes
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,7 @@ def solution():
 
 
 def route_lines(ax):
-    return [line for line in ax.lines if line.get_gid() is not None]
+    return [line for line in ax.lines if line.get_gid() not in (None, "scale")]
 
 
 def caption(ax):
@@ -50,14 +51,17 @@ def test_routes_differ_in_colour_and_beyond_the_colours_in_style():
 def test_the_title_tells_objective_bound_and_gap(solution):
     ax = solution.plot()
     told = ax.get_title(loc="left") + caption(ax)
-    for words in (solution.problem.name, "savings", f"{round(solution.objective, 3):.10g}", "verified", "gap", "exact"):
+    for words in (solution.problem.name, "savings", f"{round(solution.objective, 3):.10g}", "verified", "gap", "not rounded"):
         assert words in told
 
 
-def test_a_legend_names_few_routes_and_many_have_none(solution, monkeypatch):
+def test_a_legend_names_any_number_of_routes(solution, monkeypatch):
     assert len(solution.plot().get_legend().get_texts()) == len(solution.answer)
-    monkeypatch.setattr(plots, "LEGEND_ROUTES", len(solution.answer) - 1)
-    assert solution.plot().get_legend() is None
+    monkeypatch.setattr(plots, "FEW_ROUTES", len(solution.answer) - 1)
+    short = [text.get_text() for text in solution.plot().get_legend().get_texts()]
+    assert short == [
+        f"{name} ({len(route)})" for name, route in zip(solution.problem.vehicle_names(solution.answer), solution.answer, strict=True)
+    ]
 
 
 def test_both_axes_have_one_scale(solution):
@@ -95,18 +99,6 @@ def test_a_problem_without_coordinates_is_placed_and_says_so():
     problem = wb.RoutingProblem(wb.Sites.of(range(5)), wb.Travel("EXPLICIT", matrix=matrix), (wb.VehicleType(),), name="line")
     ax = plot_routes(problem, wb.Routes.of([[1, 2, 3, 4]]))
     assert "no coordinates" in caption(ax)
-
-
-def test_too_many_sites_without_coordinates_are_refused(monkeypatch):
-    monkeypatch.setattr(plots, "SCALED_SITES", 3)
-    with pytest.raises(wb.UsageError, match="too many"):
-        scaled_positions(np.zeros((4, 4)))
-
-
-def test_latitudes_point_up():
-    xy = np.array([[10.0, 1.0], [50.0, 2.0]])
-    problem = wb.RoutingProblem(wb.Sites.of(range(2), coordinates=xy), wb.Travel("GEO", xy), (wb.VehicleType(),))
-    assert site_positions(problem)[0].tolist() == [[1.0, 10.0], [2.0, 50.0]]
 
 
 def test_names_out_of_files_are_no_formulas(tmp_path):

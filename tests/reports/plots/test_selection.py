@@ -18,11 +18,23 @@ def bars(ax):
     return [patch.get_height() for patch in ax.patches]
 
 
-def test_a_large_graph_becomes_a_chart_of_credits():
+def test_a_large_graph_becomes_a_chart_of_what_robots_are_credited_with():
     graph = wb.generate("sata", robots=30, targets=70, phi=10, seed=2).graph
     chosen = Selection.of(range(0, 60, 2))
     seen = np.bincount(graph.indices, np.isin(graph.action_of_edge, list(chosen)).astype(float), minlength=70) > 0
-    assert sum(bars(plot_selection(wb.WinnerTakesAllSATA(graph), chosen))) == seen.sum()
+    ax = plot_selection(wb.WinnerTakesAllSATA(graph), chosen)
+    heights = bars(ax)
+    assert sum(heights) == seen.sum() and heights == sorted(heights, reverse=True) and len(heights) == 30
+    assert ax.lines[0].get_ydata()[-1] == seen.sum()
+    assert any(f"{70 - seen.sum()} of 70 targets bring nothing" in text for text in texts(ax))
+
+
+def test_the_credits_add_up_towards_the_bound():
+    problem = wb.generate("sata", robots=20, targets=70, phi=10, seed=2, problem="winner-takes-all")
+    solution = wb.solve(problem, heuristic="greedy")
+    ax = solution.plot()
+    climb, bound = ax.lines[:2]
+    assert climb.get_ydata()[-1] == pytest.approx(solution.objective) and bound.get_ydata()[0] == solution.bound
 
 
 def test_a_selection_climbs_to_its_bound():

@@ -1,0 +1,143 @@
+"""Verified bounds of the levels of priority after the first: what no answer beats that is no worse at the levels before."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from ..instances.errors import CheckFailedError, InputError, in_words
+from . import tolerance
+from .evaluation import Evaluation
+from .evidence import Evidence
+from .problem import Problem
+
+if TYPE_CHECKING:
+    from .certificate import Certificate
+
+MOST_LEVELS = 20
+"""More levels in a certificate file are refused."""
+
+
+@dataclass(frozen=True)
+class LevelBound:
+    """A verified bound of one level of an objective in order of priority.
+
+    Parameters
+    ----------
+    given : tuple of float
+        Values of the levels before: the bound holds for all answers that are no worse there.
+    bound : float
+    evidence : Evidence
+        On ``problem.given(given)``, whose first level is the one that is bounded.
+    """
+
+    given: tuple[float, ...]
+    bound: float
+    evidence: Evidence
+
+    @property
+    def source(self) -> str:
+        """What proves it, for people."""
+        return self.evidence.source
+
+    def to_json(self, *, with_evidence: bool = False) -> dict[str, Any]:
+        """Plain data; ``evidence`` only where it is asked for."""
+        data = {"given": list(self.given), "bound": self.bound, "source": self.source}
+        return {**data, "evidence": self.evidence.to_json()} if with_evidence else data
+
+
+def best_level_bound(
+    problem: Problem, evaluation: Evaluation, level: int, evidence: Sequence[Evidence], unproved: list[str] | None = None
+) -> LevelBound | None:
+    """The best of ``evidence`` on ``problem.given(values before level)``, each piece read by its checker; None where nothing is proved.
+
+    Raises
+    ------
+    CheckFailedError
+        If a verified bound contradicts the value that a feasible answer has at the level.
+    """
+    from .certificate import beats_bound, better_bound, verified_bound
+
+    before = evaluation.values[:level]
+    part, sense = problem.given(before), problem.senses[level]
+    found: LevelBound | None = None
+    if part is None:
+        return None
+    for piece in evidence:
+        try:
+            bound = verified_bound(part, piece)
+        except Exception as fault:
+            if unproved is not None:
+                unproved.append(f"{piece.source} is no bound of level {level + 1}: {in_words(fault)}")
+            continue
+        if math.isfinite(bound) and (found is None or better_bound(sense, bound, found.bound)):
+            found = LevelBound(before, bound, replace(piece, value=bound))
+        elif bound == (math.inf if sense == "min" else -math.inf):
+            raise CheckFailedError(
+                f"an answer passed every check, but {piece.source} proves that none is as good before level {level + 1}: "
+                "one of the two checks is wrong; please report this"
+            )
+    if found is not None and evaluation.feasible:
+        size = evaluation.sizes[level] if evaluation.sizes else 0.0
+        if beats_bound(sense, evaluation.values[level], found.bound, size):
+            raise CheckFailedError(
+                f"the answer's value {evaluation.values[level]!r} at level {level + 1} is better than the bound {found.bound!r} "
+                f"derived from {found.source}: one of the two checks is wrong; please report this"
+            )
+    return found
+
+
+def with_levels(certificate: Certificate, evaluation: Evaluation, levels: Sequence[LevelBound]) -> Certificate:
+    """The certificate with the bounds of further levels, and the gap of the first level that is open."""
+    made = replace(certificate, levels=tuple(levels))
+    for level, bound in enumerate([certificate.bound, *(one.bound for one in levels)]):
+        if bound is None:
+            return made
+        size = evaluation.sizes[level] if evaluation.sizes else 0.0
+        value = evaluation.values[level]
+        made = replace(made, gap=tolerance.gap(value, bound, size, evaluation.precision))
+        if not evaluation.same_at(level, bound):
+            return made
+    return made if len(levels) + 1 == len(evaluation.values) else replace(made, gap=None)
+
+
+def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None) -> tuple[LevelBound, ...]:
+    """Verify the further levels of a certificate file.
+
+    Raises
+    ------
+    InputError
+        If they are malformed.
+    CheckFailedError
+        If one states more than its evidence proves, or speaks of other values than the answer's.
+    """
+    from .certificate import better_bound, verified_bound
+    from .stated import real, stated_evidence
+
+    if data is None:
+        return ()
+    if not isinstance(data, list) or len(data) > min(MOST_LEVELS, len(problem.senses) - 1):
+        raise InputError("the certificate's levels are malformed", expected=f"a list of at most {len(problem.senses) - 1} objects")
+    made = []
+    for level, entry in enumerate(data, start=1):
+        if not isinstance(entry, Mapping) or not {"given", "bound", "evidence"} <= entry.keys() or not isinstance(entry["given"], list):
+            raise InputError("the certificate's levels are malformed", expected="objects with given, bound and evidence")
+        given = tuple(real(value, "level") for value in entry["given"])
+        if len(given) != level:
+            raise InputError(
+                "the certificate's levels are malformed", expected=f"{level} values before level {level + 1}", found=str(len(given))
+            )
+        if evaluation is not None and not all(evaluation.same_at(k, value) for k, value in enumerate(given)):
+            raise CheckFailedError(
+                f"the certificate's bound of level {level + 1} is given {list(given)}, the answer is worth {evaluation.objective}"
+            )
+        (piece,) = stated_evidence({"evidence": [entry["evidence"]]})
+        part = problem.given(given)
+        proved = None if part is None else verified_bound(part, piece)
+        stated, sense = real(entry["bound"], "bound of a level"), problem.senses[level]
+        if proved is None or not math.isfinite(proved) or (better_bound(sense, stated, proved) and not tolerance.same(stated, proved)):
+            raise CheckFailedError(f"the certificate states the bound {stated!r} at level {level + 1}, its evidence proves {proved!r}")
+        made.append(LevelBound(given, proved, replace(piece, value=proved)))
+    return tuple(made)

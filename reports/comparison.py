@@ -1,0 +1,229 @@
+"""What a comparison brings back: one row a method, every answer checked, against the best bound that was verified in any run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from ..formulations.certificate import better_bound
+from ..formulations.problem import Problem
+from ..formulations.rendering import as_text
+from ..formulations.solution import Solution
+from ..formulations.tolerance import EQUAL, gap, same
+from ..instances.errors import UsageError
+from ..instances.printable import one_line
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What one method came to.
+
+    Parameters
+    ----------
+    name : str
+    solution : Solution or None
+        None where it ended with an error.
+    error : str
+        Why there is no solution; empty if there is one.
+    """
+
+    name: str
+    solution: Solution | None
+    error: str = ""
+
+    @property
+    def objective(self) -> float | None:
+        """Value of the first level of a checked answer."""
+        evaluation = None if self.solution is None else self.solution.evaluation
+        return None if evaluation is None else evaluation.values[0]
+
+    @property
+    def verified(self) -> float | None:
+        """Verified bound of the first level that this run led to."""
+        return None if self.solution is None else self.solution.certificate.bound
+
+    @property
+    def seconds(self) -> float | None:
+        """Wall time of the search alone."""
+        return None if self.solution is None else self.solution.seconds["solve"]
+
+    @property
+    def status(self) -> str:
+        """How it ended, and on whose word."""
+        s = self.solution
+        if s is None:
+            return "error"
+        if s.status == "optimal":
+            proved = s.bound_kind == "verified" and s.gap is not None and s.gap <= EQUAL
+            return "optimal, verified" if proved else "optimal, by its own word"
+        if s.status == "feasible":
+            return "feasible" if s.limit == "none" else f"feasible, stopped by {s.limit}"
+        if s.certificate.infeasible or s.certificate.unbounded:
+            return f"{s.status}, verified"
+        known = s.status in ("infeasible", "unbounded", "infeasible_or_unbounded")
+        return f"{s.status.replace('_', ' ')}, by its own word" if known else "no answer"
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """One problem, solved by several methods; one row each in the order asked for.
+
+    Attributes
+    ----------
+    problem : Problem
+    runs : tuple of Compared
+    faults : tuple of str
+        Where what one method claims, or what was verified for it, contradicts a checked answer of another. Empty as it should be.
+    """
+
+    problem: Problem
+    runs: tuple[Compared, ...]
+    faults: tuple[str, ...] = field(default=())
+
+    @property
+    def bound(self) -> float | None:
+        """The best verified bound of the first level that any run led to: it holds for all of them."""
+        return None if self._bounded_by is None else self._bounded_by.verified
+
+    @property
+    def bound_source(self) -> str | None:
+        """What proves it, and whose run it comes from."""
+        by = self._bounded_by
+        return None if by is None or by.solution is None else f"{by.solution.certificate.bound_source}, from the run of {by.name}"
+
+    @property
+    def best(self) -> Solution | None:
+        """The best checked answer; of equal ones the first."""
+        found: Solution | None = None
+        for run in self.runs:
+            s = run.solution
+            if s is not None and s.evaluation is not None and (found is None or _ahead(self.problem, s, found)):
+                found = s
+        return found
+
+    @property
+    def infeasible(self) -> bool:
+        """Whether it is proved that there is no answer."""
+        return any(run.solution is not None and run.solution.certificate.infeasible for run in self.runs)
+
+    @property
+    def _bounded_by(self) -> Compared | None:
+        found: Compared | None = None
+        for run in self.runs:
+            known = None if found is None else found.verified
+            if run.verified is not None and (known is None or better_bound(self.problem.sense, run.verified, known)):
+                found = run
+        return found
+
+    def bounds(self, values: Sequence[float]) -> list[float]:
+        """The best verified bound of each level for answers of these values: of the first, and of further ones as far as those before are
+        closed, by runs whose answers were worth as much there."""
+        found: list[float] = []
+        for level, sense in enumerate(self.problem.senses):
+            known = [self.bound] if level == 0 else [self._level_bound(run, level, values) for run in self.runs]
+            at_level = [bound for bound in known if bound is not None]
+            if not at_level:
+                break
+            found.append(max(at_level) if sense == "min" else min(at_level))
+            if not same(values[level], found[-1]):
+                break
+        return found
+
+    @staticmethod
+    def _level_bound(run: Compared, level: int, values: Sequence[float]) -> float | None:
+        levels = () if run.solution is None else run.solution.certificate.levels
+        if level > len(levels) or not all(same(a, b) for a, b in zip(levels[level - 1].given, values, strict=False)):
+            return None
+        return levels[level - 1].bound
+
+    def gap(self, run: Compared) -> float | None:
+        """Of a run's answer to the best verified bound of all, at the first level that is open; None without either."""
+        evaluation = None if run.solution is None else run.solution.evaluation
+        bounds = [] if evaluation is None else self.bounds(evaluation.values)
+        if (
+            evaluation is None
+            or not bounds
+            or (same(evaluation.values[len(bounds) - 1], bounds[-1]) and len(bounds) < len(evaluation.values))
+        ):
+            return None
+        level = len(bounds) - 1
+        return gap(evaluation.values[level], bounds[-1], evaluation.sizes[level] if evaluation.sizes else 0.0, evaluation.precision)
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row a method.
+
+        Columns ``method, objective`` (of the first level, checked), ``verified_bound`` (that its own run led to), ``gap`` (to the best
+        verified bound of all runs), ``seconds`` (search alone), ``status``, ``remark``.
+        """
+        import pandas as pd
+
+        rows = [(r.name, r.objective, r.verified, self.gap(r), r.seconds, r.status, remark_of(r)) for r in self.runs]
+        names = ["method", "objective", "verified_bound", "gap", "seconds", "status", "remark"]
+        return pd.DataFrame(rows, columns=names).astype(dict.fromkeys(names[1:5], float))
+
+    def plot(self, *, ax: Any = None, title: str | None = None) -> Any:
+        """Progress of all runs over time, on matplotlib axes; see ``plot_history``."""
+        from .plots.history import plot_history
+
+        return plot_history(self, ax=ax, title=title)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data: a row each, and the solutions as ``Solution.to_json`` has them."""
+        return {
+            "schema": 1, "instance": self.problem.name, "problem": self.problem.problem, "sense": self.problem.sense, "bound": self.bound,
+            "bound_source": self.bound_source, "faults": list(self.faults),
+            "runs": [
+                {
+                    "method": r.name, "objective": r.objective, "verified_bound": r.verified, "gap": self.gap(r), "seconds": r.seconds,
+                    "status": r.status, "remark": remark_of(r), "solution": None if r.solution is None else r.solution.to_json(),
+                } for r in self.runs
+            ],
+        }  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def __getitem__(self, name: str) -> Solution | None:
+        """The solution by the method of this name, None where it ended with an error."""
+        for run in self.runs:
+            if run.name == name:
+                return run.solution
+        raise UsageError(f"nothing was compared under the name {name!r}; there are {', '.join(r.name for r in self.runs)}")
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {', '.join(r.name for r in self.runs)} on {self.problem.name}>"
+
+    def __str__(self) -> str:
+        from .tables.comparing import comparison_lines, comparison_table, plain_text
+
+        table = comparison_table(self)
+        return plain_text(table) + "\n" + as_text("", comparison_lines(self)).lstrip("\n")
+
+    def _repr_html_(self) -> str:
+        from .tables.comparing import comparison_html
+
+        return comparison_html(self)
+
+
+def _ahead(problem: Problem, a: Solution, b: Solution) -> bool:
+    """Whether the checked answer of ``a`` is better, level by level."""
+    assert a.evaluation is not None and b.evaluation is not None
+    for level, sense in enumerate(problem.senses):
+        if not a.evaluation.same_at(level, b.evaluation.values[level]):
+            return better_bound(sense, b.evaluation.values[level], a.evaluation.values[level])
+    return False
+
+
+def remark_of(run: Compared) -> str:
+    """An error, a fault, or a bound that the method claims beyond the verified one."""
+    s = run.solution
+    if s is None:
+        return one_line(run.error)
+    parts = [one_line(fault) for fault in s.faults]
+    if s.bound_kind == "claimed" and isinstance(s.bound, float):
+        parts.append(f"claims the bound {s.bound:.10g}")
+    return "; ".join(parts)

@@ -1,0 +1,183 @@
+"""One figure of a film whose contents change: a map for each run, and the headline value of all over time."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.rendering import number
+from .mission import Scene
+
+if TYPE_CHECKING:
+    from .animation import Film
+
+FRAMES_A_SECOND = 8
+
+TRAIL = 12
+"""Steps that a trail goes back."""
+
+AGENT, MARKED, OPEN, LINK = "#332288", "#117733", "#CC3377", "#33AADD"
+"""Distinct for all common kinds of colour vision, after Tol (2021); open points are crosses besides."""
+
+CURVES = ("#117733", "#EE7733", "#332288", "#33AADD")
+"""Of the runs."""
+
+
+class Picture:
+    """The figure; ``show`` sets it to a step.
+
+    Parameters
+    ----------
+    films : mapping from names to Film
+        Of equal lengths; one alone has no name on its map.
+    """
+
+    def __init__(self, films: Mapping[str, Film]) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self.films = dict(films)
+        several = len(self.films) > 1
+        count = len(self.films)
+        self.figure = Figure(figsize=(4.6 * count, 6.6) if several else (9.0, 4.8))  # its margins are fixed: a layout found anew jumps
+        self.canvas = FigureCanvasAgg(self.figure)
+        self.figure.set_dpi(80)
+        if several:
+            rows = self.figure.add_gridspec(2, count, height_ratios=(2.6, 1.0), left=0.07, right=0.98, top=0.9, bottom=0.14, hspace=0.22)
+            worlds, chart = [self.figure.add_subplot(rows[0, k]) for k in range(count)], self.figure.add_subplot(rows[1, :])
+        else:
+            row = self.figure.add_gridspec(1, 2, width_ratios=(1.25, 1.0), left=0.05, right=0.98, top=0.91, bottom=0.19, wspace=0.18)
+            worlds, chart = [self.figure.add_subplot(row[0, 0])], self.figure.add_subplot(row[0, 1])
+        self.stages = [
+            _Stage(ax, film, name, CURVES[k % len(CURVES)])
+            for k, (ax, (name, film)) in enumerate(zip(worlds, self.films.items(), strict=True))
+        ]
+        self.title = self.figure.suptitle("", fontsize=11, fontweight="bold", color="#222222")
+        self._chart(chart)
+        handles, labels = worlds[0].get_legend_handles_labels()
+        self.figure.legend(handles, labels, loc="lower center", ncols=5, frameon=False, fontsize=8, handletextpad=0.4)
+        self.show(0)
+
+    def _chart(self, chart: Any) -> None:
+        from matplotlib.ticker import MaxNLocator
+
+        first = next(iter(self.films.values()))
+        count, steps = len(first.shots[0][0].points), len(first.shots)
+        chart.set_xlim(0, max(steps - 1, 1))
+        chart.set_ylim(0, 1.05 * max(float(count), *(value for film in self.films.values() for value in film.values), 1.0))
+        chart.axhline(count, color="#999999", linewidth=0.8, linestyle=(0, (5, 3)))
+        chart.text(0.01 * steps, count, "all", fontsize=8, color="#777777", va="bottom")
+        self.past, self.now = [], []
+        for k in range(len(self.films)):
+            colour = CURVES[k % len(CURVES)]
+            self.past += chart.plot([], [], color=colour, linewidth=1.6)
+            self.now += chart.plot([], [], "o", color=colour, markersize=5)
+        chart.set_xlabel("step", fontsize=9)
+        chart.set_ylabel(first.mission.headline, fontsize=9)
+        chart.yaxis.set_major_locator(MaxNLocator(integer=True))
+        chart.tick_params(labelsize=8, colors="#555555")
+        for side in ("top", "right"):
+            chart.spines[side].set_visible(False)
+
+    def gif(self, steps: list[int]) -> bytes:
+        """Pictures of these steps as a GIF file. Pillow, which matplotlib needs anyway, takes them as they are drawn: its writer
+        within matplotlib would draw each three times."""
+        from PIL import Image
+
+        def pictures() -> Iterator[Image.Image]:
+            for step in steps:
+                self.show(step)
+                self.canvas.draw()
+                yield Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
+
+        drawn, buffer = pictures(), io.BytesIO()
+        next(drawn).save(buffer, "GIF", save_all=True, append_images=drawn, duration=1000 // FRAMES_A_SECOND, loop=0)
+        return buffer.getvalue()
+
+    def show(self, step: int) -> list[Any]:
+        """Set all maps, curves and the title to a step, 0 being the start."""
+        changed = [artist for stage in self.stages for artist in stage.show(step)]
+        for k, film in enumerate(self.films.values()):
+            values = film.values
+            self.past[k].set_data(range(step + 1), values[: step + 1])
+            self.now[k].set_data([step], [values[step]])
+        film = next(iter(self.films.values()))
+        now = " and ".join(number(film.values[step]) for film in self.films.values())
+        self.title.set_text(f"{film.mission.name}, step {step}: {film.mission.headline} {now} of {len(film.shots[step][0].points)}")
+        return [*changed, *self.past, *self.now, self.title]
+
+
+class _Stage:
+    """One map: discs that agents see, agents with headings and trails, points with trails, and who is assigned what."""
+
+    def __init__(self, ax: Any, film: Film, name: str, colour: str) -> None:
+        from matplotlib.collections import EllipseCollection, LineCollection
+
+        self.film = film
+        first = film.shots[0][0]
+        left, bottom, right, top = first.area
+        ax.set_aspect("equal")
+        ax.set_xlim(left, right)
+        ax.set_ylim(bottom, top)
+        ax.tick_params(labelsize=8, colors="#555555")
+        if name:
+            ax.set_title(name, fontsize=10, fontweight="bold", color=colour)  # that of its curve
+        size = np.full(len(first.agents), 2.0 * first.reach)
+        self.discs = EllipseCollection(
+            size, size, np.zeros(len(size)), units="xy", offsets=first.agents, offset_transform=ax.transData, facecolor=AGENT,
+            edgecolor=AGENT, alpha=0.08, linewidth=0.8,
+        )  # fmt: skip
+        self.trails = LineCollection([], colors=AGENT, linewidths=1.3, alpha=0.45, zorder=2)
+        self.wakes = LineCollection([], colors="#999999", linewidths=0.8, alpha=0.6, zorder=1.5)
+        self.links = LineCollection([], colors=LINK, linewidths=1.0, alpha=0.85, linestyles=(0, (3, 1.5)), zorder=1.8)
+        for collection in (self.discs, self.trails, self.wakes, self.links):
+            ax.add_collection(collection)
+        agent, marked, unmarked = first.labels
+        (self.agents,) = ax.plot([], [], "s", color=AGENT, markersize=6, label=agent, clip_on=False, zorder=4)
+        (self.marked,) = ax.plot([], [], "o", color=MARKED, markersize=5, label=marked, clip_on=False, zorder=3)
+        (self.open,) = ax.plot([], [], "x", color=OPEN, markersize=6, markeredgewidth=1.6, label=unmarked, clip_on=False, zorder=3)
+        ax.plot([], [], color=AGENT, linewidth=1.3, alpha=0.6, label="their way so far")
+        if any(scene.links for scene, _ in film.shots):
+            ax.plot([], [], color=LINK, linewidth=1.0, linestyle=(0, (3, 1.5)), label="assigned")
+        self.headings: Any = None
+        if first.headings is not None:
+            self.length = 0.045 * max(right - left, top - bottom)
+            at, towards = first.agents, self._towards(first)
+            self.headings = ax.quiver(
+                at[:, 0], at[:, 1], towards[:, 0], towards[:, 1], color=AGENT, angles="xy", scale_units="xy", scale=1.0, width=0.006,
+                headwidth=4.0, headlength=4.0, zorder=4,
+            )  # fmt: skip
+
+    def _towards(self, scene: Scene) -> NDArray[np.float64]:
+        assert scene.headings is not None
+        return self.length * np.stack([np.cos(scene.headings), np.sin(scene.headings)], axis=1)
+
+    def show(self, step: int) -> list[Any]:
+        scene = self.film.shots[step][0]
+        past = [self.film.shots[k][0] for k in range(max(0, step - TRAIL), step + 1)]
+        self.discs.set_offsets(scene.agents)
+        self.agents.set_data(*scene.agents.T)
+        self.marked.set_data(*scene.points[scene.marked].T)
+        self.open.set_data(*scene.points[~scene.marked].T)
+        self.trails.set_segments(_ways([one.agents for one in past]))
+        self.wakes.set_segments(_ways([one.points for one in past]))
+        self.links.set_segments([[scene.agents[a], scene.points[p]] for a, p in scene.links])
+        if self.headings is not None:
+            self.headings.set_offsets(scene.agents)
+            self.headings.set_UVC(*self._towards(scene).T)
+        shown = [self.discs, self.agents, self.marked, self.open, self.trails, self.wakes, self.links]
+        return shown if self.headings is None else [*shown, self.headings]
+
+
+def _ways(places: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    """The way of each thing through the last steps; of things that come and go none."""
+    if len(places) < 2 or len({len(at) for at in places}) > 1:
+        return []
+    ways = np.stack(places, axis=1)
+    moved = np.abs(np.diff(ways, axis=1)).sum(axis=(1, 2)) > 1e-12 * (1.0 + math.fabs(float(np.abs(ways).max(initial=0.0))))
+    return list(ways[moved])

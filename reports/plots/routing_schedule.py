@@ -1,0 +1,141 @@
+"""When each vehicle is where: driving, waiting and service along the hours, with the windows that bind."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...formulations.routing.judge import schedule
+from ...formulations.routing.problem import RoutingProblem
+from ...formulations.routing.routes import Route, Routes
+from . import PLOTS
+from .drawing import ALARM, COLOURS, INK, entitle, figures_of, legend_below, literal, new_axes, roomy
+
+if TYPE_CHECKING:
+    from ...formulations.solution import Solution
+
+Floats = NDArray[np.float64]
+
+LABELLED_ROWS = 60
+"""Of more routes the rows have no names."""
+
+LABELLED_VISITS = 220
+"""Of more visits in all, none has its id beside it."""
+
+
+def plot_schedule(
+    problem: RoutingProblem, answer: Routes, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+) -> Any:
+    """Gantt chart of an answer: a row a route, from its latest departure that delays nothing, or the earliest where no window counts.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    answer : Routes
+    ax : matplotlib axes, optional
+        New ones by default.
+    solution : Solution, optional
+        For objective, bound and gap in the title.
+    title : str, optional
+        Instead of the one made.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Time runs to the right, in the units of the data.
+
+    Notes
+    -----
+    Driving is a thin line, service a bar in the colour of the route, waiting hatched; below, a line goes from each begin of service to the
+    end of the site's window: the shorter, the less may be late. A visit that begins after its window is red.
+    """
+    ax = new_axes() if ax is None else ax
+    roomy(ax, height=1.6 + 0.17 * len(answer))
+    rows = [_stops(problem, route) for route in answer]
+    ids, many = problem.sites.ids, sum(map(len, answer)) > LABELLED_VISITS
+    ends = max((float(row["finish"]) for row in rows), default=1.0)
+    begins = min((float(row["departure"]) for row in rows), default=0.0)
+    span = max(ends - begins, 1e-12)
+    for k, (route, row) in enumerate(zip(answer, rows, strict=True)):
+        _draw_row(ax, problem, route, row, k, COLOURS[k % len(COLOURS)], span, len(rows) > LABELLED_ROWS)
+        last = -math.inf
+        for i, site in enumerate(route.visits):
+            at = (row["begin"][i] + row["leave"][i]) / 2.0
+            if not many and at - last > 0.013 * span * max(len(ids[site]), 1):
+                ax.text(at, k - 0.34, ids[site], ha="center", va="bottom", fontsize=6.5, color="#555555")
+                last = at
+    names = problem.vehicle_names(answer)
+    if len(names) <= LABELLED_ROWS:
+        ax.set_yticks(range(len(names)), names, fontsize=8)
+    else:
+        ax.set_yticks([])
+        ax.set_ylabel(f"{len(names)} routes", fontsize=9)
+    ax.set_ylim(len(names) - 0.4, -0.75)
+    ax.set_xlim(begins - 0.02 * span, ends + 0.02 * span)
+    _finish(ax)
+    head = f"{problem.name}: schedule" + ("" if solution is None else f" by {solution.solver}") if title is None else title
+    entitle(ax, head, f"{problem.objective} {figures_of(problem, answer, solution)}" if title is None else "")
+    literal(ax)
+    return ax
+
+
+def _stops(problem: RoutingProblem, route: Route) -> dict[str, Any]:
+    """Arrival, begin and leaving of each visit, departure and finish, on the latest departure that delays nothing."""
+    plan = schedule(problem, route)
+    later = plan.finish - plan.departure - plan.duration
+    if later > 1e-9 * max(abs(plan.finish), 1.0) and math.isfinite(later):
+        shifted = schedule(problem, route, plan.departure + later)
+        if shifted.finish <= plan.finish * (1.0 + 1e-12) + 1e-12:
+            plan = shifted
+    service = problem.sites.service[list(route.visits)]
+    return {"arrival": plan.arrival, "begin": plan.begin, "leave": plan.begin + service, "departure": plan.departure, "finish": plan.finish}
+
+
+def _draw_row(ax: Any, problem: RoutingProblem, route: Route, row: dict[str, Any], k: int, colour: str, span: float, crowded: bool) -> None:
+    arrival, begin, leave = row["arrival"], row["begin"], row["leave"]
+    visits = list(route.visits)
+    starts, arrivals = np.append(row["departure"], leave), np.append(arrival, row["finish"])
+    ax.hlines(np.full(len(starts), k), starts, arrivals, color=colour, linewidth=1.1, alpha=0.75, zorder=2)
+    ax.plot([row["departure"], row["finish"]], [k, k], "|", color=colour, markersize=9, zorder=3)
+    waits = begin - arrival > 1e-9 * span
+    if waits.any():
+        ax.barh(
+            np.full(int(waits.sum()), k), (begin - arrival)[waits], left=arrival[waits], height=0.3,
+            facecolor="#F2F2F2" if crowded else "white",
+            edgecolor="#AAAAAA", hatch="" if crowded else "////", linewidth=0.0 if crowded else 0.6, zorder=2,
+        )  # fmt: skip
+    due = problem.sites.due[visits]
+    late = begin > due + 1e-9 * span
+    shades = [ALARM if bad else colour for bad in late.tolist()]
+    least = 0.002 * span  # a visit that takes no time is seen all the same
+    ax.barh(
+        np.full(len(visits), k), np.maximum(leave - begin, least), left=begin, height=0.42, color=shades, edgecolor="white", linewidth=0.4,
+        zorder=4,
+    )  # fmt: skip
+    bound = np.nonzero(np.isfinite(due))[0]
+    if len(bound) and not crowded:
+        below = k + 0.27 + 0.07 * (bound % 3)
+        ax.hlines(below, begin[bound], due[bound], color="#AAAAAA", linewidth=1.1, zorder=1)
+        ax.plot(due[bound], below, "|", color="#555555", markersize=3.5, zorder=2)
+
+
+def _finish(ax: Any) -> None:
+    from matplotlib.patches import Patch
+
+    handles = [
+        ax.plot([], [], color=INK, linewidth=1.1)[0], Patch(facecolor=INK), Patch(facecolor="white", edgecolor="#AAAAAA", hatch="////"),
+        ax.plot([], [], color="#AAAAAA", linewidth=1.1)[0],
+    ]  # fmt: skip
+    legend_below(ax, handles, ["driving", "service", "waiting", "from begin of service to the end of the window"], 4)
+    ax.set_xlabel("time", fontsize=9, color="#555555")
+    for side in ("top", "right", "left"):
+        ax.spines[side].set_visible(False)
+    ax.tick_params(labelsize=8, colors="#555555", length=0)
+    ax.grid(axis="x", color="#EEEEEE", zorder=0)
+    ax.set_axisbelow(True)
+
+
+PLOTS.add("routing:schedule", plot_schedule)

@@ -1,0 +1,90 @@
+"""The table of a comparison: what each method found, what is verified, and who says what."""
+
+from __future__ import annotations
+
+import html
+from typing import TYPE_CHECKING
+
+from ...formulations.rendering import Line, as_html, number, percent
+from .table import Column, Table
+
+if TYPE_CHECKING:
+    from ..comparison import Compared, Comparison
+
+
+def comparison_table(comparison: Comparison) -> Table:
+    """One row a method; the gap is to the best verified bound of all."""
+    from ..comparison import remark_of
+
+    rows = [
+        (
+            run.name,
+            "-" if run.solution is None else number(run.solution.objective),
+            number(_verified(run)),
+            percent(comparison.gap(run)),
+            "-" if run.seconds is None else f"{run.seconds:.2f}",
+            run.status,
+            remark_of(run),
+        )
+        for run in comparison.runs
+    ]
+    columns = (
+        Column("method"), Column("objective", right=True), Column("verified bound", right=True), Column("gap", right=True),
+        Column("seconds", right=True), Column("status"), Column("remark", wide=True),
+    )  # fmt: skip
+    problem = comparison.problem
+    title = f"{problem.name}: {problem.problem}, {problem.sense}, convention {problem.convention}"
+    return Table(title, columns, tuple(rows))
+
+
+def _verified(run: Compared) -> float | list[float] | None:
+    """Verified bounds that a run led to, level by level."""
+    if run.solution is None or run.verified is None or not run.solution.certificate.levels:
+        return run.verified
+    return [run.verified, *(level.bound for level in run.solution.certificate.levels)]
+
+
+def comparison_lines(comparison: Comparison) -> list[Line]:
+    """The best answer, the best verified bound, and what contradicts what."""
+    best, lines = comparison.best, [Line("fault", fault, "bad") for fault in comparison.faults]
+    if best is not None:
+        lines.append(
+            Line("best answer", f"{number(best.objective)}, by {best.solver}; every answer in the table was checked from the data")
+        )
+    if comparison.infeasible:
+        lines.append(Line("best bound", "there is no answer, verified", "bad"))
+    elif comparison.bound is None:
+        lines.append(Line("best bound", "none was verified, so that no gap is known", "quiet"))
+    else:
+        bounds = [comparison.bound] if best is None or best.evaluation is None else comparison.bounds(best.evaluation.values)
+        told = f"{number(bounds)}, verified: {comparison.bound_source}; gaps are to this one"
+        lines.append(Line("best bound", told, "good"))
+    return lines
+
+
+def plain_text(table: Table) -> str:
+    """The table in columns of text."""
+    heads = tuple(column.name for column in table.columns)
+    widths = [max(len(row[k]) for row in (heads, *table.rows)) for k in range(len(heads))]
+
+    def line(row: tuple[str, ...]) -> str:
+        cells = (c.rjust(w) if column.right else c.ljust(w) for c, w, column in zip(row, widths, table.columns, strict=True))
+        return "  ".join(cells).rstrip()
+
+    return "\n".join([table.title, line(heads), *(line(row) for row in table.rows)])
+
+
+def comparison_html(comparison: Comparison) -> str:
+    """The table and the lines, for notebooks."""
+    table = comparison_table(comparison)
+
+    def cells(row: tuple[str, ...], tag: str) -> str:
+        return "".join(
+            f'<{tag} style="text-align:{"right" if column.right else "left"};padding:2px 10px">{html.escape(cell)}</{tag}>'
+            for cell, column in zip(row, table.columns, strict=True)
+        )
+
+    head = cells(tuple(column.name for column in table.columns), "th")
+    body = "".join(f"<tr>{cells(row, 'td')}</tr>" for row in table.rows)
+    caption = f'<caption style="text-align:left">{html.escape(table.title)}</caption>'
+    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>" + as_html("", comparison_lines(comparison))

@@ -1,0 +1,50 @@
+"""``waybound compare``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+
+def test_the_table_is_printed_and_files_are_written(run: Any, tmp_path: Path) -> None:
+    out, plot, log = tmp_path / "a.csv", tmp_path / "a.png", tmp_path / "a.log"
+    result = run(
+        "compare",
+        "demo-tiny",
+        "--heuristic",
+        "savings",
+        "--heuristic",
+        "local",
+        "--bound-time",
+        0,
+        "--out",
+        out,
+        "--plot",
+        plot,
+        "--log",
+        log,
+    )
+    assert result.exit_code == 0, result.stderr
+    assert "savings" in result.stdout and "every answer in the table was checked" in result.stdout
+    assert out.read_text().startswith("method,objective,verified_bound,gap,seconds,status,remark")
+    assert plot.read_bytes().startswith(b"\x89PNG") and "search by savings" in log.read_text()
+
+
+def test_json_is_one_object(run: Any, strict_json: Any) -> None:
+    result = run("compare", "demo-tiny", "--heuristic", "savings", "--bound-time", 0, "--json")
+    data = strict_json(result.stdout)
+    assert data["runs"][0]["method"] == "savings" and data["runs"][0]["solution"]["answer"] is not None
+
+
+def test_nothing_found_is_4(run: Any) -> None:
+    assert run("compare", "demo-tiny", "--heuristic", "local", "--bound-time", 0).exit_code == 4
+
+
+def test_what_cannot_be_done_is_refused_before_anything_runs(refused: Any, tmp_path: Path) -> None:
+    assert "--solver NAME, --heuristic NAME" in refused("compare", "demo-tiny")
+    assert "no-such" in refused("compare", "demo-tiny", "--solver", "no-such")
+    assert "must be one of .csv, .json" in refused("compare", "demo-tiny", "--solver", "highs", "--out", tmp_path / "a.txt")
+    assert "did you mean vehicles?" in refused("compare", "demo-tiny", "--solver", "highs", "--objective", "vehicle")
+    assert "names the file of another output" in refused(
+        "compare", "demo-tiny", "--solver", "highs", "--out", tmp_path / "a.csv", "--log", tmp_path / "a.csv"
+    )

@@ -1,0 +1,122 @@
+"""Bounds of further levels: of all answers that are no worse before, derived again from their evidence."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from small_routing import WHOLE_FAMILY, few, plane, varied
+
+import waybound as wb
+from waybound.formulations.certificate import certify, check_certificate
+from waybound.formulations.evidence import Evidence
+from waybound.formulations.levels import best_level_bound, with_levels
+from waybound.formulations.routing.objective import Objective, Reward, TotalCost, Vehicles
+from waybound.instances.errors import CheckFailedError, InputError
+from waybound.reports.benchmarks.exact_routing import best_values
+from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
+from waybound.solvers.bounds.routing.vehicles_needed import vehicles_needed
+
+
+@pytest.mark.parametrize("feature", WHOLE_FAMILY)
+def test_the_problem_of_the_next_level_keeps_every_answer_that_is_as_good_before(feature: str) -> None:
+    for goal in (Vehicles().then(TotalCost()), TotalCost().then(Vehicles())):
+        problem = replace(varied(feature, 1, few(feature)), objective=Objective.of(goal))
+        best = best_values(problem)
+        if best is None:
+            continue
+        given = problem.given([float(best[0])])
+        assert given is not None and given.senses == problem.senses[1:]
+        left = best_values(given)
+        assert left is not None and left[0] <= best[1] + 1e-9
+
+
+def test_there_is_no_next_level_after_the_last() -> None:
+    problem = replace(plane(1, 4, 10.0), objective=Objective.of(Vehicles().then(TotalCost())))
+    assert problem.given([2.0, 30.0]) is None and problem.given([]) is None
+    assert wb.read("cover-30").given([1.0]) is None
+
+
+def test_only_levels_of_vehicles_alone_limit_the_fleet() -> None:
+    problem = plane(1, 4, 10.0)
+    for goal, counts in (
+        (Vehicles().then(TotalCost()), [3]),
+        ((2.0 * Vehicles()).then(TotalCost()), [1]),
+        ((Vehicles() + TotalCost()).then(TotalCost()), [None]),
+        (Reward().then(TotalCost()), [None]),
+    ):
+        given = replace(problem, objective=Objective.of(goal)).given([3.0])
+        assert [v.count for v in given.fleet] == counts
+
+
+@pytest.fixture(scope="module")
+def solved() -> tuple[Any, Any, Any]:
+    """A problem of two levels, the evaluation of an optimum, and its certificate with a bound of each level."""
+    problem = replace(plane(1, 4, 10.0), objective=Objective.of(Vehicles().then(TotalCost())))
+    solution = wb.solve(problem, "cpsat", bound_time=0.0)
+    evaluation = solution.evaluation
+    first, second = vehicles_needed(problem), spanning_tree_bound(problem.given(evaluation.values[:1]))
+    found = best_level_bound(problem, evaluation, 1, [second])
+    return problem, evaluation, with_levels(certify(problem, evaluation, [first]), evaluation, [found])
+
+
+def test_a_bound_of_the_second_level_is_verified_and_gives_the_gap(solved: Any) -> None:
+    _, evaluation, certificate = solved
+    (level,) = certificate.levels
+    assert 0 < level.bound <= evaluation.values[1] + 1e-9 and level.given == evaluation.values[:1]
+    assert certificate.gap == pytest.approx((evaluation.values[1] - level.bound) / evaluation.values[1])
+    assert "then" in repr(certificate)
+
+
+def test_a_certificate_file_holds_the_levels_and_is_verified_again(solved: Any) -> None:
+    problem, evaluation, certificate = solved
+    data = certificate.to_json(with_evidence=True)
+    made = check_certificate(problem, data, evaluation)
+    assert made.levels[0].bound == certificate.levels[0].bound
+    assert check_certificate(problem, data, None).levels[0].given == evaluation.values[:1]
+    assert "evidence" not in certificate.to_json()["levels"][0]
+
+
+@pytest.mark.parametrize(
+    ("change", "fault", "told"),
+    [
+        (lambda level: level.update(bound=level["bound"] * 1.01), CheckFailedError, "its evidence proves"),
+        (lambda level: level.update(given=[level["given"][0] + 1]), CheckFailedError, "the answer is worth"),
+        (lambda level: level.update(given=[]), InputError, "malformed"),
+        (lambda level: level.update(given="x"), InputError, "malformed"),
+        (lambda level: level.update(bound="x"), InputError, "not a finite number"),
+        (lambda level: level.pop("evidence"), InputError, "malformed"),
+        (lambda level: level.update(evidence=3), InputError, "malformed"),
+        (lambda level: level["evidence"].update(data={}), InputError, "evidence lacks"),
+    ],
+)
+def test_what_a_file_states_beyond_its_evidence_is_refused(solved: Any, change: Any, fault: type[Exception], told: str) -> None:
+    problem, evaluation, certificate = solved
+    data = copy.deepcopy(certificate.to_json(with_evidence=True))
+    change(data["levels"][0])
+    with pytest.raises(fault, match=told):
+        check_certificate(problem, data, evaluation)
+
+
+def test_more_levels_than_the_problem_has_are_refused(solved: Any) -> None:
+    problem, evaluation, certificate = solved
+    data = certificate.to_json(with_evidence=True)
+    with pytest.raises(InputError, match="malformed"):
+        check_certificate(problem, {**data, "levels": data["levels"] * 2}, evaluation)
+
+
+def test_a_bound_that_contradicts_the_answer_is_an_error(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, evaluation, _ = solved
+    lie = Evidence("lie", "a lie", 0.0, {})
+    monkeypatch.setattr("waybound.formulations.certificate.verified_bound", lambda problem, evidence: 1e9)
+    with pytest.raises(CheckFailedError, match="one of the two checks is wrong"):
+        best_level_bound(problem, evaluation, 1, [lie])
+
+
+def test_evidence_that_fails_is_told_and_costs_the_others_nothing(solved: Any) -> None:
+    problem, evaluation, certificate = solved
+    notes: list[str] = []
+    found = best_level_bound(problem, evaluation, 1, [Evidence("no-such", "nothing", 0.0, {}), certificate.levels[0].evidence], notes)
+    assert found is not None and found.bound == certificate.levels[0].bound and "nothing is no bound of level 2" in notes[0]

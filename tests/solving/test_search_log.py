@@ -1,0 +1,118 @@
+"""The log: what it says, line by line, and that nobody needs to know the tool to read what was proved."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+import waybound as wb
+from waybound.solving import search_log
+from waybound.solving.search_log import EVERY, SearchLog
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Any:
+    now = [100.0]
+    monkeypatch.setattr(search_log.time, "perf_counter", lambda: now[0])
+    return lambda seconds: now.__setitem__(0, 100.0 + seconds)
+
+
+def told(objective: float | None, bound: float | None, kind: str | None, who: str) -> dict[str, Any]:
+    return {"phase": "solve", "seconds": 0.0, "objective": objective, "bound": bound, "bound_kind": kind, "found_by": who}
+
+
+def test_a_line_an_improvement_and_a_sign_of_life_every_few_seconds(clock: Any) -> None:
+    lines: list[str] = []
+    log = SearchLog(lines.append)
+    log.begin(wb.read("demo-tiny"), "pyvrp", "time limit 10 s")
+    assert lines[0].startswith("waybound ") and "demo-tiny" in lines[0] and lines[1] == "search by pyvrp; time limit 10 s"
+    del lines[:]
+    clock(1.0)
+    log(told(12.0, None, None, "pyvrp"))
+    clock(1.5)
+    log(told(12.0, 9.0, "evidence", "round trips"))
+    clock(1.5 + EVERY)
+    log.tick()
+    assert [re.sub(" +", " ", line).strip() for line in lines] == [
+        "1.00 12 - - answer by pyvrp, not checked yet",
+        "1.50 12 9 25 % bound by round trips, its evidence is checked at the end",
+        "6.50 12 9 25 % searching",
+    ]
+
+
+def test_of_a_flood_of_answers_the_last_is_told(clock: Any) -> None:
+    lines: list[str] = []
+    log = SearchLog(lines.append)
+    clock(1.0)
+    for k in range(50):
+        clock(1.0 + k / 1000)
+        log(told(100.0 - k, None, None, "pyvrp"))
+    assert len(lines) == 1
+    clock(1.5)
+    log.tick()
+    assert len(lines) == 2 and " 51 " in lines[-1]
+
+
+def test_that_no_answer_exists_is_told_in_words(clock: Any) -> None:
+    lines: list[str] = []
+    SearchLog(lines.append)(told(None, float("inf"), "evidence", "bin packing"))
+    assert "no answer exists: bin packing; its evidence is checked at the end" in lines[0] and "inf" not in lines[0]
+
+
+def test_a_reader_who_is_gone_ends_nothing() -> None:
+    def gone(line: str) -> None:
+        raise BrokenPipeError
+
+    log = SearchLog(gone)
+    log(told(1.0, None, None, "pyvrp"))
+
+
+def test_names_out_of_files_forge_no_lines(clock: Any) -> None:
+    lines: list[str] = []
+    SearchLog(lines.append)(told(1.0, None, None, "x\nproved  all is well\x1b[31m"))
+    assert len(lines) == 1 and "\n" not in lines[0] and "\x1b" not in lines[0]
+
+
+SNAPSHOT = """\
+waybound VERSION, RoutingProblem demo-tiny: vrptw, 7 customers, at most 3 vehicles, min total-cost, convention exact
+search by savings; time limit 60 s, bound time 0 s, seed 1, 1 thread
+
+  seconds       objective           bound       gap
+     TIME               -               -         -  searching begins, for up to 60 s
+     TIME     436.2208418               -         -  answer by savings, checked
+     TIME     436.2208418               -         -  all checks done
+
+demo-tiny: vrptw, min, convention exact, by savings
+status      feasible
+proved      the answer keeps every constraint and is worth 436.2208418: 7 checks, redone from the data
+not proved  that 436.2208418 is the least: no bound was verified
+remarks: savings guarantees nothing for this instance
+seconds: TIMES
+"""
+
+
+def test_the_whole_log_of_a_run_says_what_was_proved_and_what_was_not() -> None:
+    lines: list[str] = []
+    wb.solve(wb.read("demo-tiny"), heuristic="savings", bound_time=0.0, log=SearchLog(lines.append))
+    text = "\n".join(lines) + "\n"
+    text = text.replace(wb.__version__, "VERSION")
+    text = re.sub(r"^seconds: .*$", "seconds: TIMES", text, flags=re.MULTILINE)
+    text = re.sub(r"^ *\d+\.\d\d  ", "     TIME  ", text, flags=re.MULTILINE)
+    assert text == SNAPSHOT
+
+
+@pytest.mark.parametrize(
+    ("value", "bound", "expected"),
+    [
+        (10.0, 8.0, 0.2),
+        ([4.0, 9.0], 3.0, 0.25),
+        ([3.0, 9.0], 3.0, None),
+        (None, 3.0, None),
+        (3.0, None, None),
+        ([3.0, 9.0], [3.0, None], None),
+    ],
+)
+def test_the_gap_on_the_way_is_that_of_an_open_first_level(value: Any, bound: Any, expected: float | None) -> None:
+    assert search_log.open_gap(value, bound) == (None if expected is None else pytest.approx(expected))

@@ -1,0 +1,130 @@
+"""Records a search as it goes: every better answer and bound, with the time since ``solve`` was called and who found it."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ..formulations.certificate import better_bound
+from ..formulations.problem import Problem
+from ..formulations.search_history import Event
+from ..formulations.solution import Solution
+from ..solvers.backend import Control
+
+Progress = Callable[[dict[str, Any]], None]
+
+PRICED_EVERY = 0.25
+"""Least seconds between two incumbents of several levels that are priced for who watches."""
+
+
+class Recorder:
+    """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
+
+    Parameters
+    ----------
+    problem : Problem
+    listeners : sequence of callables
+        Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
+        has a method ``begin_phase(phase, limit)`` hears of phases too.
+    """
+
+    def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
+        self.senses, self._listeners = problem.senses, tuple(listeners)
+        self._lock = threading.Lock()
+        self._began = time.perf_counter()
+        self._value: tuple[float, ...] | None = None
+        self._bound: tuple[float, str] | None = None
+        self.events: list[Event] = []
+
+    def begin_phase(self, phase: str, limit: float | None = None) -> None:
+        """Tell those who want to know that a phase begins which may take ``limit`` seconds."""
+        for listener in self._listeners:
+            hear = getattr(listener, "begin_phase", None)
+            if hear is not None:
+                hear(phase, limit)
+
+    def of_search(self, who: str, answers: bool = True, bounds: bool = True) -> Progress:
+        """What hears a search by ``who``; its objectives and its bounds count only where they are some of the problem."""
+
+        def hear(event: dict[str, Any]) -> None:
+            value, bound = (event.get("objective") if answers else None), (event.get("bound") if bounds else None)
+            self._take("solve", value, bound, "claimed", who)
+
+        return hear
+
+    def of_bounds(self, event: dict[str, Any]) -> None:
+        """Hears bounding; ``source`` names what the bound rests on."""
+        self._take("bound", None, event.get("bound"), event.get("kind") or "evidence", str(event.get("source", "bounding")))
+
+    def judged(self, who: str, values: Sequence[float]) -> None:
+        """The values of the answer that is handed over, recomputed from the data."""
+        self._take("check", values, None, "verified", who)
+
+    def end(self, solution: Solution) -> tuple[Event, ...]:
+        """All events, with what was left at the end as the last one."""
+        with self._lock:
+            values = None if solution.evaluation is None else solution.evaluation.values
+            bound = solution.bound
+            bounds = None if bound is None else tuple(bound) if isinstance(bound, list) else (bound,)
+            self.events.append(Event(self._seconds(), "check", values, bounds, solution.bound_kind, solution.solver))
+            return tuple(self.events)
+
+    def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str) -> None:
+        news = False
+        with self._lock:
+            values = _levels(value)
+            if values is not None and (self._value is None or self._better(values, self._value)):
+                self._value, news = values, True
+            if isinstance(bound, int | float):
+                bound = float(bound)
+                if self._bound is None or better_bound(self.senses[0], bound, self._bound[0]):
+                    self._bound, news = (bound, kind), True
+            seconds = self._seconds()
+            known, known_kind = self._bound or (None, None)
+            if news:
+                self.events.append(Event(seconds, phase, self._value, None if known is None else (known,), known_kind, who))
+            best = self._value if self._value is None or len(self._value) > 1 else self._value[0]
+            shown = list(best) if isinstance(best, tuple) else best
+            told = {"phase": phase, "seconds": seconds, "objective": shown, "bound": known, "bound_kind": known_kind, "found_by": who}
+        if news or phase == "solve":
+            for listener in self._listeners:
+                listener(told)
+
+    def _better(self, values: tuple[float, ...], than: tuple[float, ...]) -> bool:
+        """Level by level; of equal ones who tells of more levels."""
+        for sense, value, other in zip(self.senses, values, than, strict=False):
+            if value != other:
+                return value < other if sense == "min" else value > other
+        return len(values) > len(than)
+
+    def _seconds(self) -> float:
+        return time.perf_counter() - self._began
+
+
+def _levels(value: Any) -> tuple[float, ...] | None:
+    """A value a level; None for what is not known, and for what is no finite number."""
+    values = value if isinstance(value, list | tuple) else [value]
+    known = [float(v) for v in values if isinstance(v, int | float) and math.isfinite(v)]
+    return tuple(known) if known and len(known) == len(values) else None
+
+
+def pricing(problem: Problem, control: Control) -> Callable[[], dict[str, Any]]:
+    """Prices the engine's incumbent where the objective has levels, of which engines tell none, or the first: now and then, for the log."""
+    last = -math.inf
+
+    def priced() -> dict[str, Any]:
+        nonlocal last
+        now = time.perf_counter()
+        if control.answer is None or now - last < PRICED_EVERY:
+            return {"objective": None}
+        last = now
+        try:
+            judged = problem.evaluate(control.answer)
+        except Exception:  # it will be judged, and told what is wrong, at the end
+            return {"objective": None}
+        return {"objective": list(judged.values) if judged.feasible else None}
+
+    return priced

@@ -1,0 +1,158 @@
+"""The log of a search as text: a line per improvement and per few seconds, and at the end what was proved, by what, and what was not."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+from ..formulations.problem import Problem
+from ..formulations.rendering import as_text, number, percent
+from ..formulations.solution import Solution, relative_gap, solution_title, status_line
+from ..formulations.tolerance import same
+from ..formulations.verdict import verdict_lines
+from ..instances.printable import one_line
+
+EVERY = 5.0
+"""Seconds between two lines where nothing better is found."""
+
+APART = 0.25
+"""Least seconds between two lines of better answers: of a flood of them the last counts."""
+
+_PHASES = {"solve": "searching", "bound": "bounding", "check": "checking"}
+_KINDS = {
+    "claimed": "its own figure", "evidence": "its evidence is checked at the end", "verified": "checked",
+}  # fmt: skip
+
+
+class SearchLog:
+    """Writes lines while ``solve`` runs, by ``wb.solve(problem, log=SearchLog(print))``.
+
+    Parameters
+    ----------
+    write : callable
+        Receives one line at a time, from whatever thread; what it raises as OSError ends nothing.
+    """
+
+    def __init__(self, write: Callable[[str], None]) -> None:
+        self._write = write
+        self._lock = threading.RLock()
+        self._done = threading.Event()
+        self._began = self._said = time.perf_counter()
+        self._phase, self._event = "solve", dict[str, Any]()
+        self._pending, self._answered = "", -math.inf
+
+    def __enter__(self) -> SearchLog:
+        threading.Thread(target=self._run, name="waybound-log", daemon=True).start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None) -> None:
+        self._done.set()
+        self._flush()
+        if fault is not None:
+            self._line(f"ended by an error: {one_line(fault)}")
+
+    def begin(self, problem: Problem, method: str, told: str) -> None:
+        """The heading: problem, and by what it is searched, ``told`` being limits and seed."""
+        from .._version import __version__
+
+        self._began = self._said = time.perf_counter()
+        self._line(f"waybound {__version__}, {one_line(repr(problem).strip('<>'))}")
+        self._line(f"search by {method}; {told}")
+        self._line("")
+        self._line(f"{'seconds':>9}  {'objective':>14}  {'bound':>14}  {'gap':>8}")
+
+    def begin_phase(self, phase: str, limit: float | None) -> None:
+        """A phase begins, which may take ``limit`` seconds."""
+        with self._lock:
+            self._flush()
+            self._phase = phase
+            if phase == "check":  # takes no time to speak of, and is told at its end
+                return
+            self._say(f"{_PHASES.get(phase, phase)} begins" + (f", for up to {limit:g} s" if limit is not None else ""))
+
+    def __call__(self, event: dict[str, Any]) -> None:
+        with self._lock:
+            before, self._event = self._event, event
+            better = event["objective"] is not None and event["objective"] != before.get("objective")
+            raised = event["bound"] is not None and event["bound"] != before.get("bound")
+            if not better and not raised:
+                return
+            who = event["found_by"]
+            if raised and not math.isfinite(event["bound"]):
+                news = f"no answer exists: {who}; {_KINDS[event['bound_kind']]}"
+            else:
+                answer = f"answer by {who}, {'checked' if event['phase'] == 'check' else 'not checked yet'}" if better else ""
+                news = ", and ".join(part for part in (answer, f"bound by {who}, {_KINDS[event['bound_kind']]}" if raised else "") if part)
+            if not raised and time.perf_counter() - self._answered < APART:
+                self._pending = news
+                return
+            self._pending, self._answered = "", time.perf_counter()
+            self._say(news)
+
+    def end(self, solution: Solution) -> None:
+        """What it came to, and the verdict."""
+        self._done.set()
+        with self._lock:
+            self._flush()
+            value = solution.objective
+            self._event = {"objective": value, "bound": solution.bound, "gap": solution.gap}
+            self._say("all checks done")
+            spent = ", ".join(f"{name} {seconds:.2f}" for name, seconds in solution.seconds.items())
+            self._line("")
+            for line in as_text(solution_title(solution), [status_line(solution), *verdict_lines(solution)]).split("\n"):
+                self._line(line)
+            if solution.message:
+                self._line(f"remarks: {one_line(solution.message)}")
+            self._line(f"seconds: {spent}")
+
+    def tick(self) -> None:
+        """What is due now: a better answer that was held back, or a sign of life."""
+        with self._lock:
+            now = time.perf_counter()
+            if self._pending and now - self._answered >= APART:
+                self._flush()
+            elif now - self._said >= EVERY:
+                self._say(_PHASES.get(self._phase, self._phase))
+
+    def _run(self) -> None:
+        while not self._done.wait(APART):
+            self.tick()
+
+    def _flush(self) -> None:
+        if self._pending:
+            news, self._pending, self._answered = self._pending, "", time.perf_counter()
+            self._say(news)
+
+    def _say(self, news: str) -> None:
+        self._said = time.perf_counter()
+        value, bound = self._event.get("objective"), self._event.get("bound")
+        gap = self._event["gap"] if "gap" in self._event else open_gap(value, bound)
+        known = bound is None or not isinstance(bound, float) or math.isfinite(bound)
+        self._line(
+            f"{self._said - self._began:>9.2f}  {_short(value):>14}  {_short(bound) if known else 'no answer':>14}  "
+            f"{percent(gap) if known else '-':>8}  {one_line(news)}"
+        )
+
+    def _line(self, text: str) -> None:
+        with self._lock, contextlib.suppress(OSError, ValueError):  # nobody can read it, which must not end a search
+            self._write(text.rstrip())
+
+
+def open_gap(value: Any, bound: Any) -> float | None:
+    """The gap while a search runs: of the first level, where that one is still open."""
+    first = value[0] if isinstance(value, list) else value
+    if not isinstance(first, float | int) or not isinstance(bound, float | int) or (isinstance(value, list) and same(first, bound)):
+        return None
+    return relative_gap(float(first), float(bound))
+
+
+def _short(value: Any) -> str:
+    """Ten significant digits; nothing where nothing is known."""
+    if isinstance(value, list | tuple):
+        return " then ".join(_short(v) for v in value)
+    return number(value)
