@@ -16,6 +16,7 @@ from ...instances.auctions.assignment import AssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest
+from ...instances.suggestions import did_you_mean
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
 from ..problem import PROBLEMS, Problem
@@ -325,7 +326,7 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> BinAssignment:
     if name == "bottleneck-assignment" and given.setdefault("objective", "bottleneck") != "bottleneck":
         raise UsageError(f"the objective of {name} is bottleneck; for sums ask for --problem bin-assignment")
     if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {', '.join(SETTINGS)}")
+        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {', '.join(SETTINGS)}{did_you_mean(min(settings), SETTINGS)}")
     return BinAssignment(instance, **given)
 
 
