@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,29 @@ from nbclient import NotebookClient
 from nbconvert import MarkdownExporter
 
 FOLDER = Path(__file__).resolve().parents[2] / "reports" / "notebooks"
+
+TEMPLATE = """
+{%- extends 'markdown/index.md.j2' -%}
+{%- block stream %}
+```text
+{{ output.text | trim }}
+```
+{% endblock stream -%}
+{%- block data_text %}
+```text
+{{ output.data['text/plain'] | trim }}
+```
+{% endblock data_text -%}
+{%- block data_html %}
+<div class="output">
+{{ output.data['text/html'] | trim }}
+</div>
+{% endblock data_html -%}
+{%- block data_png %}
+![Picture made by the cell above]({{ output.metadata.filenames['image/png'].split('/')[-1] }})
+{% endblock data_png -%}
+"""
+"""Outputs in blocks that a site can style, and pictures beside the page."""
 
 TIMEOUT = 180
 """Seconds that a cell may take."""
@@ -45,7 +67,8 @@ def execute(script: Path) -> Any:
     notebook = jupytext.read(script)
     notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
     os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")
-    NotebookClient(notebook, timeout=TIMEOUT, resources={"metadata": {"path": str(FOLDER)}}).execute()
+    quiet = ["--log-level=40"]  # of the kernel itself, about its own sockets
+    NotebookClient(notebook, timeout=TIMEOUT, resources={"metadata": {"path": str(FOLDER)}}, extra_arguments=quiet).execute()
     for cell in notebook.cells:
         for output in cell.get("outputs", ()):
             if output.get("name") == "stderr":
@@ -56,27 +79,10 @@ def execute(script: Path) -> Any:
 def page(script: Path, *, executed: bool = True) -> NotebookPage:
     """The page of a notebook; with ``executed=False`` its text and code alone."""
     notebook = execute(script) if executed else jupytext.read(script)
-    exporter = MarkdownExporter()
+    exporter = MarkdownExporter(raw_template=TEMPLATE)
     exporter.exclude_input_prompt = exporter.exclude_output_prompt = True
     text, resources = exporter.from_notebook_node(notebook, resources={"unique_key": script.stem})
     pictures = {Path(name).name: data for name, data in (resources.get("outputs") or {}).items()}
-    for name in resources.get("outputs") or {}:
-        text = text.replace(f"({name})", f"({Path(name).name})")
-    note = f"*This page is a notebook: [open it in Jupyter]({script.stem}.ipynb){{ download }}; its script is `reports/notebooks/{script.name}`.*"
+    note = f"*A notebook: [open it in Jupyter]({script.stem}.ipynb){{ download }}. Its script is `reports/notebooks/{script.name}`.*"
     title, _, rest = text.lstrip().partition("\n")
-    return NotebookPage(f"{title}\n\n{note}\n{_tidied(rest)}", pictures, jupytext.writes(notebook, fmt="ipynb"))
-
-
-def _tidied(text: str) -> str:
-    """Outputs of plain text stand in blocks of their own, alternative texts say what they are, and tables can be scrolled on a phone."""
-    text = re.sub(r"!\[(?:png|svg)\]", "![Picture made by the cell above]", text)
-    text = re.sub(r"<style scoped>.*?</style>\n?", "", text, flags=re.DOTALL)
-    text = re.sub(r"\n\n((?: {4}[^\n]*\n|\n)+)", _block, text)
-    return re.sub(r"(<table.*?</table>)", r'<div class="output">\1</div>', text, flags=re.DOTALL)
-
-
-def _block(found: re.Match[str]) -> str:
-    lines = found[1].strip("\n").split("\n")
-    if not any(line.startswith("    ") for line in lines):
-        return found[0]
-    return "\n\n```text\n" + "\n".join(line.removeprefix("    ") for line in lines) + "\n```\n\n"
+    return NotebookPage(f"{title}\n\n{note}\n{rest}", pictures, jupytext.writes(notebook, fmt="ipynb"))

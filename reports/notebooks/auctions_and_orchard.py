@@ -8,7 +8,7 @@ import pandas as pd
 
 import waybound as wb
 
-problem = wb.generate("assignment", robots=12, bins=12, costs="grid", seed=5)
+problem = wb.generate("assignment", robots=12, bins=12, costs="orchard", seed=5)
 problem
 
 # %%

@@ -31,7 +31,7 @@ problem
 # `solve` chooses a method, judges what it returns, and looks for a bound that a checker can derive again.
 
 # %%
-solution = wb.solve(problem, time_limit=10)
+solution = wb.solve(problem, time_limit=3)
 solution
 
 # %%

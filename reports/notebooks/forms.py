@@ -9,7 +9,7 @@ import pandas as pd
 
 import waybound as wb
 
-problem = wb.read("demo-c25", convention="trunc1", customers=12)
+problem = wb.generate("random", customers=7, windows=True, capacity=20, seed=2)
 problem.forms()
 
 # %%
