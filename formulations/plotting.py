@@ -1,5 +1,5 @@
-"""The way from ``Solution.plot`` to the pictures, and from a problem to the table of its facts, which stand on a higher floor: the face, which
-runs before all else, sets ``draw`` and ``tell``."""
+"""The way from ``Solution.plot`` to the pictures, and from a problem to the table of its facts, which stand on a higher floor: the face,
+which runs before all else, sets ``draw`` and ``tell``."""
 
 from __future__ import annotations
 

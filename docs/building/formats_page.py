@@ -16,7 +16,8 @@ Made from what is registered; [each format in full](../formats.md). A format is 
 
 ## Generators
 
-`waybound generate NAME --seed 1 --set KEY=VALUE`, or `wb.generate("NAME", seed=1, key=value)`; the same seed gives the same instance on every machine.
+`waybound generate NAME --seed 1 --set KEY=VALUE`, or `wb.generate("NAME", seed=1, key=value)`; the same seed gives the same instance
+on every machine.
 
 {generators}
 """

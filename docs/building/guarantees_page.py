@@ -8,8 +8,8 @@ from waybound.heuristics.heuristic import HEURISTICS, Heuristic
 
 HEAD = """# Heuristics and their guarantees
 
-Made from what is registered. A guarantee is stated as its source states it, and each assumption is checked on the instance at hand: an answer
-carries the guarantee only where all hold, and its *observed* ratio against a verified bound beside it. [Thousands of
+Made from what is registered. A guarantee is stated as its source states it, and each assumption is checked on the instance at hand: an
+answer carries the guarantee only where all hold, and its *observed* ratio against a verified bound beside it. [Thousands of
 instances](../ratios.md) compare the two. "No guarantee" means that none is known here, not that answers are bad.
 """
 

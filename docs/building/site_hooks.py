@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import api_pages
 import command_line_page
 import formats_page
 import guarantees_page
@@ -9,8 +10,6 @@ import notebook_pages
 import variants_page
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
-
-import api_pages
 
 PAGES = {
     "command-line": command_line_page.page,

@@ -13,10 +13,10 @@ from waybound.solving.listing import heuristic_table, solver_table
 
 TEXT = """# Variants and who takes them
 
-Made by asking. For a small problem of each variant, `wb.solvers(problem)` and `wb.heuristics(problem)` say who takes it, and what each of the
-others lacks. *Exact* solvers search the whole problem through [forms](../formulations/index.md#what-there-is) or by engines that finish; engines
-such as `pyvrp`, `ortools` and `vroom` find good answers and prove nothing, so that the bound beside them is waybound's own. What several features
-together mean is on the page of [routing features](../formulations/routing-features.md).
+Made by asking. For a small problem of each variant, `wb.solvers(problem)` and `wb.heuristics(problem)` say who takes it, and what each of
+the others lacks. *Exact* solvers search the whole problem through [forms](../formulations/index.md#what-there-is) or by engines that
+finish; engines such as `pyvrp`, `ortools` and `vroom` find good answers and prove nothing, so that the bound beside them is waybound's own.
+What several features together mean is on the page of [routing features](../formulations/routing-features.md).
 
 ## Routing
 
@@ -50,10 +50,14 @@ ROUTING: dict[str, Callable[[], Problem]] = {
     "time windows (VRPTW)": _routes(demand=DEMAND, capacity=5, ready=[0, 2, 0, 0], due=[99, 20, 30, 40], service=[0, 1, 1, 1]),
     "several depots (MDVRP)": _routes(depot=[True, False, False, True], demand=[0, 2, 3, 0], capacity=5),
     "mixed fleet": _routes(
-        demand=DEMAND, fleet=({"name": "van", "capacity": 4, "fixed_cost": 1, "count": 2}, {"name": "truck", "capacity": 9, "fixed_cost": 3})
+        demand=DEMAND, fleet=({"name": "van", "capacity": 4, "count": 2}, {"name": "truck", "capacity": 9, "fixed_cost": 3})
     ),
     "prizes and penalties": _routes(
-        demand=DEMAND, capacity=5, vehicles=1, required=[True, False, False, False], penalty=[0, 9, 9, 9],
+        demand=DEMAND,
+        capacity=5,
+        vehicles=1,
+        required=[True, False, False, False],
+        penalty=[0, 9, 9, 9],
         objective=wb.TotalCost() + wb.Penalties(),
     ),
     "pickups and deliveries (PDP)": _routes(shipments=(("a", "b", 2),), capacity=5, vehicles=2),

@@ -326,7 +326,8 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> BinAssignment:
     if name == "bottleneck-assignment" and given.setdefault("objective", "bottleneck") != "bottleneck":
         raise UsageError(f"the objective of {name} is bottleneck; for sums ask for --problem bin-assignment")
     if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {', '.join(SETTINGS)}{did_you_mean(min(settings), SETTINGS)}")
+        known = f"{', '.join(SETTINGS)}{did_you_mean(min(settings), SETTINGS)}"
+        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {known}")
     return BinAssignment(instance, **given)
 
 

@@ -211,4 +211,5 @@ def refuse_settings(problem: str, settings: Mapping[str, Any], known: tuple[str,
                 raise UsageError(f"{problem} problems have no distances to round: the convention can only be exact, not {value!r}")
             continue
         if key not in known:
-            raise UsageError(f"{problem} has no setting {key!r}" + (f"; it takes {', '.join(known)}{did_you_mean(key, known)}" if known else ""))
+            takes = f"; it takes {', '.join(known)}{did_you_mean(key, known)}" if known else ""
+            raise UsageError(f"{problem} has no setting {key!r}{takes}")

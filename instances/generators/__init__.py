@@ -41,7 +41,8 @@ class Generator:
         named = {key.replace("_", "-"): value for key, value in given.items()}
         for key in named:
             if key not in self.settings:
-                raise UsageError(f"{self.name} has no setting {key!r}; it takes {', '.join(self.settings)}{did_you_mean(key, self.settings)}")
+                known = f"{', '.join(self.settings)}{did_you_mean(key, self.settings)}"
+                raise UsageError(f"{self.name} has no setting {key!r}; it takes {known}")
         return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in self.settings.items()}
 
 

@@ -28,7 +28,8 @@ def convention_named(name: str) -> str:
     """Canonical name of a distance convention; raises UsageError for an unknown one."""
     name = ALIASES.get(name, name)
     if name not in CONVENTIONS:
-        raise UsageError(f"unknown convention {name!r}; choose from {', '.join((*CONVENTIONS, *ALIASES))}{did_you_mean(name, (*CONVENTIONS, *ALIASES))}")
+        known = (*CONVENTIONS, *ALIASES)
+        raise UsageError(f"unknown convention {name!r}; choose from {', '.join(known)}{did_you_mean(name, known)}")
     return name
 
 

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # A bin auction, and an orchard day
 #
-# Robots bid for bins: each announces what a bin costs it, and the lowest bid wins. What does the team lose against the assignment that a central planner would make?
+# Robots bid for bins: each announces what a bin costs it, and the lowest bid wins. What does the team lose against the assignment that
+# a central planner would make?
 
 # %%
 import pandas as pd

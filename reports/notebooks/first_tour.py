@@ -40,7 +40,8 @@ _ = solution.plot()
 # %% [markdown]
 # ## What is proved
 #
-# The certificate holds verified facts only: which checks passed and by how much, the objective priced from the data, and a bound with where it
+# The certificate holds verified facts only: which checks passed and by how much, the objective priced from the data, and a bound with
+# where it
 # comes from. Somebody without any solver can check it: `wb.check(problem, solution, certificate)`.
 
 # %%

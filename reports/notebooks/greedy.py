@@ -1,7 +1,8 @@
 # %% [markdown]
 # # Greedy against optimal, with certificates
 #
-# Forty robots choose one of two actions each; each target is credited to the robot that sees it best (winner takes all). Greedy methods promise half of
+# Forty robots choose one of two actions each; each target is credited to the robot that sees it best (winner takes all). Greedy
+# methods promise half of
 # the optimum. How good are they really, and who can prove it?
 
 # %%
@@ -21,10 +22,12 @@ for name, solution in answers.items():
     guarantee = solution.certificate.guarantee
     stated = None if guarantee is None else guarantee.ratio
     rows.append((name, solution.objective, solution.certificate.bound, stated, solution.certificate.observed_ratio, solution.status))
-pd.DataFrame(rows, columns=["method", "objective", "verified bound", "stated ratio", "observed ratio", "status"]).set_index("method").round(4)
+columns = ["method", "objective", "verified bound", "stated ratio", "observed ratio", "status"]
+pd.DataFrame(rows, columns=columns).set_index("method").round(4)
 
 # %% [markdown]
-# A ratio of 2 is what the theorem says for every instance; beside it stands what holds for this one, against a bound that a checker derived from
+# A ratio of 2 is what the theorem says for every instance; beside it stands what holds for this one, against a bound that a checker
+# derived from
 # prices or marginal gains. Nobody has to believe the solver.
 
 # %%

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # The local algorithm, and h
 #
-# Robots share out their time among actions so that the worst-covered target is covered as well as possible. In the local algorithm a robot knows only
+# Robots share out their time among actions so that the worst-covered target is covered as well as possible. In the local algorithm a
+# robot knows only
 # what is within `3h - 2` hops: more layers `h`, more of the network, and a better guarantee.
 
 # %%
@@ -17,7 +18,8 @@ problem
 rows = []
 for h in (1, 2, 4, 8, 16, 32):
     solution = wb.solve(problem, heuristic="local", h=h)
-    rows.append((h, solution.objective, solution.certificate.bound, solution.certificate.guarantee.ratio, solution.certificate.observed_ratio))
+    proved = solution.certificate
+    rows.append((h, solution.objective, proved.bound, proved.guarantee.ratio, proved.observed_ratio))
 table = pd.DataFrame(rows, columns=["h", "value", "verified bound", "stated ratio", "observed ratio"])
 table.round(4)
 
@@ -40,7 +42,8 @@ solution.certificate.guarantee
 # %% [markdown]
 # ## As messages
 #
-# With `messages=True` every robot is an object that knows its own actions and what its neighbours sent, to the same bits; rounds and messages are counted.
+# With `messages=True` every robot is an object that knows its own actions and what its neighbours sent, to the same bits; rounds and
+# messages are counted.
 
 # %%
 told = wb.solve(problem, heuristic="local", h=3, messages=True)

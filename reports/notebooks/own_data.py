@@ -1,7 +1,8 @@
 # %% [markdown]
 # # Your own data frame on a map
 #
-# Fifty deliveries in a town, with time windows in hours of the day, from a table as one has it. From `import waybound` to the picture are six lines.
+# Fifty deliveries in a town, with time windows in hours of the day, from a table as one has it. From `import waybound` to the picture
+# are six lines.
 
 # %%
 import numpy as np
@@ -23,7 +24,8 @@ orders["until"] = np.maximum(orders["until"], orders["from"] + 2)
 orders.head()
 
 # %% [markdown]
-# Names of columns are those of the field: `id, x, y, demand, ready, due, service`. Distances are kilometres; at 30 km an hour, durations are hours.
+# Names of columns are those of the field: `id, x, y, demand, ready, due, service`. Distances are kilometres; at 30 km an hour,
+# durations are hours.
 
 # %%
 import waybound as wb
@@ -50,7 +52,8 @@ visits.groupby("vehicle", sort=False).agg(stops=("site", "size"), back=("arrival
 # %% [markdown]
 # ## Distances from elsewhere
 #
-# A matrix of road distances or of minutes goes in as `travel=` (and `durations=`), as a frame with the ids as labels or as an array in the order of the sites.
+# A matrix of road distances or of minutes goes in as `travel=` (and `durations=`), as a frame with the ids as labels or as an array in
+# the order of the sites.
 
 # %%
 xy = orders[["km east", "km north"]].to_numpy()[:12]

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Bring your own solver
 #
-# A heuristic of your own is a function. Registered, it is judged like any other: its answers are priced from the data, its claims are checked, and
+# A heuristic of your own is a function. Registered, it is judged like any other: its answers are priced from the data, its claims are
+# checked, and
 # bounds stand beside it. This one is the nearest neighbour rule.
 
 # %%
-import numpy as np
 
 import waybound as wb
 from waybound.extending import HEURISTICS, Context, Heuristic, Outcome
@@ -59,12 +59,15 @@ def forgetful(problem: wb.RoutingProblem, context: Context) -> Outcome:
     return Outcome(wb.Routes.of([problem.customers[::2].tolist()]))
 
 
-with HEURISTICS.temporary("forgetful", Heuristic("forgetful", ("routing",), frozenset({"objective:total-cost", "limited-fleet"}), forgetful, "")):
+with HEURISTICS.temporary(
+    "forgetful", Heuristic("forgetful", ("routing",), frozenset({"objective:total-cost", "limited-fleet"}), forgetful, "")
+):
     try:
         wb.solve(tour, heuristic="forgetful")
     except wb.CheckFailedError as refusal:
         print(refusal)
 
 # %% [markdown]
-# In a package of your own it is [one module and an entry point](../adding-a-heuristic.md); [solvers](../adding-a-solver.md), [engines](../adding-an-engine.md),
+# In a package of your own it is [one module and an entry point](../adding-a-heuristic.md); [solvers](../adding-a-solver.md),
+# [engines](../adding-an-engine.md),
 # [forms](../adding-a-form.md) and whole [problems](../adding-a-problem.md) work the same way.

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # Sharing out a risk
 #
-# A vehicle follows a plan above a sea floor, twenty steps long, its position uncertain. All chance constraints together may fail with a probability of
+# A vehicle follows a plan above a sea floor, twenty steps long, its position uncertain. All chance constraints together may fail with
+# a probability of
 # 5 %: who gets how much of it?
 
 # %%
@@ -16,7 +17,11 @@ problem
 # Equal shares are the usual rule; they are not the best one.
 
 # %%
-asked = {"equal shares": {"solver": "highs", "form": "uniform"}, "iterative": {"heuristic": "iterative"}, "optimal": {"solver": "convex-allocation"}}
+asked = {
+    "equal shares": {"solver": "highs", "form": "uniform"},
+    "iterative": {"heuristic": "iterative"},
+    "optimal": {"solver": "convex-allocation"},
+}
 plans = {name: wb.solve(problem, **keywords) for name, keywords in asked.items()}
 rows = [(name, p.objective, p.certificate.bound, p.evaluation.quantities["joint_risk"]) for name, p in plans.items()]
 pd.DataFrame(rows, columns=["method", "cost", "verified bound", "probability that anything fails"]).set_index("method")

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # Variants, one short cell each
 #
-# Seventeen corners of a city (the blocks are 114 m by 80 m; the data are those of the routing guide of OR-Tools and of PyVRP's tutorial, so that the
+# Seventeen corners of a city (the blocks are 114 m by 80 m; the data are those of the routing guide of OR-Tools and of PyVRP's
+# tutorial, so that the
 # answers can be compared). Every answer is checked, and every bound below is verified unless it says otherwise.
 
 # %%
@@ -57,7 +58,10 @@ plan(city.assign(depot=[True, True] + [False] * 15, demand=[0, 0, *DEMAND[2:]]),
 # ## A mixed fleet
 
 # %%
-fleet = [{"name": "bike", "capacity": 8, "count": 3, "unit_cost": 1}, {"name": "truck", "capacity": 40, "count": 2, "unit_cost": 2, "fixed_cost": 500}]
+fleet = [
+    {"name": "bike", "capacity": 8, "count": 3, "unit_cost": 1},
+    {"name": "truck", "capacity": 40, "count": 2, "unit_cost": 2, "fixed_cost": 500},
+]
 plan(city.assign(demand=DEMAND), "pyvrp", fleet=fleet)
 
 # %% [markdown]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+
 from ...formulations.problem import Problem
 from ...solving.listing import HeuristicInfo, SolverInfo, heuristic_table, solver_table
 from .display import Listing

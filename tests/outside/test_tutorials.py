@@ -1,7 +1,7 @@
-"""What the tutorials of other toolkits show, asked through the public interface: the published result or better, each with a verified bound.
+"""What the tutorials of other toolkits show, asked through the public interface: the published result or better, with a verified bound.
 
-Each case stands beside the published objective and beside the lines of code that the original takes for it, without data, printing, comments and
-blank lines, counted by hand and rounded down.
+Each case stands beside the published objective and beside the lines of code that the original takes for it, without data, printing,
+comments and blank lines, counted by hand and rounded down.
 """
 
 from __future__ import annotations
@@ -17,7 +17,20 @@ from typing import Any
 import numpy as np
 import pytest
 from city_corners import (
-    CITY, DELIVERY, DEMAND, DUE, GROUPS, HEAVY, MINUTES, PICKUP, PRIZES, READY, SHIPMENTS, STREETS, ZONE, CORNERS,
+    CITY,
+    CORNERS,
+    DELIVERY,
+    DEMAND,
+    DUE,
+    GROUPS,
+    HEAVY,
+    MINUTES,
+    PICKUP,
+    PRIZES,
+    READY,
+    SHIPMENTS,
+    STREETS,
+    ZONE,
 )  # fmt: skip
 
 import waybound as wb
@@ -99,9 +112,7 @@ def deliveries_and_returns() -> wb.Problem:
 def alternatives() -> wb.Problem:
     """PyVRP counts the prizes of what is left out: its objective is this one and all prizes."""
     sites = CITY.assign(depot=TWO, reward=PRIZES, required=OPTIONAL, **ANY_TWO)
-    return from_frame(
-        sites, travel=STREETS, durations=MINUTES, vehicles=2, groups=GROUPS, objective=wb.TotalCost() - wb.Reward()
-    )
+    return from_frame(sites, travel=STREETS, durations=MINUTES, vehicles=2, groups=GROUPS, objective=wb.TotalCost() - wb.Reward())
 
 
 def zones() -> wb.Problem:
@@ -171,7 +182,10 @@ MATRIX = {
 }
 
 
-PARIS = [(2.35044, 48.71764), (1.98935, 48.701), (2.03655, 48.61128), (2.28325, 48.5958), (2.89357, 48.90736), (2.41808, 49.22619), (2.39719, 49.07611)]
+# fmt: off
+PARIS = [(2.35044, 48.71764), (1.98935, 48.701), (2.03655, 48.61128), (2.28325, 48.5958), (2.89357, 48.90736), (2.41808, 49.22619),
+         (2.39719, 49.07611)]
+# fmt: on
 JOBS = [1, 2, 5, 6, 4, 3]
 """The ids of the examples' stops, in the order of PARIS after the depot."""
 

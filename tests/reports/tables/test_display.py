@@ -79,9 +79,7 @@ def ends() -> dict[str, Any]:
     return shown()
 
 
-@pytest.mark.parametrize(
-    "what", ["problem", "solution", "certificate", "explanation", "solvers", "solvers of a problem", "heuristics"]
-)
+@pytest.mark.parametrize("what", ["problem", "solution", "certificate", "explanation", "solvers", "solvers of a problem", "heuristics"])
 def test_everything_that_a_cell_ends_with_shows_itself(ends: dict[str, Any], what: str) -> None:
     page = ends[what]._repr_html_()
     seen = Cells(page)
