@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import pandas as pd
 from markdown_tables import markdown_table
@@ -30,7 +31,7 @@ What several features together mean is on the page of [routing features](../form
 PLAIN = {"id": ["depot", "a", "b", "c"], "x": [0, 3, 4, 0], "y": [0, 0, 3, 5]}
 
 
-def _routes(objective: wb.Objective | None = None, **given: object) -> Callable[[], Problem]:
+def _routes(objective: Any = None, **given: Any) -> Callable[[], Problem]:
     """Four sites with further columns (lists of four) and arguments of ``from_frame``."""
 
     def make() -> Problem:

@@ -13,7 +13,7 @@ BLOCK = re.compile(r"^```(python|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL
 
 
 def silent(text: str) -> list[str]:
-    """Faults of console commands of which the page does not show what they print: those that do not end with exit code 0."""
+    """Faults of console commands of which the page does not show what they print: those that do not end with exit code 0, or the one that a comment names."""
     import shlex
 
     from typer.testing import CliRunner
@@ -23,8 +23,9 @@ def silent(text: str) -> list[str]:
     faults = []
     for command in re.findall(r"^\$ waybound (.*)$", text, flags=re.MULTILINE):
         words = shlex.split(command, comments=True)
+        expected = re.search(r"#.*exit code (\d+)", command)
         ended = CliRunner(env={"COLUMNS": "120"}).invoke(app, words)
-        if ended.exit_code != 0:
+        if ended.exit_code != (int(expected[1]) if expected else 0):
             faults.append(f"$ waybound {command}\n{ended.output}[exit code {ended.exit_code}]")
     return faults
 
