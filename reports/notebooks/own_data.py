@@ -33,7 +33,7 @@ import waybound as wb
 names = {"customer": "id", "km east": "x", "km north": "y", "parcels": "demand", "from": "ready", "until": "due"}
 van = {"name": "van", "capacity": 60, "count": 6, "speed": 30}
 problem = wb.RoutingProblem.from_frame(orders.rename(columns=names).assign(service=[0.0] + [0.1] * (n - 1)), fleet=[van], name="town")
-solution = wb.solve(problem, "pyvrp", time_limit=3, bound_time=3)
+solution = wb.solve(problem, "pyvrp", time_limit=2, bound_time=2)
 _ = solution.plot()
 
 # %%

@@ -13,7 +13,7 @@ BLOCK = re.compile(r"^```(python|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL
 
 
 def silent(text: str) -> list[str]:
-    """Faults of console commands of which the page does not show what they print: those that do not end with exit code 0, or the one that a comment names."""
+    """Faults of console commands whose output is not shown: those that end otherwise than with 0, or the exit code in their comment."""
     import shlex
 
     from typer.testing import CliRunner
