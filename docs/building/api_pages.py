@@ -40,6 +40,8 @@ def _page(title: str, names: list[str]) -> str:
 
 def _entry(name: str) -> str:
     value = getattr(wb, name)
-    places = {"solvers": "waybound.solving.listing.solver_table", "heuristics": "waybound.solving.listing.heuristic_table"}
-    place = places.get(name) or f"{value.__module__}.{value.__qualname__}"
-    return f"## `{name}`\n\n::: {place}\n    options:\n      show_root_heading: false\n      show_root_toc_entry: false"
+    listed = {"solvers": "list_solvers", "heuristics": "list_heuristics"}  # callable packages: their tables are told
+    place = f"waybound.reports.tables.listing.{listed[name]}" if name in listed else f"{value.__module__}.{value.__qualname__}"
+    return (
+        f"::: {place}\n    options:\n      heading: {name}\n      toc_label: {name}\n      heading_level: 2\n      show_root_heading: true"
+    )

@@ -37,9 +37,9 @@ def _section(name: str, command: Any) -> str:
     arguments = [p for p in shown if p.param_type_name == "argument"]
     options = [p for p in shown if p.param_type_name == "option"]
     usage = " ".join([name, "[OPTIONS]", *(_argument(a) for a in arguments)])
-    rows = [(f"`{_argument(a)}`", plain(getattr(a, "help", None) or "")) for a in arguments]
-    rows += [(_option(o), plain(o.help or "")) for o in options]
-    text = f"## {name}\n\n{plain(command.help or '')}\n\n```text\n{usage}\n```\n"
+    rows = [(f"`{_argument(a)}`", plain(getattr(a, "help", None) or "", keep="`")) for a in arguments]
+    rows += [(_option(o), plain(o.help or "", keep="`")) for o in options]
+    text = f"## {name}\n\n{plain(command.help or '', keep='`')}\n\n```text\n{usage}\n```\n"
     return text + (f"\n{markdown_table(('argument or option', 'what it does'), rows)}\n" if rows else "")
 
 

@@ -22,10 +22,10 @@ def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join([line([_cell(c) for c in head]), line(["---"] * len(head)), *told])
 
 
-def plain(text: str) -> str:
-    """Text in which nothing is Markdown or HTML."""
+def plain(text: str, keep: str = "") -> str:
+    """Text in which nothing is Markdown or HTML, but for the marks of ``keep``."""
     escaped = text.replace("&", "&amp;").replace("<", "&lt;").replace("\\", "\\\\")
-    for mark in "*_`[]":
+    for mark in set("*_`[]") - set(keep):
         escaped = escaped.replace(mark, "\\" + mark)
     return escaped
 
