@@ -80,7 +80,7 @@ plan(optional, "pyvrp", vehicles=4, capacity=15, objective=wb.TotalCost() - wb.R
 
 # %%
 pairs = [(1, 6, 1), (2, 10, 1), (4, 3, 1), (5, 9, 1), (7, 8, 1), (15, 11, 1), (13, 12, 1), (16, 14, 1)]
-plan(solver="ortools", time=2, shipments=pairs, vehicles=4, fleet=None, capacity=2)
+plan(solver="ortools", time=2, shipments=pairs, vehicles=4, capacity=2, objective=wb.TotalCost())
 
 # %% [markdown]
 # ## Reloads

@@ -130,19 +130,19 @@ def reloads() -> wb.Problem:
 CASES = {
     case.make.__name__: case
     for case in (
-        Case(capacities, 6208, 30, 6208, {"solver": "pyvrp", "time_limit": 2, "bound_time": 10}),
+        Case(capacities, 6208, 30, 6208, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
         Case(windows, 71, 30, 71, {"solver": "highs", "bound_time": 5}),
         Case(global_span, 161408, 25, 159737, {"solver": "cpsat", "time_limit": 10, "bound_time": 5}),
         Case(pickups_and_deliveries, 226116, 30, 159737, {"solver": "ortools", "time_limit": 3, "bound_time": 5}),
-        Case(dropped_visits, 7548, 35, 7400, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
+        Case(dropped_visits, 7548, 35, 7400, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
         Case(starts_and_ends, 115794, 25, 104393, {"solver": "cpsat", "time_limit": 10, "bound_time": 5}),
-        Case(windows_and_durations, 6528, 28, 6528, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
-        Case(several_depots, 6004, 24, 6004, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
-        Case(prizes, 5145, 26, 5145, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
-        Case(deliveries_and_returns, 5375, 29, 5200, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
-        Case(alternatives, 5869 - sum(PRIZES), 28, -math.inf, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
-        Case(zones, 6072, 45, 6071.9, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
-        Case(reloads, 5728, 20, 4060, {"solver": "pyvrp", "time_limit": 2, "bound_time": 5}),
+        Case(windows_and_durations, 6528, 28, 6528, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
+        Case(several_depots, 6004, 24, 6004, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
+        Case(prizes, 5145, 26, 5145, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
+        Case(deliveries_and_returns, 5375, 29, 5200, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
+        Case(alternatives, 5869 - sum(PRIZES), 28, -math.inf, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
+        Case(zones, 6072, 45, 6071.9, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
+        Case(reloads, 5728, 20, 4060, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
     )
 }
 QUICK = {"windows", "starts_and_ends"}
