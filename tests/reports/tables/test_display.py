@@ -99,6 +99,16 @@ def test_a_problem_with_html_in_its_names_is_told_as_text(ends: dict[str, Any]) 
     assert "&lt;script&gt;" in ends["problem"]._repr_html_()
 
 
+@pytest.mark.parametrize(
+    "kind", ["sata", "coverage", "risk-allocation", "risky-grid", "prm-graph", "assignment", "robot-tasks", "orchard-day"]
+)
+def test_problems_of_every_family_show_what_they_hold(kind: str) -> None:
+    problem = wb.generate(kind)
+    seen = Cells(problem._repr_html_())
+    assert problem.name in seen.texts and problem.digest() in seen.texts
+    assert seen.tags.count("tr") >= 4
+
+
 def test_explanations_read_as_text(ends: dict[str, Any]) -> None:
     assert repr(wb.explain(wb.read("demo-tiny", capacity=9))).splitlines()[1:] == [
         "verdict  there is no solution, according to the data",
