@@ -60,7 +60,7 @@ solution.to_frame().head(8)
 
 # %%
 quick = wb.solve(problem, heuristic="savings")
-f"{quick.objective:.1f} by savings, {solution.objective:.1f} by {solution.solver}: {quick.gap:.1%} off at most"
+quick
 
 # %% [markdown]
 # Who else can take it, and what do the others lack?
