@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 # Tests start hundreds of processes: bytecode is kept for them, whatever the environment says.
 CACHING := PYTHONDONTWRITEBYTECODE=
 
-.PHONY: demo test test-all test-hostile lint format benchmarks clean
+.PHONY: demo test test-all test-hostile lint format docs screenshots benchmarks clean
 
 # python3-venv may be missing (Debian splits it off): then a bare environment, filled by the system's pip.
 $(READY): pyproject.toml
@@ -43,9 +43,24 @@ format: $(READY)
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+# The site, with all notebooks executed (some minutes); warnings are errors. The variable silences an advertisement.
+docs: $(READY) $(VENV)/.docs-ready
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	@echo "The site is in site/index.html"
+
+$(VENV)/.docs-ready: $(READY)
+	@if $(BIN)/python -m pip --version >/dev/null 2>&1; \
+	then $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,docs]'; \
+	else $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check --editable '.[dev,docs]'; fi
+	@touch $@
+
+# Pictures of the site on a desk and on a phone, light and dark; needs Chromium.
+screenshots: docs
+	$(BIN)/python docs/building/screenshots.py site screenshots
+
 benchmarks: $(READY)
 	$(BIN)/python -m waybound.reports.benchmarks.equal_answers --instances 300
 	for name in compile_three_index startup overhead greedy certified_ratio local_algorithm compile_max_min winner_takes_all saddle protections risk_allocation uncertain_path assignment; do $(BIN)/python -m waybound.reports.benchmarks.$$name || exit 1; done
 
 clean:
-	rm -rf $(VENV) build dist demo .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage htmlcov *.egg-info
+	rm -rf $(VENV) build dist demo site screenshots .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage htmlcov *.egg-info

@@ -10,9 +10,11 @@ from ..instances.errors import InputError, UsageError
 from ..instances.instance import settings_of
 from ..instances.registry import Registry
 from ..instances.text import shown
+from . import plotting
 from .evaluation import Evaluation
 from .evidence import Evidence, LeftOut, Reason
 from .forms import FORMS, compile_form
+from .rendering import Line, as_html, as_rich
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -91,6 +93,14 @@ class Problem(ABC):
         ``objective``, a text, is shown beside the sense.
         """
         return {}
+
+    def _repr_html_(self) -> str:
+        told = plotting.tell(self)
+        return as_html(told.title, [Line(*row) for row in told.rows])
+
+    def __rich__(self) -> Any:
+        told = plotting.tell(self)
+        return as_rich(told.title, [Line(*row) for row in told.rows])
 
     @property
     def size(self) -> int:

@@ -10,6 +10,7 @@ from typing import Any
 from .errors import UsageError
 from .generating import generate
 from .instance import Instance
+from .suggestions import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def bundled_names() -> list[str]:
 def bundled_path(name: str) -> Path:
     """File of a bundled instance; UsageError for a name that does not exist."""
     if name not in RECIPES:
-        raise UsageError(f"no bundled instance is named {name!r}; choose from {', '.join(RECIPES)}")
+        raise UsageError(f"no bundled instance is named {name!r}; choose from {', '.join(RECIPES)}{did_you_mean(name, RECIPES)}")
     return Path(__file__).parent / "data" / RECIPES[name].file
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
+from .suggestions import did_you_mean
 from .text import plain, shown
 
 Floats = NDArray[np.float64]
@@ -85,7 +86,7 @@ def fields(data: Any, path: str, known: Collection[str], required: Collection[st
         raise InputError(f"{path} must be an object", found=kind_of(data))
     for key in data:
         if key not in known:
-            raise InputError(f"{path} has an unknown key {shown(key)}", expected=", ".join(known))
+            raise InputError(f"{path} has an unknown key {shown(key)}{did_you_mean(key, known)}", expected=", ".join(known))
     for key in required:
         if key not in data:
             raise InputError(f"{path} lacks the key {key!r}")

@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from .errors import UsageError, in_words
+from .suggestions import did_you_mean
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -94,7 +95,7 @@ class Registry(Generic[T]):
     def __getitem__(self, name: str) -> T:
         self._discover()
         if name not in self._entries:
-            raise UsageError(f"unknown {self.what} {name!r}; choose from {', '.join(self.names())}")
+            raise UsageError(f"unknown {self.what} {name!r}; choose from {', '.join(self.names())}{did_you_mean(name, self._entries)}")
         return self._entries[name]
 
     def __contains__(self, name: object) -> bool:

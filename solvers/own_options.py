@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from typing import Any
 
 from ..instances.errors import UsageError
+from ..instances.suggestions import did_you_mean
 
 FEW = 12
-"""Up to as many options are listed where one is not known; of more, the close ones."""
+"""Up to as many options are listed where one is not known; of more, the closest."""
 
 TRUTHS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0": False}
 
@@ -57,10 +57,8 @@ WORDS: dict[type, str] = {bool: "truth value", int: "whole number", float: "numb
 def _hint(name: str, known: Mapping[str, Any]) -> str:
     if not known:
         return "; it takes none"
-    if len(known) <= FEW:
-        return f"; it takes {', '.join(known)}"
-    close = difflib.get_close_matches(name, known, n=3)
-    return f"; close: {', '.join(close)}" if close else ""
+    listed = f"; it takes {', '.join(known)}" if len(known) <= FEW else ""
+    return listed + did_you_mean(name, known)
 
 
 def _converted(value: Any, kind: type) -> Any:

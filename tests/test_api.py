@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import io
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from programs import Counting
@@ -35,6 +37,21 @@ def test_reading_and_judging_load_no_solver():
 def test_every_public_name_exists_and_is_listed(name):
     assert getattr(wb, name) is not None
     assert name in dir(wb)
+
+
+def test_editors_are_told_of_every_public_name_where_it_is_found():
+    """What stands under ``TYPE_CHECKING`` is what mypy, pyright and completion see; what ``_WHERE`` names is what Python imports."""
+    source = ast.parse(Path(wb.__file__).read_text())
+    (block,) = [n for n in source.body if isinstance(n, ast.If) and isinstance(n.test, ast.Name) and n.test.id == "TYPE_CHECKING"]
+    seen = {alias.asname or alias.name: statement.module for statement in block.body for alias in statement.names}
+    assert {name: module for name, module in seen.items() if name not in ("solvers", "heuristics")} == wb._WHERE
+    assert {*seen, "__version__"} == set(wb.__all__)
+
+
+def test_completion_lists_public_names_and_no_private_ones_before_them():
+    listed = [name for name in dir(wb) if not name.startswith("_")]
+    assert set(wb.__all__) - {"__version__"} <= set(listed)
+    assert len(listed) == len(set(listed))
 
 
 def test_an_unknown_name_is_an_attribute_error():

@@ -56,6 +56,9 @@ ELSEWHERE = {
 STUDIES = "reports/ratios/studies/"
 """A study is a table of what is to be run; ``tests/ratios`` runs every one that is registered, against its literature."""
 
+NOTEBOOKS = "reports/notebooks/"
+"""A notebook is a script of cells; building the documentation executes every one, and ``tests/docs`` reads them."""
+
 
 def modules() -> Iterator[Path]:
     """Every module of every floor but packages, relative to the root."""
@@ -78,7 +81,7 @@ def name_of(module: Path) -> str:
 
 def test_every_module_has_its_test_where_it_is_mirrored() -> None:
     known = {*KERNELS, *ELSEWHERE}
-    own = [module for module in modules() if name_of(module) not in known and not name_of(module).startswith(STUDIES)]
+    own = [module for module in modules() if name_of(module) not in known and not name_of(module).startswith((STUDIES, NOTEBOOKS))]
     assert [f"{module} has no tests/{mirrored(module)}" for module in own if not (TESTS / mirrored(module)).exists()] == []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import sysconfig
@@ -11,6 +12,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+
+import waybound as wb
 
 ROOT = Path(__file__).resolve().parent.parent
 FLOORS = ("formulations", "heuristics", "instances", "reports", "solvers")
@@ -68,26 +71,54 @@ problem.colour
 """
 
 
-@pytest.mark.packaging
-@pytest.mark.parametrize("how", [[], ["--editable"]])
-def test_mypy_checks_a_users_script_against_an_installed_package(tmp_path: Path, checkout: Path, how: list[str]) -> None:
+EVERY_NAME = "import waybound as wb\n" + "".join(f"reveal_type(wb.{name})\n" for name in wb.__all__)
+"""A file of a user that names all that is public, one a line."""
+
+
+@pytest.fixture
+def installed(tmp_path: Path, checkout: Path, request: pytest.FixtureRequest) -> Path:
+    """The Python of an environment in which the package alone is installed, and its dependencies are found."""
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", "env"], cwd=tmp_path, check=True)
     python = tmp_path / "env" / "bin" / "python"
-    install = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", *how, str(checkout)]
+    install = [sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", *request.param, str(checkout)]
     subprocess.run(install, check=True, capture_output=True)
     (library,) = (tmp_path / "env").glob("lib/*/site-packages")
     (library / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
     (tmp_path / "script.py").write_text(SCRIPT)
-    run = subprocess.run(
-        [sys.executable, "-m", "mypy", "--strict", "--python-executable", str(python), "--cache-dir", str(tmp_path / "cache"), "script.py"],
-        cwd=tmp_path, capture_output=True, text=True,
-    )  # fmt: skip
-    *told, count = run.stdout.splitlines()
+    (tmp_path / "names.py").write_text(EVERY_NAME)
+    return python
+
+
+def check_with(words: list[str], folder: Path) -> str:
+    return subprocess.run([sys.executable, "-m", *words], cwd=folder, capture_output=True, text=True).stdout
+
+
+@pytest.mark.packaging
+@pytest.mark.parametrize("installed", [[], ["--editable"]], ids=["wheel", "editable"], indirect=True)
+def test_mypy_checks_a_users_script_against_an_installed_package(tmp_path: Path, installed: Path) -> None:
+    mypy = ["mypy", "--strict", "--python-executable", str(installed), "--cache-dir", str(tmp_path / "cache")]
+    *told, count = check_with([*mypy, "script.py"], tmp_path).splitlines()
     assert [line for line in told if "error" in line] == ['script.py:20: error: "RoutingProblem" has no attribute "colour"  [attr-defined]']
     assert any(
         "Revealed type" in line and "RoutingProblem" not in line and "waybound.formulations.solution.Solution" in line for line in told
     )
     assert count.startswith("Found 1 error in 1 file")
+    names = check_with([*mypy, "names.py"], tmp_path)
+    assert names.count("Revealed type") == len(wb.__all__)
+    assert 'Revealed type is "Any"' not in names
+    assert ": error: " not in names
+
+
+@pytest.mark.packaging
+@pytest.mark.parametrize("installed", [[], ["--editable"]], ids=["wheel", "editable"], indirect=True)
+def test_pyright_checks_a_users_script_against_an_installed_package(tmp_path: Path, installed: Path) -> None:
+    told = json.loads(check_with(["pyright", "--outputjson", "--pythonpath", str(installed), "script.py", "names.py"], tmp_path))
+    faults = [d for d in told["generalDiagnostics"] if d["severity"] == "error"]
+    assert [(Path(d["file"]).name, d["range"]["start"]["line"] + 1) for d in faults] == [("script.py", 20)], faults
+    assert 'attribute "colour"' in faults[0]["message"]
+    revealed = [d["message"] for d in told["generalDiagnostics"] if d["severity"] == "information" and Path(d["file"]).name == "names.py"]
+    assert len(revealed) == len(wb.__all__)
+    assert not [message for message in revealed if message.endswith(('is "Any"', 'is "Unknown"'))]
 
 
 @pytest.mark.packaging

@@ -91,9 +91,9 @@ if TYPE_CHECKING:
     from .reports.comparison import Comparison
     from .reports.missions.running import run
     from .reports.plots.history import plot_history
+    from .reports.tables.listing import list_heuristics as heuristics
+    from .reports.tables.listing import list_solvers as solvers
     from .solving.explaining import Explanation
-    from .solving.listing import heuristic_table as heuristics
-    from .solving.listing import solver_table as solvers
     from .solving.solve import solve
 
 _MODULES = {
@@ -179,7 +179,7 @@ _MODULES = {
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 
-_TABLES = {"solvers": "solver_table", "heuristics": "heuristic_table"}
+_TABLES = {"solvers": "list_solvers", "heuristics": "list_heuristics"}
 """Names that are a package and, called, a table of what it holds: ``wb.solvers(problem)``."""
 
 __all__ = [
@@ -287,7 +287,7 @@ class _Table(ModuleType):
     """A package that answers a call with the table of its entries."""
 
     def __call__(self, problem: Any = None) -> Any:
-        listing = importlib.import_module("waybound.solving.listing")
+        listing = importlib.import_module("waybound.reports.tables.listing")
         return getattr(listing, _TABLES[self.__name__.rpartition(".")[2]])(problem)
 
 
@@ -309,7 +309,13 @@ def _draw(solution: Solution, **options: Any) -> Any:
     return plot_solution(solution, **options)
 
 
-plotting.draw = _draw
+def _tell(problem: Problem) -> Any:
+    from .reports.tables.facts import facts, facts_table
+
+    return facts_table(facts(problem))
+
+
+plotting.draw, plotting.tell = _draw, _tell
 
 
 def __getattr__(name: str) -> Any:
@@ -319,7 +325,9 @@ def __getattr__(name: str) -> Any:
         return value
     if name in _TABLES:
         return importlib.import_module(f"waybound.{name}")
-    raise AttributeError(f"module 'waybound' has no attribute {name!r}")
+    from .instances.suggestions import did_you_mean
+
+    raise AttributeError(f"module 'waybound' has no attribute {name!r}{did_you_mean(name, __all__)}")
 
 
 def __dir__() -> list[str]:

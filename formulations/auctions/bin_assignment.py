@@ -17,6 +17,7 @@ from ...instances.auctions.assignment import AssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
+from ...instances.suggestions import did_you_mean
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
 from ..problem import PROBLEMS, Problem
@@ -331,7 +332,8 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> BinAssignment:
     if name == "bottleneck-assignment" and given.setdefault("objective", "bottleneck") != "bottleneck":
         raise UsageError(f"the objective of {name} is bottleneck; for sums ask for --problem bin-assignment")
     if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {', '.join(SETTINGS)}")
+        known = f"{', '.join(SETTINGS)}{did_you_mean(min(settings), SETTINGS)}"
+        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {known}")
     return BinAssignment(instance, **given)
 
 

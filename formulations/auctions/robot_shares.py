@@ -12,6 +12,7 @@ from ...instances.auctions.robot_tasks import RobotTasks
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import with_settings
 from ...instances.printable import printable
+from ...instances.suggestions import did_you_mean
 from ..evaluation import Check, Violation, judge
 from ..problem import Problem
 from ..references import indices_of
@@ -142,7 +143,7 @@ def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) 
         raise UsageError(f"{name} problems take distances as they are: the convention can only be exact")
     unknown = [key for key in given if key not in known]
     if unknown:
-        raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes {', '.join(known)}")
+        raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes {', '.join(known)}{did_you_mean(unknown[0], known)}")
     return given
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ...instances.errors import UsageError
 from ...instances.generators.settings import Setting
 from ...instances.risk.allocation import RISKS, RiskAllocationInstance
+from ...instances.suggestions import did_you_mean
 from ..problem import PROBLEMS
 from .risk_allocation import RiskAllocation
 
@@ -25,7 +26,7 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocat
     settings = {key: value for key, value in settings.items() if key != "convention" or value != "exact"}
     unknown = settings.keys() - SETTINGS.keys()
     if unknown:
-        raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}")
+        raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}{did_you_mean(min(unknown), SETTINGS)}")
     given = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
     changes: dict[str, Any] = {"kind": given["risk"]} if given.get("risk") else {}
     if given.get("total") is not None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...instances.errors import UsageError
 from ...instances.routing.travel import convention_named
+from ...instances.suggestions import did_you_mean
 from .members import DEFAULT_OBJECTIVE
 from .objective import Objective
 
@@ -69,7 +70,8 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
             notes = ()
     asked = given.pop("objective", None)
     if given:
-        raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {', '.join(KNOWN)}")
+        known = f"{', '.join(KNOWN)}{did_you_mean(min(given), KNOWN)}"
+        raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {known}")
     objective = DEFAULT_OBJECTIVE.get(name, Objective())
     if instance.objective and (name == instance.problem or objective == Objective()):
         objective = Objective.named(instance.objective)

@@ -15,6 +15,7 @@ from ...instances.selection.constraints import Cardinality, Constraint, Partitio
 from ...instances.selection.functions import Coverage, FacilityLocation, SetFunction
 from ...instances.selection.instance import SelectionInstance
 from ...instances.sensing.graph import SensingGraph
+from ...instances.suggestions import did_you_mean
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS
 from ..tolerance import EQUAL
@@ -213,4 +214,5 @@ def refuse_settings(problem: str, settings: Mapping[str, Any], known: tuple[str,
                 raise UsageError(f"{problem} problems have no distances to round: the convention can only be exact, not {value!r}")
             continue
         if key not in known:
-            raise UsageError(f"{problem} has no setting {key!r}" + (f"; it takes {', '.join(known)}" if known else ""))
+            takes = f"; it takes {', '.join(known)}{did_you_mean(key, known)}" if known else ""
+            raise UsageError(f"{problem} has no setting {key!r}{takes}")

@@ -10,6 +10,7 @@ from ... import _guard as _guard
 from ..errors import UsageError
 from ..instance import Instance
 from ..registry import Registry
+from ..suggestions import did_you_mean
 from .draw import Draw as Draw
 from .settings import Setting
 
@@ -40,7 +41,8 @@ class Generator:
         named = {key.replace("_", "-"): value for key, value in given.items()}
         for key in named:
             if key not in self.settings:
-                raise UsageError(f"{self.name} has no setting {key!r}; it takes {', '.join(self.settings)}")
+                known = f"{', '.join(self.settings)}{did_you_mean(key, self.settings)}"
+                raise UsageError(f"{self.name} has no setting {key!r}; it takes {known}")
         return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in self.settings.items()}
 
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, UsageError
 from ..memory import fits, readable
+from ..suggestions import did_you_mean
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +28,8 @@ def convention_named(name: str) -> str:
     """Canonical name of a distance convention; raises UsageError for an unknown one."""
     name = ALIASES.get(name, name)
     if name not in CONVENTIONS:
-        raise UsageError(f"unknown convention {name!r}; choose from {', '.join((*CONVENTIONS, *ALIASES))}")
+        known = (*CONVENTIONS, *ALIASES)
+        raise UsageError(f"unknown convention {name!r}; choose from {', '.join(known)}{did_you_mean(name, known)}")
     return name
 
 

@@ -13,6 +13,7 @@ from ... import _guard as _guard
 from ..errors import UsageError
 from ..generators.settings import Setting as Setting
 from ..registry import Registry
+from ..suggestions import did_you_mean
 
 
 class World(ABC):
@@ -80,7 +81,7 @@ def setting_values(who: str, settings: Mapping[str, Setting], given: Mapping[str
     named = {key.replace("_", "-"): value for key, value in given.items()}
     for key in named:
         if key not in settings:
-            raise UsageError(f"{who} has no setting {key!r}; it takes {', '.join(settings)}")
+            raise UsageError(f"{who} has no setting {key!r}; it takes {', '.join(settings)}{did_you_mean(key, settings)}")
     return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in settings.items()}
 
 

@@ -3,12 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ...formulations.problem import Problem
+from ...solving.listing import HeuristicInfo, SolverInfo, heuristic_table, solver_table
+from .display import Listing
 from .table import Column, Table
 
-if TYPE_CHECKING:
-    from ...solving.listing import HeuristicInfo, SolverInfo
+
+def list_solvers(problem: Problem | None = None) -> Listing[SolverInfo]:
+    """All solvers, installed or not; with a problem, also what each lacks for it. A list that shows itself as a table.
+
+    Parameters
+    ----------
+    problem : Problem, optional
+
+    Returns
+    -------
+    list of SolverInfo
+        ``[info.name for info in wb.solvers(problem) if not info.missing]`` are those that can take it.
+    """
+    return Listing(solver_table(problem), lambda rows: solvers_table(rows, asked=problem is not None))
+
+
+def list_heuristics(problem: Problem | None = None) -> Listing[HeuristicInfo]:
+    """All heuristics with their stated guarantees; with a problem, also what each lacks for it. A list that shows itself as a table.
+
+    Parameters
+    ----------
+    problem : Problem, optional
+
+    Returns
+    -------
+    list of HeuristicInfo
+    """
+    return Listing(heuristic_table(problem), lambda rows: heuristics_table(rows, asked=problem is not None))
 
 
 def solvers_table(infos: Sequence[SolverInfo], *, asked: bool) -> Table:

@@ -37,9 +37,9 @@ def test_another_value_or_name_is_refused(name: str, value: Any, words: str) -> 
         own_options("S", {name: value}, KNOWN, {"threads": "--threads"})
 
 
-def test_of_many_options_the_close_ones_are_named() -> None:
+def test_of_many_options_the_closest_one_is_named() -> None:
     many = {f"mip_option_{k}": 1 for k in range(FEW)} | {"presolve": True}
-    with pytest.raises(UsageError, match="S has no parameter 'presolv'; close: presolve"):
+    with pytest.raises(UsageError, match="S has no parameter 'presolv'; did you mean 'presolve'"):
         own_options("S", {"presolv": 1}, many, word="parameter")
     with pytest.raises(UsageError, match=r"S has no option 'zzz'$"):
         own_options("S", {"zzz": 1}, many)

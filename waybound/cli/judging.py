@@ -240,19 +240,9 @@ def explain(
     if json:
         print_json({"instance": asked.name, "problem": asked.problem, **made.to_json()})
     else:
-        from ..formulations.rendering import Line
         from ..reports.tables.table import Column, Table
 
-        verdict = {"infeasible": "there is no solution", "feasible": "there is a solution", "undecided": "undecided"}[made.verdict]
-        source = f", according to {made.according_to}" if made.according_to else ""
-        tone = {"infeasible": "bad", "feasible": "good", "undecided": "plain"}[made.verdict]
-        lines = [Line("verdict", verdict + source, tone)]
-        if made.message:
-            lines.append(Line("", made.message))
-        if made.evidence is not None:
-            lines.append(Line("proof", f"verified: {made.evidence.source}", "good"))
-        lines += [Line("", line) for line in made.proof]
-        print_lines(f"{asked.name}: {asked.problem}", lines)
+        print_lines(f"{asked.name}: {asked.problem}", made.lines())
         if made.reasons:
             columns = (Column(made.reasons[0].kind), Column("reason", wide=True))
             title = f"Reasons (rows of form {made.form})" if made.form else "Reasons"

@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from ..formulations.rendering import Line
     from ..reports.tables.table import Table
 
-SHOWN_ROWS = 100
-"""Rows of a table that are shown: more are for machines, and take seconds to lay out."""
-
 PIPE_WIDTH = 120
 """Columns of a table that is not written to a terminal."""
 
@@ -66,25 +63,11 @@ def print_json(data: Any) -> None:
 
 def table_text(table: Table, every: bool = False) -> str:
     """A table, its title above it; ``every`` row where it says itself how many come first."""
-    from rich import box
-    from rich.table import Table as Grid
-    from rich.text import Text
+    from ..reports.tables.display import SHOWN_ROWS, table_rich
 
-    headed = any(column.name for column in table.columns)
-    grid = Grid(
-        title=Text(table.title, style="bold"), title_justify="left", box=box.SIMPLE_HEAD if headed else None, show_header=headed,
-        show_footer=bool(table.total), pad_edge=False, padding=(0, 1),
-    )  # fmt: skip
-    for k, column in enumerate(table.columns):
-        grid.add_column(
-            column.name, footer=table.total[k] if table.total else "", justify="right" if column.right else "left", overflow="fold",
-            no_wrap=column.right, ratio=1 if column.wide else None,
-        )  # fmt: skip
     shown = SHOWN_ROWS if table.most is None else len(table.rows) if every else table.most
-    for row in table.rows[:shown]:
-        grid.add_row(*(Text(cell) for cell in row))
     more, where = len(table.rows) - shown, "--json has all" if table.most is None else "-v shows all"
-    return _rendered(grid) + (f"and {more:,} more rows; {where}\n" if more > 0 else "")
+    return _rendered(table_rich(table, shown)) + (f"and {more:,} more rows; {where}\n" if more > 0 else "")
 
 
 def lines_text(title: str, lines: Sequence[Line]) -> str:

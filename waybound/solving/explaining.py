@@ -24,6 +24,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program, Rows
+from ..formulations.rendering import Line, as_html, as_rich, as_text
 from ..formulations.solution import Solution
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
@@ -37,8 +38,15 @@ FILTER_SOLVER = "highs"
 
 Flags = NDArray[np.bool_]
 
+VERDICTS = {
+    "infeasible": ("there is no solution", "bad"),
+    "feasible": ("there is a solution", "good"),
+    "undecided": ("undecided", "plain"),
+}
+"""Each verdict in words, and its tone."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Explanation:
     """Why a problem has no answer.
 
@@ -73,6 +81,27 @@ class Explanation:
     evidence: Evidence | None = None
     proof: tuple[str, ...] = ()
     interrupted: bool = False
+
+    def lines(self) -> list[Line]:
+        """What was found, for people: the verdict and who says so, the proof, and the reasons."""
+        verdict, tone = VERDICTS[self.verdict]
+        told = [Line("verdict", verdict + (f", according to {self.according_to}" if self.according_to else ""), tone)]
+        told += [Line("", self.message)] if self.message else []
+        if self.evidence is not None:
+            told.append(Line("proof", f"verified: {self.evidence.source}", "good"))
+        return [*told, *(Line("", line) for line in self.proof)]
+
+    def _all_lines(self) -> list[Line]:
+        return [*self.lines(), *(Line(f"{reason.kind} {reason.where}", reason.message) for reason in self.reasons)]
+
+    def __repr__(self) -> str:
+        return as_text("Explanation", self._all_lines())
+
+    def _repr_html_(self) -> str:
+        return as_html("Explanation", self._all_lines())
+
+    def __rich__(self) -> Any:
+        return as_rich("Explanation", self._all_lines())
 
     def to_json(self) -> dict[str, Any]:
         return {

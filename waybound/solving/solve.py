@@ -266,7 +266,7 @@ def _default_run(problem: Problem, options: Options, isolate: bool) -> _Run:
 
 
 def _opened(problem: Problem, run: _Run, options: Options, isolate: bool) -> tuple[_Run, Options, float]:
-    """A run that goes on from the answer of the heuristic that opens the problem, in the time that is left, and the seconds that it took."""
+    """A run that goes on from the answer of the heuristic that opens the problem, in the time that is left, and the seconds it took."""
     assert run.opening is not None
     later, seconds, said = opened(problem, run.opening, options, isolate)
     made = _solver_run(problem, run.made, run.name, None, False, later, isolate)

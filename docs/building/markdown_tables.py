@@ -1,0 +1,34 @@
+"""Tables as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A pipe table; cells are Markdown but for bars and line ends, which would end them.
+
+    Parameters
+    ----------
+    head : sequence of str
+    rows : iterable of sequences of str
+        One entry a column each.
+    """
+
+    def line(cells: Sequence[str]) -> str:
+        return "| " + " | ".join(cells) + " |"
+
+    told = [line([_cell(c) for c in row]) for row in rows]
+    return "\n".join([line([_cell(c) for c in head]), line(["---"] * len(head)), *told])
+
+
+def plain(text: str, keep: str = "") -> str:
+    """Text in which nothing is Markdown or HTML, but for the marks of ``keep``."""
+    escaped = text.replace("&", "&amp;").replace("<", "&lt;").replace("\\", "\\\\")
+    for mark in set("*_`[]") - set(keep):
+        escaped = escaped.replace(mark, "\\" + mark)
+    return escaped
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")

@@ -1,0 +1,32 @@
+"""What mkdocs is told beside ``docs``: pages made from registries, the reference of the API, and the notebooks, executed."""
+
+from __future__ import annotations
+
+import api_pages
+import command_line_page
+import formats_page
+import guarantees_page
+import notebook_pages
+import variants_page
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+PAGES = {
+    "command-line": command_line_page.page,
+    "formats": formats_page.page,
+    "guarantees": guarantees_page.page,
+    "variants": variants_page.page,
+}
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add what is made."""
+    made: dict[str, str | bytes] = {f"generated/{name}.md": page() for name, page in PAGES.items()}
+    made |= {f"reference/{name}.md": text for name, text in api_pages.pages().items()}
+    for script in notebook_pages.notebooks():
+        one = notebook_pages.page(script, executed=bool(config.extra.get("execute_notebooks", True)))
+        made |= {f"notebooks/{name}": data for name, data in one.pictures.items()}
+        made |= {f"notebooks/{script.stem}.md": one.text, f"notebooks/{script.stem}.ipynb": one.notebook}
+    for name, content in made.items():
+        files.append(File.generated(config, name, content=content))
+    return files

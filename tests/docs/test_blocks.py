@@ -1,0 +1,48 @@
+"""Every fenced block of Python and every console session on the pages runs; what a session shows is what comes out."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+RUNNER = Path(__file__).parent / "run_blocks.py"
+
+FOLLOWED = set((ROOT / "docs").glob("adding-*.md"))
+"""Pages that ``test_extending_pages`` follows to the letter."""
+
+EXECUTED = {*(ROOT / "docs" / "formulations").glob("*.md"), ROOT / "docs" / "selection.md"}
+"""Pages of which ``test_documentation`` and ``test_selection_page`` execute every block."""
+
+PAGES = sorted(
+    page
+    for page in {ROOT / "README.md", *(ROOT / "docs").rglob("*.md")} - FOLLOWED - EXECUTED
+    if re.search(r"^```(?:python|console)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+)
+QUICK = {"faq.md", "proofs.md"}
+
+
+@pytest.mark.parametrize(
+    "page", [p if p.name in QUICK else pytest.param(p, marks=pytest.mark.long) for p in PAGES], ids=lambda page: page.stem
+)
+def test_blocks_of_a_page_run(page: Path, tmp_path: Path) -> None:
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(RUNNER.parent)]), "MPLBACKEND": "agg"}
+    ended = subprocess.run([sys.executable, str(RUNNER), str(page)], cwd=tmp_path, env=env, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+
+
+def test_pages_that_begin_with_an_example_are_among_them() -> None:
+    assert {"README.md", "quick-start.md", "how-to.md", "faq.md"} <= {page.name for page in PAGES}
+
+
+def test_no_block_is_left_out() -> None:
+    """Blocks are Python, console sessions, or say that they are something that is not run."""
+    known = {"python", "console", "text", "toml", "json", "csv", "bibtex", ""}
+    for page in PAGES:
+        opened = re.findall(r"^```(\w*)", page.read_text(encoding="utf-8"), flags=re.MULTILINE)[::2]
+        assert set(opened) <= known, page
