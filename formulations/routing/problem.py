@@ -455,9 +455,13 @@ class RoutingProblem(Problem):
         return answer_graph(self, answer)
 
     def to_instance(self) -> RoutingInstance:
+        from .members import DEFAULT_OBJECTIVE
+
+        usual = str(self.objective) == str(DEFAULT_OBJECTIVE.get(self.problem, Objective()))
+        objective = () if usual else tuple(str(level) for level in self.objective.levels())
         return RoutingInstance(
-            self.name, "json", self.sites, self.travel, self.fleet, self.problem, (), self.min_vehicles,
-            tuple(str(level) for level in self.objective.levels()), self.notes, self.team_risk, self.forbidden, self.clock,
+            self.name, "json", self.sites, self.travel, self.fleet, self.problem, (), self.min_vehicles, objective, self.notes,
+            self.team_risk, self.forbidden, self.clock,
         )  # fmt: skip
 
     def check_answer_suffix(self, suffix: str) -> None:

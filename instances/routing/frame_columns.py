@@ -133,8 +133,10 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
             found[known] = title
     named = next((t for t in titles if str(t).casefold() == "name"), None)
     counted = isinstance(frame.index, pd.RangeIndex)
-    if "id" not in found and counted and named is not None and frame[named].notna().all() and frame[named].is_unique:
-        found["id"] = named
+    if "id" not in found and counted and named is not None:
+        names = frame[named].tolist()
+        if all(isinstance(name, str | int) for name in names) and len(set(names)) == len(names):
+            found["id"] = named
     kept = [title for title in titles if title not in set(found.values())]
     granted = kept if extra is True else [] if extra is False else list(extra)
     for title in granted:

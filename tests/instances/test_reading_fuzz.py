@@ -150,6 +150,44 @@ VROOM = {
     "shipments": [{"amount": [1, 3], "pickup": {"id": 2, "location_index": 2}, "delivery": {"id": 6, "location_index": 3}}],
     "matrices": {"car": {"durations": SQUARE}, "bike": {"durations": SQUARE, "distances": SQUARE}},
 }  # fmt: skip
+RICH = """NAME : rich
+DIMENSION : 4
+EDGE_WEIGHT_TYPE : EUC_2D
+VEHICLES_UNIT_DISTANCE_COST : 2
+NODE_COORD_SECTION
+1 0 0
+2 10 0
+3 1 2
+4 2 1
+DEMAND_SECTION
+1 0
+2 0
+3 4
+4 4
+PRIZE_SECTION
+1 0
+2 0
+3 0
+4 9
+DEPOT_SECTION
+1
+2
+-1
+VEHICLES_DEPOT_SECTION
+1 1
+2 2
+CAPACITY_SECTION
+1 10
+2 4
+EOF"""
+GEOJSON = {
+    "type": "FeatureCollection", "vehicles": 2, "capacity": 9.5, "time_unit": "min", "speed": 40, "shipments": [["1", "2", 3]],
+    "features": [
+        {"type": "Feature", "geometry": {"type": "Point", "coordinates": [9.0 + k, 45.0]},
+         "properties": {"id": k, "demand": k, "due": 900, "service": 5, "phone": "1", "note": None, "depot": k == 0}}
+        for k in range(3)
+    ],
+}  # fmt: skip
 DOCUMENTS: dict[str, Any] = {
     "sensing": SensingGraph(
         np.array([0, 1, 0], np.int32), np.array([0, 2, 3, 3], np.int32), np.array([0, 2, 1], np.int32), np.array([0.5, 2, 3]), 3, 4,
@@ -181,6 +219,8 @@ BASES = {
     "li-lim": LI_LIM.split("\n"),
     "vrplib-vrpspd": VRPSPD.split("\n"),
     "vroom": json.dumps(VROOM, indent=1).split("\n"),
+    "vrplib-rich": RICH.split("\n"),
+    "geojson": json.dumps(GEOJSON, indent=1).split("\n"),
     **{kind: waybound_json.write(made).split("\n") for kind, made in DOCUMENTS.items()},
 }
 TOKENS = [

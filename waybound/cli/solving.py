@@ -87,7 +87,8 @@ def solve(
         typer.Option("--memory-limit", metavar="MB", help="Memory of that process, beyond what it takes idle; kept on Linux only."),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write the answer: .json, or for routes .sol, .tour, .vroom.")
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="Write the answer: .json, .csv, .xlsx, or for routes .sol, .tour, .vroom, .geojson."),
     ] = None,
     certificate: Annotated[
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")

@@ -5,16 +5,18 @@ Properties are the columns of a frame of sites. What GeoJSON has no place for st
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Any
 
-from ...document import array, kind_of, parse_json
+from ...document import array, fields, integer, kind_of, parse_json, real, string, strings
 from ...errors import InputError
 from ...formats import FORMATS, Format
 from ...suggestions import did_you_mean
 from ...text import shown
 from ..instance import RoutingInstance
+from ..json_vehicles import VEHICLE_KEYS
 
 SETTINGS = (
     "name", "vehicles", "capacity", "max_duration", "max_distance", "fixed_cost", "speed", "fleet", "columns", "extra", "time_unit",
@@ -47,8 +49,45 @@ def read(text: str, path: Path) -> RoutingInstance:
     rows = [_site(feature, f"features[{k}]") for k, feature in enumerate(array(data.get("features"), "features"))]
     if not rows:
         raise InputError("holds no sites", expected="features with points")
-    given: dict[str, Any] = {"name": path.stem} | {key: data[key] for key in SETTINGS if key in data}
+    given: dict[str, Any] = {"name": path.stem} | {key: _setting(data[key], key) for key in SETTINGS if key in data}
     return instance_from_frame(pd.DataFrame(rows), **given, source="geojson")
+
+
+def _setting(value: Any, key: str) -> Any:
+    """A member as ``from_frame`` takes it."""
+    if key in ("name", "time_unit", "distance_unit"):
+        return string(value, key)
+    if key in ("vehicles", "min_vehicles"):
+        return integer(value, key, 0)
+    if key == "capacity" and isinstance(value, list):
+        return [real(v, f"{key}[{k}]") for k, v in enumerate(array(value, key))] or [math.inf]
+    if key in ("capacity", "max_duration", "max_distance", "fixed_cost", "speed"):
+        return real(value, key)
+    if key == "columns":
+        return {
+            name: string(title, f"columns.{name}") for name, title in fields(value, key, value if isinstance(value, dict) else ()).items()
+        }
+    if key == "extra":
+        return value if isinstance(value, bool) else list(strings(value, key))
+    if key == "fleet":
+        return [fields(v, f"fleet[{k}]", VEHICLE_KEYS) for k, v in enumerate(array(value, key))]
+    if key == "shipments":
+        return [_shipment(v, f"shipments[{k}]") for k, v in enumerate(array(value, key))]
+    return [_group(v, f"groups[{k}]") for k, v in enumerate(array(value, key))]
+
+
+def _shipment(value: Any, path: str) -> list[Any]:
+    pair = array(value, path)
+    if len(pair) not in (2, 3):
+        raise InputError(f"{path} must be a pickup, a delivery and perhaps a load", found=f"{len(pair)} values")
+    return [*pair[:2], *(real(v, f"{path}[2]") for v in pair[2:])]
+
+
+def _group(value: Any, path: str) -> Any:
+    if isinstance(value, dict):
+        held = fields(value, path, ("sites", "required"), ("sites",))
+        return {**held, "sites": list(array(held["sites"], f"{path}.sites"))}
+    return list(array(value, path))
 
 
 def _site(feature: Any, path: str) -> dict[str, Any]:

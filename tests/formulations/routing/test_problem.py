@@ -113,3 +113,32 @@ def test_the_reward_of_a_depot_is_part_of_what_solvers_find_and_prove(scored, so
     made = wb.solve(scored, solver, time_limit=2, bound_time=0, **options)
     assert (made.objective, made.faults) == (best, ())
     assert made.bound is None or made.bound == best
+
+
+def test_a_problem_of_a_frame_is_saved_with_its_objective_moves_and_clock(tmp_path):
+    import pandas as pd
+
+    sites = pd.DataFrame(
+        {
+            "name": ["h", "n", "e"],
+            "due": pd.to_datetime(["2026-05-04 18:00"] * 3),
+            "reward": [0, 2, 3],
+            "required": False,
+            "phone": list("123"),
+        }
+    )
+    matrix = [[0, 1, 2], [3, 0, math.inf], [1, 1, 0]]
+    problem = wb.RoutingProblem.from_frame(sites, travel=matrix, vehicles=1, time_unit="h", objective="reward then total-cost")
+    problem.save(tmp_path / "p.json")
+    again = wb.read(tmp_path / "p.json")
+    assert again.digest() == problem.digest() and again.clock == problem.clock and again.sites.attributes == {"phone": ("1", "2", "3")}
+    assert str(again.objective) == "reward, then total-cost" and again.forbidden.sum() == 1 and again.notes == problem.notes
+    with pytest.raises(wb.UsageError, match="cannot be written as"):
+        problem.save(tmp_path / "p.vrp")
+    assert not (tmp_path / "p.vrp").exists()
+
+
+def test_a_usual_objective_is_no_hindrance_to_other_formats(tmp_path):
+    problem = wb.read("demo-tiny")
+    problem.save(tmp_path / "p.csv")
+    assert wb.read(tmp_path / "p.csv", problem=problem.problem).digest() == problem.digest()

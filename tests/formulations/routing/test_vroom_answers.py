@@ -104,16 +104,20 @@ def test_a_fault_is_refused_by_its_key(problem: wb.RoutingProblem, path: str, va
         routes_from_vroom(problem, data)
 
 
-def test_sites_and_types_without_numbers_are_refused(problem: wb.RoutingProblem) -> None:
+def test_sites_and_vehicles_without_numbers_are_described(problem: wb.RoutingProblem) -> None:
     from dataclasses import replace
 
     renamed = replace(problem, fleet=(replace(problem.fleet[0], name="car"), problem.fleet[1]))
-    for act in (lambda: routes_from_vroom(renamed, OUTPUT), lambda: vroom_output(renamed, wb.Routes.of([]))):
-        with pytest.raises(wb.UsageError, match="VROOM names vehicles by numbers"):
-            act()
     lettered = replace(problem, sites=replace(problem.sites, ids=("a", *problem.sites.ids[1:-1], "z")))
-    with pytest.raises(wb.UsageError, match=r"site z has none; use \.json or \.sol"):
-        vroom_output(lettered, wb.Routes.of([]))
+    for changed in (renamed, lettered):
+        customers = changed.customers.tolist()
+        answer = wb.Routes.of([wb.Route((customers[0],), 0), wb.Route((customers[1],), 1)])
+        said = json.loads(json.dumps(vroom_output(changed, answer)))
+        assert routes_from_vroom(changed, said) == answer
+    assert vroom_output(renamed, answer)["routes"][0]["description"] == "car 1"
+    assert {task["description"] for task in vroom_output(lettered, wb.Routes.of([]))["unassigned"]} >= {"z"}
+    with pytest.raises(wb.InputError, match=r"routes\[0\]\.description names no vehicle; expected car, "):
+        routes_from_vroom(renamed, OUTPUT)
     with pytest.raises(wb.UsageError, match="3 routes use vehicle 4 9, of which there are 2"):
         vroom_output(problem, wb.Routes.of([[k] for k in problem.customers.tolist()[:3]]))
 
