@@ -21,13 +21,13 @@ pytestmark = pytest.mark.timeout(120)
 
 def interrupted_at_first_incumbent(*arguments: str) -> tuple[int, str, float]:
     """Exit code, standard output, and seconds between the interrupt and the end."""
-    process = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([*COMMAND, *arguments, "--log", "-"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     watchdog = threading.Timer(90, process.kill)
     watchdog.start()
     try:
         assert process.stderr is not None
         for line in process.stderr:
-            if "objective" in line:
+            if "answer by" in line:
                 break
         process.send_signal(signal.SIGINT)
         began = time.perf_counter()
