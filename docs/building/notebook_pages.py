@@ -79,6 +79,7 @@ def execute(script: Path) -> Any:
 def page(script: Path, *, executed: bool = True) -> NotebookPage:
     """The page of a notebook; with ``executed=False`` its text and code alone."""
     notebook = execute(script) if executed else jupytext.read(script)
+    notebook.metadata["language_info"] = {"name": "python"}
     exporter = MarkdownExporter(raw_template=TEMPLATE)
     exporter.exclude_input_prompt = exporter.exclude_output_prompt = True
     text, resources = exporter.from_notebook_node(notebook, resources={"unique_key": script.stem})
