@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import pkgutil
+import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 T = TypeVar("T")
+_OURS = __name__.partition(".")[0]
 
 
 class Registry(Generic[T]):
@@ -43,12 +45,19 @@ class Registry(Generic[T]):
     def __init__(self, what: str, *places: str, group: str = "") -> None:
         self.what, self.places, self.group = what, places, group
         self._entries: dict[str, T] = {}
+        self._foreign: dict[str, str] = {}
         self._complete = False
 
     def add(self, name: str, entry: T) -> T:
-        """Register ``entry``; a second one of the same name is a programming error."""
+        """Register ``entry``; a second one of the same name is a programming error, but for one from outside, which gives way to ours."""
+        ours = _asker().startswith(f"{_OURS}.")
         if name in self._entries:
-            raise ValueError(f"two {self.what}s are named {name!r}")
+            if not ours or name not in self._foreign:
+                raise ValueError(f"two {self.what}s are named {name!r}")
+            owner = self._foreign.pop(name)
+            warnings.warn(f"{self.what} {name} of {owner} is left out: waybound has one of that name", RuntimeWarning, stacklevel=2)
+        if not ours:
+            self._foreign[name] = _asker()
         self._entries[name] = entry
         return entry
 
@@ -113,6 +122,14 @@ class Registry(Generic[T]):
     def values(self) -> list[T]:
         """All entries, in the order of their names."""
         return [self._entries[name] for name in self.names()]
+
+
+def _asker() -> str:
+    """Name of the module that calls a method of a registry."""
+    frame = sys._getframe()
+    while frame.f_back is not None and frame.f_globals["__name__"] == __name__:
+        frame = frame.f_back
+    return str(frame.f_globals["__name__"])
 
 
 def _modules_at(place: str) -> Iterator[str]:

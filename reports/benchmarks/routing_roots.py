@@ -1,4 +1,4 @@
-"""Root bounds of every routing form on small reference instances: ``python -m waybound.reports.benchmarks.routing_roots``.
+"""Root bounds of every exact routing form on small reference instances: ``python -m waybound.reports.benchmarks.routing_roots``.
 
 A row an instance: the value of each form's linear relaxation, with the preparation and the fleet row that all of them share, then the
 integer optimum. A dash stands for a form that cannot take the problem; forms without a linear relaxation have no column.
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...formulations.forms import FORMS
+from ...formulations.programs.exactness import Exactness
 from ...formulations.programs.program import INTEGERS
 from ...formulations.routing.objective import Composable, Makespan, TotalCost
 from ...formulations.routing.problem import RoutingProblem
@@ -55,7 +56,7 @@ def optimum(problem: RoutingProblem, form: str, *, relax: bool = False) -> float
 
 def table(names: Sequence[str] = tuple(CASES)) -> list[list[str]]:
     """Rows of text, the header first."""
-    ordered = sorted((f for f in FORMS.values() if f.family == "routing"), key=lambda f: f.order)
+    ordered = sorted((f for f in FORMS.values() if f.family == "routing" and f.exactness is Exactness.EXACT), key=lambda f: f.order)
     forms = [f.name for f in ordered if f.makes(case(next(iter(CASES)))) <= INTEGERS]
     made = [["instance, vehicles, limit", *forms, "optimum"]]
     for name in names:

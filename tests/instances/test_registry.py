@@ -56,6 +56,16 @@ def test_two_entries_of_one_name_are_a_programming_error(things: Registry[int]) 
         things.add("ant", 3) if things.names() else None
 
 
+def test_one_from_outside_gives_way_to_ours_with_a_word() -> None:
+    made: Registry[int] = Registry("thing", "waybound.instances.data")
+    made.add("ant", 1)
+    with pytest.warns(RuntimeWarning, match="thing ant of .*test_registry is left out: waybound has one of that name"):
+        exec("made.add('ant', 2)", {"__name__": "waybound.heuristics.ant", "made": made})
+    assert made["ant"] == 2
+    with pytest.raises(ValueError, match="two things are named 'ant'"):
+        made.add("ant", 3)
+
+
 def test_register_is_a_decorator() -> None:
     made: Registry[object] = Registry("thing", "waybound.instances.data")
 

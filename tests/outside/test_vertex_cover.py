@@ -51,7 +51,7 @@ def test_its_file_is_solved_written_and_checked_by_the_command_line(cover: Path,
 
 
 def test_its_heuristic_states_its_guarantee_and_proves_its_bound(cover: Path) -> None:
-    told = json.loads(command("solve", cover, "--heuristic", "local-ratio", "--json", "-q", "--bound-time", "0").stdout)
+    told = json.loads(command("solve", cover, "--heuristic", "edge-payments", "--json", "-q", "--bound-time", "0").stdout)
     assert told["certificate"]["guarantee"]["ratio"] == 2.0
     assert told["certificate"]["observed_ratio"] <= 2.0
     assert told["bound"] == pytest.approx(4.0)
@@ -65,7 +65,7 @@ def test_every_command_takes_its_file(cover: Path, words: tuple[str, ...]) -> No
 
 
 def test_it_is_listed_and_exported(cover: Path, tmp_path: Path) -> None:
-    assert "local-ratio" in command("heuristics").stdout
+    assert "edge-payments" in command("heuristics").stdout
     model = tmp_path / "model.lp"
     assert command("export", cover, "--to", model).returncode == 0
     assert "edge(1)" in model.read_text() or "edge" in model.read_text()

@@ -218,6 +218,6 @@ def local_ratio(problem: VertexCover, context: Context) -> Outcome:
 
 
 HEURISTICS.add(
-    "local-ratio",
-    Heuristic("local-ratio", ("vertex-cover",), frozenset({"edges"}), local_ratio, "pays edges one after the other", "2"),
+    "edge-payments",
+    Heuristic("edge-payments", ("vertex-cover",), frozenset({"edges"}), local_ratio, "pays edges one after the other", "2"),
 )

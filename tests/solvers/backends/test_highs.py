@@ -87,7 +87,7 @@ def test_options_given_as_text_get_their_type(name: str, text: str, value) -> No
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        ({"presolv": "off"}, "no option 'presolv'; close: presolve"), ({"mip_max_leaves": "many"}, "takes a whole number"),
+        ({"presolv": "off"}, "no option 'presolv'; did you mean 'presolve'?"), ({"mip_max_leaves": "many"}, "takes a whole number"),
         ({"mip_detect_symmetry": "perhaps"}, "takes a truth value"), ({"time_limit": 5}, "the time limit by its own option"),
         ({"presolve": "sometimes"}, "'sometimes' is no value"),
     ],
