@@ -298,7 +298,7 @@ def test_the_log_goes_to_standard_error_where_it_is_asked_for(run, engine):
         (("demo-tiny", "--gap", "-1"), "negative"),
         (("demo-tiny", "--memory-limit", "0"), "positive"),
         (("demo-tiny", "--out", "missing/a.sol"), "no folder"),
-        (("demo-tiny", "--out", "a.xlsx"), "suffix"),
+        (("demo-tiny", "--out", "a.xlsm"), "suffix"),
         (("demo-tiny", "--out", "a.tour"), "one route"),
         (("demo-tiny", "--certificate", "a.txt"), "suffix"),
         (("demo-tiny", "--plot", "a.jpeg"), "suffix"),

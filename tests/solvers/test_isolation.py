@@ -155,7 +155,7 @@ def test_a_sufficient_memory_limit_does_no_harm(engine: str) -> None:
 
 
 def test_errors_of_the_user_come_back_as_they_are() -> None:
-    with pytest.raises(UsageError, match=r"no option 'ils\.history'; close: ils\.history_length"):
+    with pytest.raises(UsageError, match=r"no option 'ils\.history'; did you mean 'ils\.history_length'"):
         run_isolated("pyvrp", small("capacity", 0, "round"), Options(extra={"ils.history": 3}), Control())
     with pytest.raises(UnsupportedError, match="energy:windows"):
         run_isolated("pyvrp", small("windows", 0, "round"), Options(), Control())
