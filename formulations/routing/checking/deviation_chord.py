@@ -107,7 +107,7 @@ def _certain(problem: RoutingProblem, vehicle: VehicleType) -> VehicleType:
     distances, durations = own_moves(problem, vehicle)
     plain = replace(vehicle, risk=None, speed=1.0, shift=(-math.inf, math.inf), regular_duration=math.inf)
     chances = limits_of(problem, vehicle).chances
-    if not chances or not chances[0][2] > 0.0:
+    if not chances:
         return replace(plain, travel=explicit(distances, durations))
     means, variances, deviations, limit = chances[0]
     largest = _largest_deviation(means, variances, deviations, limit)
@@ -121,7 +121,7 @@ def _largest_deviation(means: Floats, variances: Floats, deviations: float, limi
     """The largest root of the variance that a route within the limit may have."""
     m, v = means[:-1, 1:], variances[:-1, 1:]
     used = (v > 0.0) & (m + deviations * np.sqrt(v) <= limit * (1.0 + _NEAR))
-    if not used.any() or limit <= 0.0:
+    if not used.any() or limit <= 0.0 or not deviations > 0.0:
         return 0.0
     with np.errstate(divide="ignore", over="ignore"):
         ratio = float((v[used] / m[used]).max())
