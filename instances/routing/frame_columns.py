@@ -182,7 +182,8 @@ def _meant(title: str, found: Mapping[str, Any]) -> str | None:
         if plain in others and known not in found:
             return known
     absent = [c for c in COLUMNS if c not in found and len(c) > 2]
-    word = next((word for word in plain.split("_") if word in absent), None) or nearest(plain, [*absent, *ALIASES])
+    long = [c for c in (*absent, *ALIASES) if len(c) > 4]  # short words are near to too many: a note is no node
+    word = next((word for word in plain.split("_") if word in absent), None) or nearest(plain, long)
     return next((known for known in (word, ALIASES.get(word or "")) if known in absent), None)
 
 

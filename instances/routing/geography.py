@@ -19,6 +19,9 @@ Floats = NDArray[np.float64]
 INHABITED = 66.0
 """Degrees of latitude, north or south, beyond which few vehicles drive."""
 
+SQUARE = 1.15
+"""Ratio of the spreads in degrees up to which sites may have been drawn from a square of them."""
+
 
 def coordinates_of(table: Columns) -> tuple[bool, Floats | None, tuple[str, ...]]:
     """Whether they are geographic, the coordinates of shape (sites, 2) or None, and what to tell.
@@ -77,4 +80,5 @@ def _rounder_exchanged(lon: Floats, lat: Floats) -> bool:
     spread = float(np.std(lat) / np.std(lon))
     given = abs(math.log(spread / math.cos(math.radians(float(lat.mean())))))
     exchanged = abs(math.log(1.0 / spread / math.cos(math.radians(float(lon.mean())))))
-    return given > math.log(1.3) and exchanged < math.log(1.15)
+    # Degrees of longitude are the shorter ones: of a round place, those of latitude spread wider only where they are exchanged.
+    return spread > SQUARE and given > math.log(1.3) and exchanged < math.log(1.15)

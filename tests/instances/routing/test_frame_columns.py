@@ -63,6 +63,7 @@ def test_a_title_that_looks_misspelt_is_refused_with_both_cures(title: str, mean
 
 def test_a_title_beside_the_one_that_it_looks_like_is_kept() -> None:
     assert columns_of(SITES.assign(demand_note="fragile"), None, ()).extra == ("demand_note",)
+    assert columns_of(SITES.assign(note="fragile", idea=1), None, ()).extra == ("note", "idea")  # no misspelt node, no id
 
 
 @pytest.mark.parametrize(

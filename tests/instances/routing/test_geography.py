@@ -77,3 +77,11 @@ def test_what_is_no_place_is_refused(columns: dict[str, list[object]], message: 
     with pytest.raises(InputError) as error:
         coordinates_of(columns_of(pd.DataFrame(columns), None, ()))
     assert str(error.value).startswith(message)
+
+
+def test_a_square_of_degrees_is_not_warned_of() -> None:
+    rng = np.random.default_rng(2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for place in ((8.0, 47.0), (24.0, 60.0), (-80.0, 37.0)):
+            warn_of_swapped(np.array(place) + rng.random((60, 2)))
