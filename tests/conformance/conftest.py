@@ -37,8 +37,8 @@ def _made(name: str) -> Any:
     return kind(variant) if variant else kind()
 
 
-FURTHER = ("mathopt:", "cvxpy:", "pulp:", "outer-approximation")
-"""Solvers within a solver: their limits and interrupts are tried in the long run only, for they take seconds each."""
+FURTHER = ("mathopt", "cvxpy", "pulp:", "outer-approximation")
+"""Solvers within a solver, and those that pass programs on: their limits and interrupts are tried in the long run only, for they take seconds each."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

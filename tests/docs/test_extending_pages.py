@@ -30,6 +30,7 @@ def follow(page: Path, folder: Path) -> dict[str, str]:
     return env
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page_does_what_it_shows(page: Path, tmp_path: Path) -> None:
     follow(page, tmp_path)

@@ -111,7 +111,7 @@ def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
 
     seen = {}
 
-    @settings(max_examples=draws(300), database=None)
+    @settings(max_examples=300, database=None)
     @given(selections("cardinality"))
     def claim(problem):
         outcome = Outcome(Selection(tuple(range(problem.constraint.limit))), Guarantee(2.0, "f(S) >= f(OPT) / 2", (), "nowhere"))

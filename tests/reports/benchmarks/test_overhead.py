@@ -69,7 +69,7 @@ KINDS = ("several depots", "pickups", "shipments", "orienteering", "orienteering
 
 
 @pytest.mark.parametrize(("engine", "work"), [("pyvrp", 40), ("ortools", 20), ("vroom", 1)])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [kind if k % 2 == 0 else pytest.param(kind, marks=pytest.mark.long) for k, kind in enumerate(KINDS)])
 def test_each_family_gets_the_bare_librarys_routes(kind: str, engine: str, work: int) -> None:
     problem, backend = member(kind), BACKENDS[engine]()
     if backend.missing(problem) or backend.bisects(problem):

@@ -20,12 +20,12 @@ CONVENTIONS = {"tsplib-nint": "file", "tsplib": "file", "dimacs-trunc1": "trunc1
 SAMPLE = [
     ("cvrp/A", "A-n32-k5", 13.0),
     ("cvrp/P", "P-n16-k8", 12.0),
-    ("vrptw-solomon", "C201", 0.01),
     ("vrptw-solomon", "R101", 1.5),
     ("tsplib", "gr17", 0.5),
     ("tsplib", "eil51", 1.5),
 ]
 LONG = [
+    ("vrptw-solomon", "C201", 0.01),
     ("cvrp/X", "X-n101-k25", 9.0),
     ("cvrp/X", "X-n200-k36", 4.0),
     ("vrptw-solomon", "C101", 0.5),

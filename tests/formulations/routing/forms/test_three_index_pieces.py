@@ -63,7 +63,10 @@ def test_the_example_of_risks_lies_between_them(risk: float | None, team_risk: f
     assert team_risk is not None or low == best == high
 
 
-@pytest.mark.parametrize("solver", [name for name in ("scip", "pulp", "mathopt") if BACKENDS[name].installed()])
+@pytest.mark.parametrize(
+    "solver",
+    [n if n == "scip" else pytest.param(n, marks=pytest.mark.long) for n in ("scip", "pulp", "mathopt") if BACKENDS[n].installed()],
+)
 def test_solvers_of_linear_programs_take_the_risk_of_a_team(solver: str) -> None:
     problem = line(None, 0.15)
     assert (value(problem, CHORDS, solver), value(problem, TANGENTS, solver)) == (pytest.approx(26.0), pytest.approx(36.0))
