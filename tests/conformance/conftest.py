@@ -38,7 +38,7 @@ def _made(name: str) -> Any:
 
 
 FURTHER = ("mathopt", "cvxpy", "pulp:", "outer-approximation")
-"""Solvers within a solver, and those that pass programs on: their limits and interrupts are tried in the long run only, for they take seconds each."""
+"""Solvers within a solver, and those that pass programs on: their limits are tried in the long run only, for they take seconds each."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
