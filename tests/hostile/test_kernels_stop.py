@@ -151,8 +151,9 @@ def large(kind: str, part: int = 1) -> Problem:
             used = rng.uniform(1, 100, shape)
             return GeneralisedAssignment.from_arrays(used + rng.uniform(0, 1, shape), used, used.sum(axis=1) / 200, "profit")
         case "errands":
-            sizes = {"robots": of(1_000), "home": of(1_000), "bins": of(1_000), "requests": of(40)}
-            return JointAssignment(generate("joint-assignment", 1, rows=100, columns=100, fill=40, **sizes))
+            rng, robots, requests = np.random.default_rng(1), of(3_000), 4
+            shapes = (robots, robots), (robots, requests), (requests, robots)
+            return JointAssignment.from_arrays(*(rng.uniform(0, 1e4, shape) for shape in shapes))
         case "pairs":
             return BinAssignment(generate("assignment", 1, robots=of(3_000), bins=of(3_000), costs="euclidean"))
         case "tasks":
