@@ -104,13 +104,14 @@ def standing_bins(rng: Generator) -> Problem:
 
 
 def rooms_in_contact(rng: Generator) -> Problem:
-    """A few rooms and one or two robots that must be heard again and again; where they start apart there is often no way."""
+    """A few rooms and one or two robots that must be heard again and again; where they start apart there may be no way."""
     rooms, robots = int(rng.integers(1, 4)), int(rng.integers(1, 3))
     doors, heard = (np.argwhere(np.triu(rng.random((rooms, rooms)) < often, 1)) for often in (0.6, 0.3))
-    gains = [-np.sort(-weights(rng, (rooms, int(rng.integers(0, 3)))), axis=1) for _ in range(3)]
+    visits, types, targets = (-np.sort(-weights(rng, (rooms, int(rng.integers(0, 3)))), axis=1) for _ in range(3))
     starts = rng.integers(0, rooms, robots) * int(rng.random() < 0.7)
     steps = int(rng.integers(1, 5 if robots == 1 else 3))
-    return RoomExploration(ExplorationMap(doors, *gains, starts, 0, heard, int(rng.integers(0, 3)), steps, name="battery"))
+    silence = int(rng.integers(0, 3))
+    return RoomExploration(ExplorationMap(doors, visits, types, targets, starts, 0, heard, silence, steps, name="battery"))
 
 
 AUCTIONS: tuple[Draw, ...] = (task_paths, task_parts, bin_pairs, shared_capacities, errands, standing_bins, rooms_in_contact)

@@ -101,7 +101,7 @@ def errand_values(problem: JointAssignment) -> Iterator[Fraction]:
     own: list[list[tuple[int | None, int | None, Fraction]]] = []
     for robot in range(len(to_bin)):
         asked = [(None, ZERO), *((q, time) for q, time in enumerate(to_request[robot]) if isinstance(time, Fraction))]
-        made = [(None, q, time) for q, time in asked]
+        made: list[tuple[int | None, int | None, Fraction]] = [(None, q, time) for q, time in asked]
         for at, way in enumerate(to_bin[robot]):
             if isinstance(way, Fraction) and isinstance(filled[at], Fraction):
                 made += [(at, q, max(way if q is None else time + between[q][at], filled[at])) for q, time in asked]

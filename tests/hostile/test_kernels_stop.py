@@ -151,9 +151,9 @@ def large(kind: str, part: int = 1) -> Problem:
             used = rng.uniform(1, 100, shape)
             return GeneralisedAssignment.from_arrays(used + rng.uniform(0, 1, shape), used, used.sum(axis=1) / 200, "profit")
         case "errands":
-            rng, robots, requests = np.random.default_rng(1), of(3_000), 4
-            shapes = (robots, robots), (robots, requests), (requests, robots)
-            return JointAssignment.from_arrays(*(rng.uniform(0, 1e4, shape) for shape in shapes))
+            robots, bins, requests = (np.random.default_rng(k).uniform(0, 1e4, (k, 2)) for k in (of(3_001), of(3_000), 4))
+            away = lambda a, b: np.hypot(*(a[:, None] - b).transpose(2, 0, 1))  # noqa: E731
+            return JointAssignment.from_arrays(away(robots, bins), away(robots, requests), away(requests, bins))
         case "pairs":
             return BinAssignment(generate("assignment", 1, robots=of(3_000), bins=of(3_000), costs="euclidean"))
         case "tasks":
