@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from exact_auctions import FAMILIES
 from exact_simplex import Tableau, bounded
 
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
@@ -50,6 +51,9 @@ def truth(problem: Problem) -> Truth:
         return PartTruth(problem)
     if isinstance(problem, BinAssignment):
         return PairTruth(problem)
+    for family, known in FAMILIES.items():
+        if isinstance(problem, family):
+            return known(problem)  # type: ignore[no-any-return]
     return ProgramTruth(problem)
 
 

@@ -207,6 +207,9 @@ class GeneralisedAssignment(Problem):
         ]
         return pd.DataFrame(rows, columns=["job", "agent", self.objective, "consumption"])
 
+    def to_instance(self) -> GeneralisedAssignmentInstance:
+        return self.instance
+
     def __repr__(self) -> str:
         return f"<GeneralisedAssignment {self.name}: {self.num_jobs} jobs, {self.num_agents} agents, {self.objective}>"
 

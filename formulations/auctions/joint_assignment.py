@@ -222,6 +222,9 @@ class JointAssignment(Problem):
         ]  # fmt: skip
         return pd.DataFrame(rows, columns=["robot", "bin", "request", "time"])
 
+    def to_instance(self) -> JointAssignmentInstance:
+        return self.instance
+
     def __repr__(self) -> str:
         return f"<JointAssignment {self.name}: {self.num_robots} robots, {self.num_bins} bins, {self.num_requests} requests>"
 

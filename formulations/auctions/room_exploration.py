@@ -191,6 +191,9 @@ class RoomExploration(Problem):
         ]
         return pd.DataFrame(rows, columns=["robot", "step", "room", "action", "contact"])
 
+    def to_instance(self) -> ExplorationMap:
+        return self.instance
+
     def __repr__(self) -> str:
         given = self.instance
         return f"<RoomExploration {self.name}: {given.num_rooms} rooms, {given.num_robots} robots, {given.steps} steps>"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...formulations.auctions.bin_assignment import BinAssignment
@@ -15,16 +13,20 @@ from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 def bins_then_requests(problem: JointAssignment, context: Context) -> Outcome:
     """Zhang's order of decisions: no robot looks at requests before it knows its bin."""
     stop = context.begin()
-    costs = problem.costs
+    given = problem.instance
+    assert given.filled is not None
+    alone = np.maximum(given.to_bin, given.filled)
     chosen = [np.full(problem.num_robots, -1)] * 2
     if problem.pickups:
-        first = auction(BinAssignment.from_matrix(costs[:, :-1, -1]), stop)
+        first = auction(BinAssignment.from_matrix(alone), stop)
         if not first.complete:
             return Outcome(None, limit=stop.reached() or "none")
         chosen[0] = np.array(first.answer)
     if problem.deliveries:
-        own = costs[np.arange(problem.num_robots), chosen[0]]  # -1 is the last, which stands for none
-        detour = np.where(np.isfinite(own[:, :-1]), own[:, :-1] - own[:, -1:], math.inf)
+        detour, has = given.to_request.copy(), np.nonzero(chosen[0] >= 0)[0]
+        own = chosen[0][has]
+        by = np.maximum(given.to_request[has] + given.between.T[own], given.filled[own, None])
+        detour[has] = by - alone[has, own][:, None]
         second = auction(BinAssignment.from_matrix(detour), stop)
         if not second.complete:
             return Outcome(None, limit=stop.reached() or "none")

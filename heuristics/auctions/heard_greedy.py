@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...formulations.auctions.room_exploration import GO, MAP, SEARCH, RoomExploration
+from ...formulations.stop import Stop, Stopped
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .exploration_steps.communication import allowed, steps_to_contact
 
@@ -21,7 +23,10 @@ def heard_greedy(problem: RoomExploration, context: Context) -> Outcome:
     stop, given = context.begin(), problem.instance
     adjacent, contact = given.adjacent, given.linked[given.base]
     back = steps_to_contact(adjacent, contact)
-    away = _distances(adjacent)
+    try:
+        away = _distances(adjacent, stop)
+    except Stopped:
+        return Outcome(None, limit=stop.reached())
     tables = {GO: given.exploring, MAP: given.mapping, SEARCH: given.searching}
     done = {kind: np.zeros(given.num_rooms, dtype=np.int64) for kind in tables}
 
@@ -31,10 +36,10 @@ def heard_greedy(problem: RoomExploration, context: Context) -> Outcome:
     here, silent = given.starts.tolist(), [0] * given.num_robots
     plans: list[list[tuple[int, int]]] = [[] for _ in here]
     for step in range(1, given.steps + 1):
-        if stop.reached():
-            return Outcome(None, limit=stop.reached())
         worth = np.array([max(gain(kind, room) for kind in tables) for room in range(given.num_rooms)])
         for robot in range(given.num_robots):
+            if stop.reached():
+                return Outcome(None, limit=stop.reached())
             at = here[robot]
             options = [(at, MAP), (at, SEARCH), (at, GO), *((room, GO) for room in np.nonzero(adjacent[at])[0].tolist())]
             best: tuple[float, float, int] | None = None
@@ -55,14 +60,15 @@ def heard_greedy(problem: RoomExploration, context: Context) -> Outcome:
     return Outcome(tuple(map(tuple, plans)))
 
 
-def _distances(adjacent: np.ndarray) -> np.ndarray:
-    """Doors between rooms; infinite where there is no way."""
-    made = np.full(adjacent.shape, np.inf)
-    reached, count = np.eye(len(adjacent), dtype=bool), 0
-    while reached.any():
-        made[reached] = count
-        count += 1
-        reached = (reached @ adjacent) & np.isinf(made)
+def _distances(adjacent: NDArray[np.bool_], stop: Stop) -> NDArray[np.float64]:
+    """Doors between rooms; infinite where there is no way. Raises Stopped."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import dijkstra
+
+    doors, made = csr_array(adjacent), np.empty(adjacent.shape)
+    for room in range(len(adjacent)):
+        stop.check()
+        made[room] = dijkstra(doors, unweighted=True, indices=room)
     return made
 
 

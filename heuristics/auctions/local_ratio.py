@@ -40,12 +40,15 @@ def local_ratio(problem: GeneralisedAssignment, context: Context, *, order: tupl
             whole = False
             break
         beyond = np.where(problem.fitting[i], np.where(np.isfinite(instance.values[i]), instance.values[i], 0.0) - worth, 0.0)
-        taken, best = knapsack(np.maximum(beyond, 0.0), instance.consumption[i], rooms[i])
+        taken, best = knapsack(np.maximum(beyond, 0.0), instance.consumption[i], rooms[i], stop)
         agent[taken], worth[taken] = i, instance.values[i, taken]
         exact = exact and best
     load = np.array([instance.consumption[i, agent == i].sum() for i in range(m)])
     values = np.where(problem.fitting, instance.values, 0.0)
-    for j in sorted(np.nonzero(agent < 0)[0].tolist(), key=lambda j: -float(values[:, j].max())):
+    free = np.nonzero(agent < 0)[0]
+    for j in free[np.argsort(-values[:, free].max(axis=0), kind="stable")].tolist():
+        if stop.reached():
+            break
         left = np.where((values[:, j] > 0.0) & (load + instance.consumption[:, j] <= instance.capacity), values[:, j], 0.0)
         i = int(np.argmax(left))
         if left[i] > 0.0:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.auctions.generalised_assignment import GeneralisedAssignment
+from ...formulations.stop import NEVER, Stop
 from ...formulations.tolerance import room
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
@@ -38,7 +39,8 @@ def rounded(problem: GeneralisedAssignment, parts: Floats) -> tuple[int, ...] | 
     -----
     Source: Shmoys and Tardos (1993), An approximation algorithm for the generalized assignment problem, theorem 2.1.
     """
-    from scipy.optimize import linear_sum_assignment
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
     instance = problem.instance
     parts = np.where((parts > SMALLEST) & problem.fitting, parts, 0.0)
@@ -47,21 +49,24 @@ def rounded(problem: GeneralisedAssignment, parts: Floats) -> tuple[int, ...] | 
         return None
     parts = parts / whole
     owner: list[int] = []
-    columns: list[Floats] = []
+    pairs: list[tuple[NDArray[np.int64], int, Floats]] = []  # jobs of a slot, and their costs
     for i in range(problem.num_agents):
         jobs = np.nonzero(parts[i])[0]
         jobs = jobs[np.argsort(-instance.consumption[i, jobs], kind="stable")]
         end = np.cumsum(parts[i, jobs])
         begin = end - parts[i, jobs]
         slots = max(1, math.ceil(float(end[-1]) - SMALLEST)) if len(jobs) else 0
-        for k in range(slots):
-            inside = (end > k + SMALLEST) & (begin < k + 1 - SMALLEST)
-            column = np.full(problem.num_jobs, math.inf)
-            column[jobs[inside]] = instance.values[i, jobs[inside]]
+        first = np.searchsorted(end, np.arange(slots) + SMALLEST, side="right")
+        last = np.searchsorted(begin, np.arange(1, slots + 1) - SMALLEST, side="left")
+        for inside in map(slice, first.tolist(), last.tolist()):
+            pairs.append((jobs[inside], len(owner), instance.values[i, jobs[inside]]))
             owner.append(i)
-            columns.append(column)
+    job, cost = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 2))
+    slot = np.repeat(np.arange(len(owner)), [len(pair[0]) for pair in pairs])
+    low, high = float(cost.min()), float(cost.max())
+    weight = cost - low + max(high - low, 1.0)  # the same for every job; a stored 0 would be no pair
     try:
-        job, slot = linear_sum_assignment(np.column_stack(columns))
+        job, slot = min_weight_full_bipartite_matching(csr_array((weight, (job, slot)), shape=(problem.num_jobs, len(owner))))
     except ValueError:
         return None
     agent = np.full(problem.num_jobs, -1)
@@ -69,13 +74,13 @@ def rounded(problem: GeneralisedAssignment, parts: Floats) -> tuple[int, ...] | 
     return tuple(agent.tolist()) if (agent >= 0).all() else None
 
 
-def within_capacities(problem: GeneralisedAssignment, answer: tuple[int, ...]) -> tuple[tuple[int, ...], int]:
-    """Jobs of overloaded agents moved or exchanged, the cheapest way first, until capacities suffice or no way lowers the overload; and how
-    often."""
+def within_capacities(problem: GeneralisedAssignment, answer: tuple[int, ...], stop: Stop = NEVER) -> tuple[tuple[int, ...], int]:
+    """Jobs of overloaded agents moved or exchanged, the cheapest way first, until capacities suffice, no way lowers the overload, or
+    ``stop`` ends it; and how often."""
     instance = problem.instance
     used, values = instance.consumption, np.where(problem.fitting, instance.values, math.inf)
     rooms = np.array([room(row, b) for row, b in zip(used, instance.capacity.tolist(), strict=True)])
-    agent, jobs = np.array(answer), np.arange(problem.num_jobs)
+    agent = np.array(answer)
     moves = 0
     while True:
         load = np.array(problem.loads(tuple(agent.tolist())))
@@ -83,18 +88,24 @@ def within_capacities(problem: GeneralisedAssignment, answer: tuple[int, ...]) -
         if not over.any() or moves > 10 * problem.num_jobs:
             return tuple(agent.tolist()), moves
         i = int(np.argmax(over))
-        mine = jobs[agent == i]
+        back = np.nonzero((agent != i) & np.isfinite(values[i]))[0]  # what may come in exchange, or nothing
+        to = np.concatenate([np.delete(np.arange(len(rooms)), i), agent[back]])
+        back = np.concatenate([np.full(len(rooms) - 1, -1), back])
+        comes = back >= 0
+        taken, freed = np.where(comes, used[i, back], 0.0), np.where(comes, used[to, back], 0.0)
+        gained = np.where(comes, values[i, back], 0.0) - np.where(comes, values[to, back], 0.0)
         best: tuple[float, int, int, int] | None = None  # cost for each unit of overload, job, agent, job that comes back
-        for j in mine.tolist():
-            for k in np.nonzero(np.isfinite(values[:, j]) & (np.arange(len(rooms)) != i))[0].tolist():
-                back = [-1, *jobs[(agent == k) & np.isfinite(values[i])].tolist()]
-                for b in back:
-                    here = load[i] - used[i, j] + (used[i, b] if b >= 0 else 0.0)
-                    there = load[k] + used[k, j] - (used[k, b] if b >= 0 else 0.0)
-                    less = over[i] + over[k] - max(here - rooms[i], 0.0) - max(there - rooms[k], 0.0)
-                    if less > 1e-12 * rooms[i]:
-                        price = values[k, j] - values[i, j] + (values[i, b] - values[k, b] if b >= 0 else 0.0)
-                        best = min((price / less if price > 0 else price * less, j, k, b), best or (math.inf, 0, 0, 0))
+        for j in np.nonzero(agent == i)[0].tolist():
+            if stop.reached():
+                return tuple(agent.tolist()), moves
+            here, there = load[i] - used[i, j] + taken, load[to] + used[to, j] - freed
+            less = over[i] + over[to] - np.maximum(here - rooms[i], 0.0) - np.maximum(there - rooms[to], 0.0)
+            fits = np.nonzero(np.isfinite(values[to, j]) & (less > 1e-12 * rooms[i]))[0]
+            if len(fits):
+                price, less = values[to[fits], j] - values[i, j] + gained[fits], less[fits]
+                rate = np.where(price > 0, price / less, price * less)
+                first = fits[np.lexsort((back[fits], to[fits], rate))[0]]
+                best = min((float(rate.min()), j, int(to[first]), int(back[first])), best or (math.inf, 0, 0, 0))
         if best is None:
             return tuple(agent.tolist()), moves
         _, j, k, b = best
@@ -115,10 +126,12 @@ def shmoys_tardos(problem: GeneralisedAssignment, context: Context) -> Outcome:
     answer = rounded(problem, parts)
     if answer is None:
         return Outcome(None, message="the linear relaxation does not make up all jobs")
-    answer, moves = within_capacities(problem, answer)
+    answer, moves = within_capacities(problem, answer, stop)
     statistics = {"moves": moves}
     if not problem.evaluate(answer).feasible:
-        return Outcome(None, statistics=statistics, message="no way was found to keep within all capacities")
+        return Outcome(
+            None, limit=stop.reached() or "none", statistics=statistics, message="no way was found to keep within all capacities"
+        )
     return Outcome(answer, statistics=statistics, message=f"{moves} jobs were moved to keep within capacities" if moves else "")
 
 

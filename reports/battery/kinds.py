@@ -6,20 +6,13 @@ Numbers that rows add up are whole, or whole numbers times powers of two: what i
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.arrays.problem import ArrayProblem
-from ...formulations.auctions.balanced_partition import OBJECTIVES as PARTS
-from ...formulations.auctions.balanced_partition import BalancedPartition
-from ...formulations.auctions.bin_assignment import MATCH, WAITING, BinAssignment
-from ...formulations.auctions.bin_assignment import OBJECTIVE as PAIRED
-from ...formulations.auctions.task_allocation import OBJECTIVES as PATHS
-from ...formulations.auctions.task_allocation import TaskAllocation
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
@@ -28,8 +21,6 @@ from ...formulations.risk.risky_path import RiskyPath
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from ...instances.auctions.assignment import AssignmentInstance
-from ...instances.auctions.robot_tasks import RobotTasks
 from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.risk.risky_graph import RiskyGraph
 from ...instances.routing.instance import Sites, VehicleType
@@ -37,34 +28,8 @@ from ...instances.routing.travel import Travel
 from ...instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
 from ...instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
 from ...instances.sensing.graph import SensingGraph, graph_of_edges
-
-Generator = np.random.Generator
-Floats = NDArray[np.float64]
-Draw = Callable[[Generator], Problem]
-
-TINY, HUGE = 2.0**-20, 2.0**30
-"""About 1e-6 and 1e9, and exact factors."""
-
-
-def whole(rng: Generator, size: Any, low: int, high: int) -> Floats:
-    """Whole numbers from ``low`` to ``high``, both included."""
-    return np.asarray(rng.integers(low, high + 1, size), dtype=np.float64)
-
-
-def weights(rng: Generator, size: Any) -> Floats:
-    """Positive numbers as objectives have them: whole, equal, of two values, decimal, tiny, huge, or of all sizes."""
-    made: tuple[Callable[[], Floats], ...] = (
-        lambda: whole(rng, size, 1, 9),
-        lambda: np.full(size, float(rng.integers(1, 9))),
-        lambda: whole(rng, size, 1, 2),
-        lambda: whole(rng, size, 100, 1000),
-        lambda: whole(rng, size, 1, 99) / 10.0,
-        lambda: whole(rng, size, 1, 99) * 1e-6,
-        lambda: whole(rng, size, 1, 99) * 1e9,
-        lambda: 10.0 ** rng.uniform(-3, 3, size),
-    )
-    return made[int(rng.integers(len(made)))]()
-
+from .auction_kinds import AUCTIONS
+from .drawing import HUGE, TINY, Draw, Floats, Generator, weights, whole
 
 # -- routing ---------------------------------------------------------------------------------------------------------
 
@@ -372,53 +337,12 @@ def squares(rng: Generator) -> Problem:
     return ArrayProblem(_arrays(sense, columns, found.matrix.toarray(), found.row_lower, found.row_upper, found.offset, curved))
 
 
-# -- robots and tasks ------------------------------------------------------------------------------------------------
-
-
-def _team(rng: Generator) -> RobotTasks:
-    """Whole distances of one of a few sizes, all alike now and then; weights of both signs."""
-    robots, tasks = int(rng.integers(1, 4)), int(rng.integers(1, 5))
-    unit = float(rng.choice([1.0, 1.0, TINY, HUGE]))
-    high = 1 if rng.random() < 0.2 else 99
-    between = np.triu(whole(rng, (tasks, tasks), 1, high), 1)
-    weight = whole(rng, tasks, -9, 20) * unit
-    return RobotTasks.of_distances(
-        whole(rng, (robots, tasks), 0, high) * unit, (between + between.T) * unit, weights=weight, name="battery"
-    )
-
-
-def task_paths(rng: Generator) -> Problem:
-    """Open paths of a few robots through a few tasks: their sum, the longest, or the mean way."""
-    return TaskAllocation(_team(rng), PATHS[int(rng.integers(len(PATHS)))])
-
-
-def task_parts(rng: Generator) -> Problem:
-    """Partitions whose largest part, or spread, is least, with pairs that cost or weights alone."""
-    return BalancedPartition(_team(rng), PARTS[int(rng.integers(len(PARTS)))], "clique" if rng.random() < 0.7 else "none")
-
-
-def bin_pairs(rng: Generator) -> Problem:
-    """Robots to bins, as many of them or fewer or more, at the least sum or largest cost, with pairs forbidden and bins still being filled.
-
-    As many pairs as there can be are asked for, or all robots or all bins, which may be more.
-    """
-    robots, bins = (int(v) for v in rng.integers(1, 5, 2))
-    costs = weights(rng, (robots, bins)) * float(rng.choice([1.0, 1.0, 1.0, -1.0]))
-    costs[rng.random(costs.shape) < rng.choice([0.0, 0.0, 0.3, 0.6])] = math.inf
-    filled = None
-    if rng.random() < 0.25:
-        filled = np.where(rng.random(bins) < 0.2, math.inf, whole(rng, bins, 0, 9) * float(rng.choice([1.0, TINY, HUGE])))
-    match = "most" if rng.random() < 0.7 else str(rng.choice(MATCH.choices))
-    asked = {"objective": str(rng.choice(PAIRED.choices)), "match": match, "waiting": str(rng.choice(WAITING.choices))}
-    return BinAssignment(AssignmentInstance.from_matrix(costs, filled=filled, name="battery"), **asked)
-
-
 KINDS: dict[str, Draw] = {
     draw.__name__.replace("_", "-"): draw
     for draw in (
         time_windows, linear, bottleneck, selection, tight_windows, mixed_integer, huge_times, products, equal_distances, packing_covering,
         fleets, integer, no_routes, winner_takes_all, tiny_times, unbounded, unlimited_limits, bottleneck_shares, squares, risky_paths,
-        risky_routes, task_paths, task_parts, bin_pairs,
+        risky_routes, *AUCTIONS,
     )
 }  # fmt: skip
 """By name, in the order in which they take turns."""

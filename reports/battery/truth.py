@@ -18,9 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.arrays.problem import ArrayProblem
-from ...formulations.auctions.balanced_partition import BalancedPartition
-from ...formulations.auctions.bin_assignment import BinAssignment
-from ...formulations.auctions.task_allocation import TaskAllocation
 from ...formulations.max_min.bottleneck_sata import BottleneckSATA
 from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
@@ -31,6 +28,7 @@ from ...formulations.selection.submodular_selection import SubmodularSelection
 from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.routing.instance import VehicleType
 from ...instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from .auction_truth import AUCTIONS, fractions
 from .rational_simplex import ONE, ZERO, Region, Vector, minimised
 
 Floats = NDArray[np.float64]
@@ -62,12 +60,9 @@ def truth(problem: Problem) -> Truth:
         return max_min_truth(problem)
     if isinstance(problem, RiskyPath):
         return _best("min", path_hazards(problem))
-    if isinstance(problem, TaskAllocation):
-        return _best("min", path_values(problem))
-    if isinstance(problem, BalancedPartition):
-        return _best("min", part_values(problem))
-    if isinstance(problem, BinAssignment):
-        return _best("min", pair_values(problem))
+    for family, values in AUCTIONS.items():
+        if isinstance(problem, family):
+            return _best(problem.sense, values(problem))
     if isinstance(problem, ArrayProblem):
         return program_truth(problem.program)
     raise NotImplementedError(f"nothing enumerates {problem.problem} problems")
@@ -76,11 +71,6 @@ def truth(problem: Problem) -> Truth:
 def _best(sense: str, values: Iterator[Fraction]) -> Truth:
     found = min(values, default=None) if sense == "min" else max(values, default=None)
     return Truth("infeasible") if found is None else Truth("optimal", found)
-
-
-def _fractions(values: Any) -> list[Any]:
-    """Nested lists of fractions; infinities stay what they are."""
-    return [_fractions(v) if isinstance(v, list) else v if math.isinf(v) else Fraction(v) for v in values]
 
 
 # -- routing ---------------------------------------------------------------------------------------------------------
@@ -110,8 +100,8 @@ def routing_costs(problem: RoutingProblem) -> Iterator[Fraction]:
 def _routes(problem: RoutingProblem, vehicle: VehicleType) -> dict[frozenset[int], Fraction]:
     """Least cost of a route of this type through each set of customers that one can serve."""
     sites = problem.sites
-    distance, duration = _fractions(problem.travel.distances.tolist()), _fractions(problem.travel.durations.tolist())
-    demand, ready, due, service = (_fractions(a.tolist()) for a in (sites.demand, sites.ready, sites.due, sites.service))
+    distance, duration = fractions(problem.travel.distances.tolist()), fractions(problem.travel.durations.tolist())
+    demand, ready, due, service = (fractions(a.tolist()) for a in (sites.demand, sites.ready, sites.due, sites.service))
     depot, found = vehicle.start, dict[frozenset[int], Fraction]()
     spread = np.zeros(problem.travel.distances.shape) if problem.travel.variances is None else problem.travel.variances
     begun: list[tuple[tuple[int, ...], Fraction, Fraction, Fraction]] = [((), ready[depot], ZERO, ZERO)]
@@ -242,63 +232,6 @@ def path_hazards(problem: RiskyPath) -> Iterator[Fraction]:
                 left = survives * places[to] * moves.get((-1, at, to), ONE) * moves.get((before, at, to), ONE)
                 if left:
                     begun.append(((*path, to), left))
-
-
-# -- robots and tasks ------------------------------------------------------------------------------------------------
-
-
-def path_values(problem: TaskAllocation) -> Iterator[Fraction]:
-    """Objective of every way to do all tasks: each order of them, cut into one path a robot."""
-    robots, tasks = problem.num_robots, problem.num_tasks
-    away = _fractions(problem.instance.distances.tolist())
-    for order in itertools.permutations(range(tasks)):
-        for cuts in itertools.combinations_with_replacement(range(tasks + 1), robots - 1):
-            ways: list[Fraction] = []
-            lengths = []
-            for robot, (first, last) in enumerate(itertools.pairwise((0, *cuts, tasks))):
-                at, way = robot, ZERO
-                for task in order[first:last]:
-                    way += away[at][task]
-                    ways.append(way)
-                    at = robots + task
-                lengths.append(way)
-            yield {"mini-sum": sum(lengths, ZERO), "mini-max": max(lengths), "mini-ave": sum(ways, ZERO) / tasks}[problem.objective]
-
-
-def part_values(problem: BalancedPartition) -> Iterator[Fraction]:
-    """Objective of every partition whose parts cost weights, and all pairs or none."""
-    robots, tasks = problem.num_robots, problem.num_tasks
-    away, weight = _fractions(problem.instance.distances.tolist())[robots:], _fractions(problem.instance.weights.tolist())  # type: ignore[union-attr]
-    if problem.edges == "mst":
-        raise NotImplementedError("nothing enumerates partitions into trees")
-    for owners in itertools.product(range(robots), repeat=tasks):
-        costs = [ZERO] * robots
-        for a, owner in enumerate(owners):
-            costs[owner] += weight[a]
-            if problem.edges == "clique":
-                costs[owner] += sum((away[a][b] for b in range(a) if owners[b] == owner), ZERO)
-        yield max(costs) - (min(costs) if problem.objective == "min-difference" else ZERO)
-
-
-def pair_values(problem: BinAssignment) -> Iterator[Fraction]:
-    """Objective of every assignment of as many pairs as are asked for: each robot takes a bin that is left, or none."""
-    data = problem.instance
-    robots, bins = data.num_robots, data.num_bins
-    price: list[dict[int, Fraction]] = [{} for _ in range(robots)]
-    filled = [0.0] * bins if data.filled is None else data.filled.tolist()
-    for robot in range(robots):
-        for entry in range(int(data.indptr[robot]), int(data.indptr[robot + 1])):
-            at, travel = int(data.bins[entry]), Fraction(float(data.cost[entry]))
-            if not math.isinf(filled[at]):
-                until = Fraction(filled[at])
-                price[robot][at] = travel if data.filled is None else max(travel, until) if problem.waiting == "max" else travel + until
-    found: dict[int, list[Fraction]] = {}
-    for taken in itertools.product(*([None, *own] for own in price)):
-        costs = [own[at] for own, at in zip(price, taken, strict=True) if at is not None]
-        if len({at for at in taken if at is not None}) == len(costs):
-            value = sum(costs, ZERO) if problem.objective == "sum" else max(costs, default=ZERO)
-            found.setdefault(len(costs), []).append(value)
-    yield from found.get({"most": max(found), "robots": robots, "bins": bins}[problem.match], [])
 
 
 # -- programs --------------------------------------------------------------------------------------------------------

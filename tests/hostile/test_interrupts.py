@@ -57,6 +57,10 @@ FILES = {
     "shares.json": ("robot-tasks", "robots=5", "tasks=16", "weight=20"),
     "many-tasks.json": ("robot-tasks", "robots=30", "tasks=2000"),
     "many-shares.json": ("robot-tasks", "robots=30", "tasks=2000", "weight=20"),
+    "jobs.json": ("generalised-assignment", "agents=40", "jobs=2000", "costs=d"),
+    "profits.json": ("generalised-assignment", "agents=60", "jobs=5000", "costs=orchard", "horizon=20000"),
+    "errands.json": ("joint-assignment", "robots=1000", "home=1000", "bins=1000", "requests=20", "rows=100", "columns=100"),
+    "rooms.json": ("exploration-map", "rooms=500", "robots=50", "steps=1000", "silence=20"),
     "day.json": ("orchard-day", "rows=5", "columns=10", "robots=4", "groups=4"),
     "plan.json": ("risk-allocation", "family=corridor", "steps=100", "constraints=4"),
     "joint-plan.json": ("risk-allocation", "family=corridor", "steps=15", "constraints=4", "risk=joint"),
@@ -96,6 +100,7 @@ SOLVED = {
 APPROXIMATED = {
     "consensus-bundle": "many-tasks.json", "distributed-sampling": "many-shares.json", "fixed-order-auction": "many-tasks.json",
     "list-schedule": "day.json", "parallel-auction": "many-tasks.json", "sequential-single-item": "many-tasks.json",
+    "bins-then-requests": "errands.json", "heard-greedy": "rooms.json", "local-ratio": "profits.json", "shmoys-tardos": "jobs.json",
     "bertsekas": "pairs.json", "auction": "pairs.json", "online-greedy": "pairs.json",
     "additive-risk": "map.json", "cvar": "joint-plan.json", "iterative": "plan.json", "least-mean": "roadmap.json", "look-back": "map.json",
     "rags": "roadmap.json", "scenario": "joint-plan.json", "two-stage": "rewards.json",

@@ -14,7 +14,10 @@ import pytest
 from programs import AnsweredBy
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
+from waybound.formulations.auctions.joint_assignment import JointAssignment
 from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound.formulations.auctions.room_exploration import RoomExploration
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.risk.risk_allocation import RiskAllocation
@@ -24,6 +27,7 @@ from waybound.formulations.selection.submodular_selection import SubmodularSelec
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
+from waybound.instances.auctions.exploration_map import ExplorationMap
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.errors import WayboundError
@@ -133,6 +137,23 @@ def large(kind: str, part: int = 1) -> Problem:
             return replace(made, travel=replace(made.travel, variances=np.full((of(200), of(200)), 1e6)))
         case "distances":
             return routing(of(6_000), max_distance=6e4)
+        case "rooms":
+            return RoomExploration(generate("exploration-map", 1, rooms=of(500), robots=of(50), steps=of(1000), silence=20))
+        case "corridor":
+            ends, gains = np.arange(of(4_000) - 1), np.ones((of(4_000), 3))
+            doors = np.column_stack([ends, ends + 1])
+            return RoomExploration(ExplorationMap(doors, gains, gains, gains, [0] * of(50), 0, doors, 1000, of(1000)))
+        case "jobs":
+            return GeneralisedAssignment(generate("generalised-assignment", 1, agents=of(40), jobs=of(4_000), costs="d"))
+        case "profits":
+            rng = np.random.default_rng(1)
+            shape = of(100), of(4_000)
+            used = rng.uniform(1, 100, shape)
+            return GeneralisedAssignment.from_arrays(used + rng.uniform(0, 1, shape), used, used.sum(axis=1) / 200, "profit")
+        case "errands":
+            robots, bins, requests = (np.random.default_rng(k).uniform(0, 1e4, (k, 2)) for k in (of(3_001), of(3_000), 4))
+            away = lambda a, b: np.hypot(*(a[:, None] - b).transpose(2, 0, 1))  # noqa: E731
+            return JointAssignment.from_arrays(away(robots, bins), away(robots, requests), away(requests, bins))
         case "pairs":
             return BinAssignment(generate("assignment", 1, robots=of(3_000), bins=of(3_000), costs="euclidean"))
         case "tasks":
@@ -156,6 +177,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("bertsekas", "pairs", {"epsilon": 1e-6, "scaling": False}),
     ("auction", "pairs", {}),
     ("online-greedy", "pairs", {}),
+    ("bins-then-requests", "errands", {}),
     ("brute-force", "small-knapsack", {}),
     ("brute-force", "small-bottleneck", {}),
     ("christofides", "tour", {}),
@@ -172,6 +194,8 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("greedy", "user", {}),
     ("greedy-assignment", "outing", {}),
     ("greedy-orienteering", "outing", {}),
+    ("heard-greedy", "rooms", {}),
+    ("heard-greedy", "corridor", {}),
     ("insertion", "routing", {}),
     ("insertion", "distances", {}),
     ("insertion", "tour", {}),
@@ -181,6 +205,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("knapsack-greedy", "user-knapsack", {}),
     ("lazy-greedy", "winner-takes-all", {}),
     ("list-schedule", "orchard", {}),
+    ("local-ratio", "profits", {}),
     ("local", "bottleneck-lp", {"h": 1000}),
     ("local", "bottleneck", {"h": 100, "search": "step", "step": 1e-6}),
     ("local", "sparse-bottleneck-lp", {"h": 100, "messages": True}),
@@ -198,6 +223,7 @@ LONG: list[tuple[str, str, dict[str, Any]]] = [
     ("sequential-greedy", "user-groups", {}),
     ("sequential-single-item", "tasks", {"paths": "optimal"}),
     ("sequential-single-item", "tasks", {}),
+    ("shmoys-tardos", "jobs", {}),
     ("split", "distances", {}),
     ("split", "tour", {"tour": "nearest-neighbour"}),
     ("stochastic-greedy", "dense", {}),

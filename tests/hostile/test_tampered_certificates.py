@@ -37,7 +37,19 @@ from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
-from .. import orchard_cases, random_sensing, risk_problems, risky_cases, sata_cases, selection_problems, small_routing, task_problems
+from .. import (
+    explorations,
+    joint_assignments,
+    knapsack_assignments,
+    orchard_cases,
+    random_sensing,
+    risk_problems,
+    risky_cases,
+    sata_cases,
+    selection_problems,
+    small_routing,
+    task_problems,
+)
 from ..bin_assignments import worked
 from ..programs import program
 from ..small_routing import small
@@ -233,10 +245,27 @@ def _tasks() -> list[Case]:
     return cases + _cases_of(parts, task_problems.best_partition_value(parts), [((0, 1, 2), (3, 4)), parts.answer_at_hand()])
 
 
+def _jobs_and_errands() -> list[Case]:
+    """Costs and profits within capacities, too little capacity, errands, and rooms in contact."""
+    cases = []
+    for objective in ("cost", "profit"):
+        jobs = knapsack_assignments.worked(objective)
+        cases += _cases_of(jobs, knapsack_assignments.enumerated(jobs), [(0, 1, 0), (0, 0, 0)])
+    crowded = wb.GeneralisedAssignment.from_arrays([[1.0, 2.0], [3.0, 1.0]], [[3.0, 4.0], [4.0, 3.0]], [3.0, 2.0])
+    needs = [reason.evidence for reason in crowded.infeasibility_reasons()]
+    cases += _cases_of(crowded, None, [(0, 0)], *(need for need in needs if need is not None), look=False)
+    together = joint_assignments.WORKED
+    best = joint_assignments.enumerated(together)
+    cases += _cases_of(together, best, [together.answer_at_hand(), ((0, 1), (1, 0)), ((0, 0), (0, 0))])
+    halls = explorations.path(4, 1, 4, 2, 2, heard=((0, 1),))
+    return cases + _cases_of(halls, explorations.enumerated(halls), [halls.answer_at_hand(), (((2, 0),) * 4,) * 2])
+
+
 @cache
 def pool() -> list[Case]:
     of_risk = [*_uncertain_paths(), *_allocations(), *_risky()]
-    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *of_risk, *_bins(), *_tasks(), *_late(), *_orchard()]
+    of_robots = [*_bins(), *_tasks(), *_late(), *_orchard(), *_jobs_and_errands()]
+    cases = [*_routing(), *_without_answer(), *_max_min(), *_selection(), *_arrays(), *of_risk, *of_robots]
     for case in cases:
         made = accepted(case, copy.deepcopy(case.data))
         assert made is not None, case.problem.name

@@ -24,7 +24,7 @@ def test_the_content_decides_and_not_the_name(tmp_path: Path) -> None:
 def test_a_format_can_be_forced(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="heading is missing"):
         read_instance(bundled_path("demo-x40"), format="solomon")
-    with pytest.raises(UsageError, match="unknown format 'excel'; choose from assignment-matrix, assignment-pairs, chao, "):
+    with pytest.raises(UsageError, match="unknown format 'excel'; choose from agent-jobs, assignment-matrix, assignment-pairs, chao, "):
         read_instance(tmp_path / "does-not-matter", format="excel")
 
 
@@ -61,6 +61,7 @@ def test_every_format_recognises_what_it_writes_and_nothing_else_does() -> None:
     written["vrplib"] = bundled_path("demo-x40").read_text()
     written["edges"] = bundled_path("figure-3-3").read_text()
     written["uncertain-edges"] = "# start: a\n# goal: b\nfrom,to,mean,variance\na,b,1,1\n"
+    written["agent-jobs"] = "agent,job,cost,consumption,capacity\np,,,,4\np,a,2,2,\n"
     written["assignment-pairs"] = "robot,bin,cost\na,b,1\n"
     written["assignment-matrix"] = "robot/bin,left,right\na,1,2\n"
     written["robot-tasks"] = "role,x,y\nrobot,0,0\ntask,1,1\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -86,3 +87,9 @@ def test_units_change_no_verdict() -> None:
         answer = tuple(rng.integers(-1, one.num_agents, one.num_jobs).tolist())
         assert one.evaluate(answer).feasible == other.evaluate(answer).feasible
         assert one.evaluate(answer).values[0] * 2.0**-60 == other.evaluate(answer).values[0]
+
+
+@pytest.mark.parametrize("objective", ["cost", "profit"])
+def test_one_made_in_python_is_saved_and_read_back(objective: str, tmp_path: Path) -> None:
+    worked(objective).save(tmp_path / "jobs.json")
+    assert wb.read(tmp_path / "jobs.json").digest() == worked(objective).digest()

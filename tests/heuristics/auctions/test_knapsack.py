@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from draws import draws
 
+from waybound.formulations.stop import Stop
 from waybound.heuristics.auctions import _knapsack
 from waybound.heuristics.auctions._knapsack import knapsack
 
@@ -17,9 +18,9 @@ def best_of(worth: np.ndarray, weights: np.ndarray, most: float) -> float:
     return float((sets @ worth)[sets @ weights <= most * (1 + 1e-12)].max())
 
 
-@pytest.mark.parametrize("longest", [1 << 15, 2])
-def test_the_best_is_found_or_half_of_it(longest: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_knapsack, "LONGEST", longest)
+@pytest.mark.parametrize(("limit", "longest"), [("LONGEST", 1 << 15), ("LONGEST", 2), ("MOST_KEPT", 2)])
+def test_the_best_is_found_or_half_of_it(limit: str, longest: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_knapsack, limit, longest)
     rng = np.random.default_rng(5)
     cut = 0
     for k in range(draws(200)):
@@ -39,3 +40,10 @@ def test_the_best_is_found_or_half_of_it(longest: int, monkeypatch: pytest.Monke
 def test_an_empty_knapsack_has_nothing() -> None:
     assert knapsack(np.zeros(0), np.zeros(0), 1.0)[0].tolist() == [] == knapsack(np.ones(2), np.ones(2), 0.5)[0].tolist()
     assert knapsack(np.array([1.0, 2.0]), np.zeros(2), 0.0)[0].tolist() == [0, 1]
+
+
+def test_who_is_stopped_still_takes_half_of_the_best_at_least() -> None:
+    stop = Stop()
+    stop.ask()
+    chosen, exact = knapsack(np.array([3.0, 5.0]), np.array([1.0, 2.0]), 2.0, stop)
+    assert chosen.tolist() == [1] and not exact

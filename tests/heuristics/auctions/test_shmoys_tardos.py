@@ -9,6 +9,7 @@ from knapsack_assignments import enumerated, random_assignment
 
 import waybound as wb
 from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
+from waybound.formulations.stop import Stop
 from waybound.heuristics.auctions.shmoys_tardos import rounded, within_capacities
 from waybound.solvers.linear_programs import LinearPrograms
 
@@ -60,6 +61,14 @@ def test_parts_that_make_up_no_job_are_not_rounded() -> None:
     problem = GeneralisedAssignment.from_arrays(np.ones((2, 2)), np.ones((2, 2)), 1.0)
     assert rounded(problem, np.zeros((2, 2))) is None
     assert rounded(problem, np.full((2, 2), 0.5)) in ((0, 1), (1, 0))
+
+
+def test_moves_end_where_they_are_stopped() -> None:
+    problem = GeneralisedAssignment.from_arrays(np.ones((2, 2)), np.ones((2, 2)), 1.0)
+    stop = Stop()
+    assert within_capacities(problem, (0, 0), stop) == ((1, 0), 1)
+    stop.ask()
+    assert within_capacities(problem, (0, 0), stop) == ((0, 0), 0)
 
 
 def test_a_small_one_is_solved() -> None:

@@ -1,14 +1,42 @@
-"""Form ``errand-choice``: points and answers, and rows."""
+"""Form ``errand-choice``: from text to text, points and answers, and rows."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
 from draws import draws
 from joint_assignments import WORKED, random_joint
+from program_text import expected, written
 
 from waybound.formulations.auctions.joint_assignment import JointAssignment
 from waybound.instances.errors import InputError
+
+YARD = """
+    {"waybound": 1, "kind": "joint-assignment", "name": "yard", "problem": "joint-assignment",
+     "robots": {"count": 2, "name": ["p", "q"]}, "bins": {"count": 2, "name": ["a", "b"], "filled": [0, 2]},
+     "requests": {"count": 1, "name": ["r"]},
+     "to_bin": [[1, null], [2, 5]], "to_request": [[null], [3]], "between": [[4, 0]]}
+"""
+
+
+def test_errand_choice_from_text_to_text(tmp_path: Path) -> None:
+    """Robot p brings nothing and cannot get to b; q by r takes 3 + 4 to a, and 3 to b, which is full by then."""
+    assert written(YARD, "errand-choice", tmp_path, ".json") == expected(
+        """
+        errand-choice, exact
+        min y[p,a,none] + 7 y[q,a,r] + 2 y[q,a,none] + 3 y[q,b,r] + 5 y[q,b,none] + 3 y[q,none,r]
+        robot[p]: y[p,a,none] <= 1
+        robot[q]: y[q,a,r] + y[q,a,none] + y[q,b,r] + y[q,b,none] + y[q,none,r] <= 1
+        bin[a]: y[p,a,none] + y[q,a,r] + y[q,a,none] <= 1
+        bin[b]: y[q,b,r] + y[q,b,none] <= 1
+        request[r]: y[q,a,r] + y[q,b,r] + y[q,none,r] <= 1
+        pickups: y[p,a,none] + y[q,a,r] + y[q,a,none] + y[q,b,r] + y[q,b,none] = 2
+        deliveries: y[q,a,r] + y[q,b,r] + y[q,none,r] = 1
+        y[p,a,none], y[q,a,r], y[q,a,none], y[q,b,r], y[q,b,none], y[q,none,r] binary
+        """
+    )
 
 
 def test_answers_are_points_at_their_time_and_points_answers() -> None:

@@ -1,13 +1,15 @@
-"""Form ``time-indexed``: the optima of days on which all bins stand, as by intervals."""
+"""Form ``time-indexed``: from text to text, and the optima of days on which all bins stand, as by intervals."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from draws import draws
 from orchard_cases import ONE_ROUTE, lane, random_jobs, retrievals
+from program_text import expected, written
 
 import waybound as wb
 from waybound.formulations.auctions.forms.time_indexed import MOST_STARTS, full_at
@@ -21,6 +23,42 @@ DAYS = {
     "S5": (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), 14, 38),
 }
 """Cells, steps at which bins are full, robots, and the two optima (computed)."""
+
+
+ORCHARD = """
+    {"waybound": 1, "kind": "orchard-jobs", "name": "orchard", "problem": "orchard-day",
+     "orchard": {"rows": 5, "columns": 10, "repository": 0, "empty_speed": 2, "full_speed": 1},
+     "robots": {"row": [0, 0], "column": [0, 1], "free": [0, 0]},
+     "bins": {"row": [0, 1], "column": [2, 1], "after": [0, 0], "standing": [true, true], "work": [0, 3]},
+     "settings": {"objective": "makespan"}}
+"""
+
+
+def test_time_indexed_from_text_to_text(tmp_path: Path) -> None:
+    """Both bins are a step out and two home, the second full at step 3; the second robot is in the field, a step from home."""
+    assert written(ORCHARD, "time-indexed", tmp_path, ".json") == expected(
+        """
+        time-indexed, exact
+        min C
+        fetched[1]: x[1,0] + x[1,1] + x[1,2] + y[2,1] = 1
+        fetched[2]: x[2,2] + y[2,2] = 1
+        first[2]: y[2,1] + y[2,2] + g[2] = 1
+        away[0]: x[1,0] + y[2,1] + y[2,2] + g[2] <= 2
+        away[1]: x[1,0] + x[1,1] + y[2,1] + y[2,2] <= 2
+        away[2]: x[1,0] + x[1,1] + x[1,2] + x[2,2] + y[2,1] + y[2,2] <= 2
+        away[3]: x[1,1] + x[1,2] + x[2,2] + y[2,2] <= 2
+        away[4]: x[1,2] + x[2,2] + y[2,2] <= 2
+        last[1]: 3 x[1,0] + 4 x[1,1] + 5 x[1,2] + 3 y[2,1] - C <= 0
+        last[2]: 5 x[2,2] + 5 y[2,2] - C <= 0
+        x[1,0], x[1,1], x[1,2], x[2,2], y[2,1], y[2,2], g[2] binary
+        0 <= C <= 5
+        """
+    )
+
+
+def test_a_sum_of_steps_has_no_last_one_and_more_time(tmp_path: Path) -> None:
+    text = written(ORCHARD.replace("makespan", "completion"), "time-indexed", tmp_path, ".json")
+    assert text.startswith("time-indexed, exact\nmin 3 x[1,0] + 4 x[1,1] +") and "last[" not in text and "away[6]" in text
 
 
 @pytest.mark.parametrize("solver", ["highs", "cpsat"])
