@@ -193,8 +193,8 @@ class Solution:
         Parameters
         ----------
         path : path-like
-            ``.json`` (all that is told of it; evidence is in ``certificate.save``), ``.csv`` and ``.xlsx`` (tables); of routes also ``.sol``, ``.tour``,
-            ``.geojson`` and ``.vroom``. ``wb.judge(problem, path)`` reads any of them back.
+            ``.json`` (all that is told of it; ``certificate.save`` writes the evidence), ``.csv`` and ``.xlsx`` (tables); of routes also
+            ``.sol``, ``.tour``, ``.geojson`` and ``.vroom``. ``wb.judge(problem, path)`` reads any of them back.
 
         Raises
         ------
