@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
-from ..instances.errors import CheckFailedError, InputError, in_words
+from ..instances.errors import CheckFailedError, InputError, UsageError, in_words
 from ..instances.printable import printable
 from . import tolerance
 from .evaluation import Check, Evaluation, Violation
@@ -113,6 +115,25 @@ class Certificate:
                 "evidence": [e.to_json() for e in self.evidence],
             }
         return data
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a certificate file, with the evidence: ``wb.check(problem, answer, path)`` derives the bound again from it.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.json``; evidence that is large stands in a compressed file beside it.
+
+        Raises
+        ------
+        UsageError, InputError
+            For another suffix; if the file cannot be written.
+        """
+        from .certificate_files import write_certificate
+
+        if Path(path).suffix.lower() != ".json":
+            raise UsageError(f"{path}: a certificate is written as .json")
+        write_certificate(self, path)
 
     def __repr__(self) -> str:
         return as_text(certificate_title(self), certificate_lines(self))
@@ -392,7 +413,7 @@ def bound_line(c: Certificate) -> Line:
 def _bound_lines(c: Certificate) -> list[Line]:
     lines = [bound_line(c)]
     if c.gap is not None:
-        lines.append(Line("gap", percent(c.gap)))
+        lines.append(gap_line(c.objective, [c.bound, *(level.bound for level in c.levels)], c.gap))
     return [*lines, *ratio_lines(c)]
 
 
@@ -418,5 +439,18 @@ def ratio_lines(c: Certificate) -> list[Line]:
         text = f"ratio {number(g.ratio)}: {printable(g.statement, 300)!r} ({printable(g.source, 300)!r})"
         lines.append(Line("guarantee", f"stated in the file, not verified: {text}", "quiet"))
     if c.observed_ratio is not None:
-        lines.append(Line("ratio", f"at most {c.observed_ratio:.6g}, observed against the verified bound"))
+        lines.append(Line("ratio", f"at most {c.observed_ratio:.6g}{_at_level(c.objective, 0)}, observed against the verified bound"))
     return lines
+
+
+def gap_line(objective: Any, bound: Any, gap: float, against: str = "") -> Line:
+    """A gap, and of which level it is where there are several: the first one that is open."""
+    if not isinstance(objective, list) or not isinstance(bound, list):
+        return Line("gap", percent(gap) + against)
+    pairs = [(value, limit) for value, limit in zip(objective, bound, strict=False) if limit is not None]
+    level = next((k for k, (value, limit) in enumerate(pairs) if not tolerance.same(value, limit)), len(pairs) - 1)
+    return Line("gap", f"{percent(gap)}{_at_level(objective, level)}{against}")
+
+
+def _at_level(objective: Any, level: int) -> str:
+    return f" at level {level + 1}" if isinstance(objective, list) and len(objective) > 1 else ""

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from ..instances.errors import UsageError
 from ..instances.suggestions import did_you_mean
 from . import plotting
-from .certificate import Certificate, answer_lines, bound_line, ratio_lines
+from .certificate import Certificate, answer_lines, bound_line, gap_line, ratio_lines
 from .evaluation import Evaluation
 from .problem import Problem
 from .programs.exactness import Link
-from .rendering import Line, as_html, as_rich, as_text, number, percent
+from .rendering import Line, as_html, as_rich, as_text, number
 from .search_history import Event, history_frame
 from .tolerance import EQUAL, gap, same
 
@@ -193,8 +193,8 @@ class Solution:
         Parameters
         ----------
         path : path-like
-            ``.json`` (everything, certificate included), ``.csv`` and ``.xlsx`` (tables); of routes also ``.sol``, ``.tour``,
-            ``.geojson`` and ``.vroom``. ``wb.judge(problem, path)`` reads any of them back.
+            ``.json`` (all that is told of it; ``certificate.save`` writes the evidence), ``.csv`` and ``.xlsx`` (tables); of routes also
+            ``.sol``, ``.tour``, ``.geojson`` and ``.vroom``. ``wb.judge(problem, path)`` reads any of them back.
 
         Raises
         ------
@@ -363,7 +363,7 @@ def solution_lines(solution: Solution) -> list[Line]:
         lines.append(Line("bound", "none", "quiet"))
     if s.gap is not None:
         against = f", against the {s.bound_kind} bound" if s.bound_kind else ""
-        lines.append(Line("gap", percent(s.gap) + against))
+        lines.append(gap_line(s.objective, s.bound, s.gap, against))
     lines += ratio_lines(c)
     lines.append(Line("seconds", ", ".join(f"{name} {spent:.2f}" for name, spent in s.seconds.items()), "quiet"))
     if s.message:

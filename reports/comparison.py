@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..formulations.certificate import better_bound
 from ..formulations.problem import Problem
-from ..formulations.rendering import as_text
+from ..formulations.rendering import as_html, as_text
 from ..formulations.solution import Solution
 from ..formulations.tolerance import EQUAL, gap, same
 from ..instances.errors import UsageError
@@ -198,15 +198,16 @@ class Comparison:
         return f"<Comparison of {', '.join(r.name for r in self.runs)} on {self.problem.name}>"
 
     def __str__(self) -> str:
-        from .tables.comparing import comparison_lines, comparison_table, plain_text
+        from .tables.comparing import comparison_lines, comparison_table
+        from .tables.display import table_plain
 
-        table = comparison_table(self)
-        return plain_text(table) + "\n" + as_text("", comparison_lines(self)).lstrip("\n")
+        return table_plain(comparison_table(self)) + "\n" + as_text("", comparison_lines(self)).lstrip("\n")
 
     def _repr_html_(self) -> str:
-        from .tables.comparing import comparison_html
+        from .tables.comparing import comparison_lines, comparison_table
+        from .tables.display import table_html
 
-        return comparison_html(self)
+        return table_html(comparison_table(self)) + as_html("", comparison_lines(self))
 
 
 def _ahead(problem: Problem, a: Solution, b: Solution) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Iterator
 
 from ...instances.errors import UsageError
 from ...instances.printable import printable
+from ...instances.suggestions import did_you_mean
 from .objective import TERMS, Objective, Weighted
 
 _PART = re.compile(
@@ -80,8 +80,7 @@ def _known(word: str, text: str) -> str:
         rest = name.removeprefix(f"{term}-")
         if rest in TERMS:
             raise UsageError(f"objective {_quoted(text)}: write blanks around - and +: {term} - {rest}")
-    close = difflib.get_close_matches(name, TERMS, n=1)
-    hint = f"; did you mean {close[0]}?" if close else f"; choose from {', '.join(TERMS)}"
+    hint = did_you_mean(name, TERMS) or f"; choose from {', '.join(TERMS)}"
     raise UsageError(f"objective {_quoted(text)}: there is no term {_quoted(word)}{hint}")
 
 

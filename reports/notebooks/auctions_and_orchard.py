@@ -1,28 +1,27 @@
 # %% [markdown]
 # # A bin auction, and an orchard day
 #
-# Robots bid for bins: each announces what a bin costs it, and the lowest bid wins. What does the team lose against the assignment that
-# a central planner would make?
+# Robots bid for bins: each announces what a bin costs it, and the lowest bid wins. What does the team lose against the assignment that a
+# central planner would make?
 
 # %%
-import pandas as pd
-
 import waybound as wb
 
 problem = wb.generate("assignment", robots=12, bins=12, costs="orchard", seed=5)
 problem
 
 # %%
-rows = []
-for name in ("online-greedy", "auction", "bertsekas"):
-    solution = wb.solve(problem, heuristic=name)
-    guarantee = solution.certificate.guarantee
-    rows.append((name, solution.objective, solution.certificate.bound, None if guarantee is None else guarantee.ratio, solution.status))
-best = wb.solve(problem, "lapjv")
-rows.append(("lapjv", best.objective, best.certificate.bound, None, best.status))
-pd.DataFrame(rows, columns=["method", "cost", "verified bound", "stated ratio", "status"]).set_index("method")
+compared = wb.compare(problem, ["online-greedy", "auction", "bertsekas", "lapjv"])
+compared
+
+# %% [markdown]
+# What each rule promises of every instance:
 
 # %%
+[compared[name].certificate.guarantee for name in ("online-greedy", "auction", "bertsekas")]
+
+# %%
+best = compared["lapjv"]
 _ = best.plot()
 
 # %% [markdown]

@@ -38,29 +38,59 @@ solution
 _ = solution.plot()
 
 # %% [markdown]
+# The routes by the names of their sites, and one row a visit:
+
+# %%
+solution.routes
+
+# %%
+solution.to_frame().head(6)
+
+# %% [markdown]
 # ## What is proved
 #
-# The certificate holds verified facts only: which checks passed and by how much, the objective priced from the data, and a bound with
-# where it
-# comes from. Somebody without any solver can check it: `wb.check(problem, solution, certificate)`.
+# The certificate holds verified facts only: which checks passed and by how much, the objective priced from the data, and a bound with where
+# it comes from. Whoever is sent three files verifies all of it again, without any solver:
 
 # %%
-wb.check(problem, solution, solution.certificate)
+import tempfile
+from pathlib import Path
+
+folder = Path(tempfile.mkdtemp())
+problem.save(folder / "valley.json")
+solution.save(folder / "answer.json")
+solution.certificate.save(folder / "proof.json")
+wb.check(wb.read(folder / "valley.json"), folder / "answer.json", folder / "proof.json")
 
 # %% [markdown]
-# The answer as a table, one row a visit:
+# Anything else is judged too: the routes of a colleague, as lists.
 
 # %%
-solution.to_frame().head(8)
+theirs = wb.judge(problem, [["mill", "quarry"], ["farm", "abbey", "forge"], ["port", "lake"], ["inn", "school"]])
+theirs.feasible, theirs.objective, solution.objective
 
 # %% [markdown]
-# ## The same problem, another method
+# ## The search, while it runs and afterwards
 #
-# A heuristic takes milliseconds; the bound says how far off it is at most.
+# `log=True` shows what was found when, and what was proved at the end.
 
 # %%
-quick = wb.solve(problem, heuristic="savings")
-quick
+seen = wb.solve(problem, heuristic="savings", bound_time=3, log=True)
+
+# %%
+seen.history[["seconds", "phase", "objective", "bound", "bound_kind", "found_by"]]
+
+# %% [markdown]
+# ## The same problem, other methods
+#
+# Every answer is checked by the same judge, and set against the best bound that was verified in any of the runs.
+
+# %%
+compared = wb.compare(problem, ["savings", "ortools", "pyvrp", "highs"], time_limit=2, bound_time=2)
+compared
+
+# %%
+_ = wb.plot_history(compared)
 
 # %% [markdown]
 # Who else can take it, and what do the others lack?
@@ -70,6 +100,14 @@ quick
 
 # %%
 wb.heuristics(problem)
+
+# %% [markdown]
+# ## What matters first
+#
+# Objectives are terms, or their text; levels of priority have a bound each.
+
+# %%
+wb.solve(wb.RoutingProblem.from_frame(sites, capacity=10, objective="vehicles then total-cost", name="valley"), time_limit=3)
 
 # %% [markdown]
 # ## When there is no answer

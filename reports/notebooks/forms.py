@@ -1,9 +1,8 @@
 # %% [markdown]
 # # Forms, and their bounds at the root
 #
-# A problem can be written down in several ways. All exact forms have the same optimum; what differs is how close their linear
-# relaxations come to it, and
-# how fast a solver closes the rest.
+# A problem can be written down in several ways. All exact forms have the same optimum; what differs is how close their linear relaxations
+# come to it, and how fast a solver closes the rest.
 
 # %%
 import pandas as pd

@@ -1,40 +1,28 @@
 # %% [markdown]
 # # Greedy against optimal, with certificates
 #
-# Forty robots choose one of two actions each; each target is credited to the robot that sees it best (winner takes all). Greedy
-# methods promise half of
-# the optimum. How good are they really, and who can prove it?
+# Forty robots choose one of two actions each; each target is credited to the robot that sees it best (winner takes all). Greedy methods
+# promise half of the optimum. How good are they really, and who can prove it?
 
 # %%
-import pandas as pd
-
 import waybound as wb
 
 problem = wb.generate("sata", robots=40, targets=60, phi=8, weights="uniform", seed=3, problem="winner-takes-all")
 problem
 
 # %%
-methods = {"random": {"heuristic": "random"}, "sequential-greedy": {"heuristic": "sequential-greedy"}, "greedy": {"heuristic": "greedy"},
-           "lp-rounding": {"heuristic": "lp-rounding"}, "highs": {"solver": "highs"}}  # fmt: skip
-answers = {name: wb.solve(problem, time_limit=20, **keywords) for name, keywords in methods.items()}
-rows = []
-for name, solution in answers.items():
-    guarantee = solution.certificate.guarantee
-    stated = None if guarantee is None else guarantee.ratio
-    rows.append((name, solution.objective, solution.certificate.bound, stated, solution.certificate.observed_ratio, solution.status))
-columns = ["method", "objective", "verified bound", "stated ratio", "observed ratio", "status"]
-pd.DataFrame(rows, columns=columns).set_index("method").round(4)
+compared = wb.compare(problem, ["random", "sequential-greedy", "greedy", "lp-rounding", "highs"], time_limit=20)
+compared
 
 # %% [markdown]
 # A ratio of 2 is what the theorem says for every instance; beside it stands what holds for this one, against a bound that a checker
-# derived from
-# prices or marginal gains. Nobody has to believe the solver.
+# derived from prices or marginal gains. Nobody has to believe the solver.
 
 # %%
-answers["greedy"].certificate
+compared["greedy"].certificate
 
 # %%
-_ = answers["greedy"].plot()
+_ = compared["greedy"].plot()
 
 # %% [markdown]
 # ## Where greedy is as bad as it may be

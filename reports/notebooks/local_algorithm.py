@@ -2,8 +2,7 @@
 # # The local algorithm, and h
 #
 # Robots share out their time among actions so that the worst-covered target is covered as well as possible. In the local algorithm a
-# robot knows only
-# what is within `3h - 2` hops: more layers `h`, more of the network, and a better guarantee.
+# robot knows only what is within `3h - 2` hops: more layers `h`, more of the network, and a better guarantee.
 
 # %%
 import matplotlib.pyplot as plt

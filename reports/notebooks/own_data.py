@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Your own data frame on a map
 #
-# Fifty deliveries in a town, with time windows in hours of the day, from a table as one has it. From `import waybound` to the picture
-# are six lines.
+# Fifty deliveries in a town, from a table as one has it: latitude and longitude, timestamps, and columns that no solver knows. From
+# `import waybound` to the picture are six lines.
 
 # %%
 import numpy as np
@@ -10,29 +10,30 @@ import pandas as pd
 
 rng = np.random.default_rng(4)
 n = 51
+day = pd.Timestamp("2026-05-04")
 orders = pd.DataFrame(
     {
         "customer": ["warehouse", *(f"order {k}" for k in range(1, n))],
-        "km east": np.r_[0.0, rng.normal(0, 6, n - 1)].round(2),
-        "km north": np.r_[0.0, rng.normal(0, 5, n - 1)].round(2),
+        "lat": 45.81 + np.r_[0.0, rng.normal(0, 0.04, n - 1)].round(4),
+        "lon": 15.98 + np.r_[0.0, rng.normal(0, 0.08, n - 1)].round(4),
         "parcels": np.r_[0, rng.integers(1, 9, n - 1)],
-        "from": np.r_[8.0, rng.choice([8, 8, 10, 13], n - 1)],
-        "until": np.r_[18.0, rng.choice([12, 16, 18, 18], n - 1)],
+        "from": day + pd.to_timedelta(np.r_[7, rng.choice([8, 8, 10, 13], n - 1)], unit="h"),
+        "until": day + pd.to_timedelta(np.r_[19, rng.choice([15, 16, 18, 18], n - 1)], unit="h"),
+        "at the door": pd.to_timedelta([0] + [6] * (n - 1), unit="min"),
+        "phone": [f"555-{k:04d}" for k in range(n)],
     }
 )
-orders["until"] = np.maximum(orders["until"], orders["from"] + 2)
 orders.head()
 
 # %% [markdown]
-# Names of columns are those of the field: `id, x, y, demand, ready, due, service`. Distances are kilometres; at 30 km an hour,
-# durations are hours.
+# `columns` tells which is which; the phone number is kept and shown, and never computed with. Distances are great circles in km, a van
+# drives 30 km in an hour, and times are counted in minutes.
 
 # %%
 import waybound as wb
 
-names = {"customer": "id", "km east": "x", "km north": "y", "parcels": "demand", "from": "ready", "until": "due"}
-van = {"name": "van", "capacity": 60, "count": 6, "speed": 30}
-problem = wb.RoutingProblem.from_frame(orders.rename(columns=names).assign(service=[0.0] + [0.1] * (n - 1)), fleet=[van], name="town")
+names = {"customer": "id", "parcels": "demand", "from": "ready", "until": "due", "at the door": "service"}
+problem = wb.RoutingProblem.from_frame(orders, columns=names, vehicles=6, capacity=60, speed=30, time_unit="min", name="town")
 solution = wb.solve(problem, "pyvrp", time_limit=2, bound_time=2)
 _ = solution.plot()
 
@@ -40,23 +41,57 @@ _ = solution.plot()
 solution
 
 # %% [markdown]
-# When is which van where? Waiting is time before a window opens.
+# ## Who is where, when
+#
+# One row a visit, in moments of that day, with the columns that were kept; or one row a route.
 
 # %%
 visits = solution.to_frame()
-visits[visits["vehicle"] == "van 1"]
+visits[visits["vehicle"] == "vehicle 1"]
 
 # %%
-visits.groupby("vehicle", sort=False).agg(stops=("site", "size"), back=("arrival", "last")).round(2)
+solution.to_frame("routes")
+
+# %%
+_ = solution.plot(view="schedule")
+
+# %%
+_ = solution.plot(view="loads")
+
+# %% [markdown]
+# ## Keep it, change it, judge it
+#
+# Answers are saved by suffix: `.json` with the certificate, `.csv`, `.xlsx`, `.geojson` for any map. Whatever comes back, edited or from
+# somebody else, is judged from the data.
+
+# %%
+import tempfile
+from pathlib import Path
+
+folder = Path(tempfile.mkdtemp())
+problem.save(folder / "town.json")
+for name in ("plan.json", "plan.csv", "plan.geojson"):
+    solution.save(folder / name)
+again = wb.read(folder / "town.json")
+wb.judge(again, folder / "plan.csv").objective, solution.objective
+
+# %%
+mine = [list(route) for route in solution.routes]
+mine[0], mine[1] = mine[0][1:], mine[0][:1] + mine[1]  # the first customer of the first van goes first in the second one
+verdict = wb.judge(again, mine)
+verdict.feasible, verdict.objective, [broken.message for broken in verdict.violations][:3]
 
 # %% [markdown]
 # ## Distances from elsewhere
 #
-# A matrix of road distances or of minutes goes in as `travel=` (and `durations=`), as a frame with the ids as labels or as an array in
-# the order of the sites.
+# Road distances go in as `travel=`: a matrix or a frame, a list of moves, a networkx graph, or the table of a routing service (OSRM,
+# Valhalla) as its JSON. A move that cannot be made is `inf`.
 
 # %%
-xy = orders[["km east", "km north"]].to_numpy()[:12]
-streets = np.abs(xy[:, None] - xy[None]).sum(axis=2)  # along a grid of streets
-some = orders.rename(columns=names)[["id", "demand"]].head(12)
-wb.solve(wb.RoutingProblem.from_frame(some, travel=streets, vehicles=2, capacity=40, name="streets"), time_limit=5)
+some = orders[["customer", "lat", "lon", "parcels"]].head(9)
+km = 111.2 * (abs(some.lat.values[:, None] - some.lat.values) + abs(some.lon.values[:, None] - some.lon.values) * 0.7)
+km[1, 2] = np.inf  # a bridge is closed
+closed = wb.RoutingProblem.from_frame(
+    some, columns={"customer": "id", "parcels": "demand"}, travel=km, vehicles=2, capacity=40, name="streets"
+)
+wb.solve(closed, "highs", time_limit=5).routes

@@ -2,8 +2,7 @@
 # # Bring your own solver
 #
 # A heuristic of your own is a function. Registered, it is judged like any other: its answers are priced from the data, its claims are
-# checked, and
-# bounds stand beside it. This one is the nearest neighbour rule.
+# checked, and bounds stand beside it. This one is the nearest neighbour rule.
 
 # %%
 
@@ -69,5 +68,4 @@ with HEURISTICS.temporary(
 
 # %% [markdown]
 # In a package of your own it is [one module and an entry point](../adding-a-heuristic.md); [solvers](../adding-a-solver.md),
-# [engines](../adding-an-engine.md),
-# [forms](../adding-a-form.md) and whole [problems](../adding-a-problem.md) work the same way.
+# [engines](../adding-an-engine.md), [forms](../adding-a-form.md) and whole [problems](../adding-a-problem.md) work the same way.

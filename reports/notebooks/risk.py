@@ -1,9 +1,8 @@
 # %% [markdown]
 # # Sharing out a risk
 #
-# A vehicle follows a plan above a sea floor, twenty steps long, its position uncertain. All chance constraints together may fail with
-# a probability of
-# 5 %: who gets how much of it?
+# A vehicle follows a plan above a sea floor, twenty steps long, its position uncertain. All chance constraints together may fail with a
+# probability of 5 %: who gets how much of it?
 
 # %%
 import pandas as pd

@@ -124,12 +124,15 @@ def _dot_sizes(problem: RoutingProblem, visits: list[int]) -> Any:
 def _draw_sites(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats) -> None:
     depots = where[problem.sites.depots]
     ax.scatter(depots[:, 0], depots[:, 1], marker="s", s=85, color="#111111", edgecolors="white", linewidths=1.2, zorder=5)
-    visited = {i for route in answer for i in route.visits}
-    left = [int(i) for i in problem.customers if int(i) not in visited]
-    if left:
+    if left := _left_out(problem, answer):
         ax.scatter(where[left, 0], where[left, 1], s=26, facecolors="white", edgecolors="#888888", linewidths=1.0, zorder=3)
     if len(problem.sites) <= LABELLED_SITES:
         _label_sites(ax, problem, where)
+
+
+def _left_out(problem: RoutingProblem, answer: Routes) -> list[int]:
+    visited = {i for route in answer for i in route.visits}
+    return [int(i) for i in problem.customers if int(i) not in visited]
 
 
 def _label_sites(ax: Any, problem: RoutingProblem, where: Floats) -> None:
@@ -148,6 +151,8 @@ def _title(problem: RoutingProblem, answer: Routes, solution: Solution | None, p
     if solution is not None:
         head += f" by {solution.solver}"
     detail = f"{problem.objective} {figures_of(problem, answer, solution)}; {CONVENTIONS.get(problem.convention, problem.convention)}"
+    if left := len(_left_out(problem, answer)):
+        detail += f"\n{left} {'site' if left == 1 else 'sites'} left out (hollow)"
     if placed:
         detail += "\nno coordinates in the file: sites placed by scaling of their distances"
     return head, detail

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import html
 from typing import TYPE_CHECKING
 
-from ...formulations.rendering import Line, as_html, number, percent
+from ...formulations.rendering import Line, number, percent
 from .table import Column, Table
 
 if TYPE_CHECKING:
@@ -60,31 +59,3 @@ def comparison_lines(comparison: Comparison) -> list[Line]:
         told = f"{number(bounds)}, verified: {comparison.bound_source}; gaps are to this one"
         lines.append(Line("best bound", told, "good"))
     return lines
-
-
-def plain_text(table: Table) -> str:
-    """The table in columns of text."""
-    heads = tuple(column.name for column in table.columns)
-    widths = [max(len(row[k]) for row in (heads, *table.rows)) for k in range(len(heads))]
-
-    def line(row: tuple[str, ...]) -> str:
-        cells = (c.rjust(w) if column.right else c.ljust(w) for c, w, column in zip(row, widths, table.columns, strict=True))
-        return "  ".join(cells).rstrip()
-
-    return "\n".join([table.title, line(heads), *(line(row) for row in table.rows)])
-
-
-def comparison_html(comparison: Comparison) -> str:
-    """The table and the lines, for notebooks."""
-    table = comparison_table(comparison)
-
-    def cells(row: tuple[str, ...], tag: str) -> str:
-        return "".join(
-            f'<{tag} style="text-align:{"right" if column.right else "left"};padding:2px 10px">{html.escape(cell)}</{tag}>'
-            for cell, column in zip(row, table.columns, strict=True)
-        )
-
-    head = cells(tuple(column.name for column in table.columns), "th")
-    body = "".join(f"<tr>{cells(row, 'td')}</tr>" for row in table.rows)
-    caption = f'<caption style="text-align:left">{html.escape(table.title)}</caption>'
-    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>" + as_html("", comparison_lines(comparison))

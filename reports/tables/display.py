@@ -44,7 +44,10 @@ def table_plain(table: Table) -> str:
     from rich.console import Console
 
     held = io.StringIO()
-    console = Console(file=held, width=PLAIN_WIDTH, color_system=None, highlight=False, markup=False, emoji=False, legacy_windows=False)
+    console = Console(
+        file=held, width=PLAIN_WIDTH, color_system=None, highlight=False, markup=False, emoji=False, legacy_windows=False,
+        force_jupyter=False,  # in a notebook rich would show the table there and then
+    )  # fmt: skip
     console.print(table_rich(table))
     more = len(table.rows) - SHOWN_ROWS
     text = "\n".join(line.rstrip() for line in held.getvalue().splitlines())

@@ -44,7 +44,7 @@ def test_what_cannot_be_done_is_refused_before_anything_runs(refused: Any, tmp_p
     assert "--solver NAME, --heuristic NAME" in refused("compare", "demo-tiny")
     assert "no-such" in refused("compare", "demo-tiny", "--solver", "no-such")
     assert "must be one of .csv, .json" in refused("compare", "demo-tiny", "--solver", "highs", "--out", tmp_path / "a.txt")
-    assert "did you mean vehicles?" in refused("compare", "demo-tiny", "--solver", "highs", "--objective", "vehicle")
+    assert "did you mean 'vehicles'?" in refused("compare", "demo-tiny", "--solver", "highs", "--objective", "vehicle")
     assert "names the file of another output" in refused(
         "compare", "demo-tiny", "--solver", "highs", "--out", tmp_path / "a.csv", "--log", tmp_path / "a.csv"
     )

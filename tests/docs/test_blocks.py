@@ -16,8 +16,8 @@ RUNNER = Path(__file__).parent / "run_blocks.py"
 FOLLOWED = set((ROOT / "docs").glob("adding-*.md"))
 """Pages that ``test_extending_pages`` follows to the letter."""
 
-EXECUTED = {*(ROOT / "docs" / "formulations").glob("*.md"), ROOT / "docs" / "selection.md"}
-"""Pages of which ``test_documentation`` and ``test_selection_page`` execute every block."""
+EXECUTED = {*(ROOT / "docs" / "formulations").glob("*.md"), ROOT / "docs" / "selection.md", ROOT / "docs" / "data.md"}
+"""Pages of which ``test_documentation``, ``test_selection_page`` and ``test_data_page`` execute every block."""
 
 PAGES = sorted(
     page

@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from programs import program
 
+import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import (
     SHOWN_VIOLATIONS,
@@ -299,3 +301,15 @@ def test_a_ray_gives_way_to_an_answer_that_breaks_rows_by_no_more_than_a_check_l
     far = ArrayProblem(program([1.0, 1.0], [[1, 1], [1, 1]], [1.0, -math.inf], [math.inf, 0.5], 0.0, 1.0))
     with pytest.raises(CheckFailedError, match="proves that there is none"):
         certify(far, judged, [ray])
+
+
+def test_of_several_levels_the_text_says_of_which_one_gap_and_ratio_are():
+    from waybound.formulations.certificate import gap_line
+
+    assert gap_line(10.0, 9.0, 0.1).text == "10 %"
+    assert gap_line([4.0, 110.0], [4.0, 100.0], 0.1).text == "10 % at level 2"
+    assert gap_line([5.0, 110.0], [4.0, None], 0.25, ", against the verified bound").text == "25 % at level 1, against the verified bound"
+    problem = wb.read("demo-tiny", objective="vehicles then total-cost")
+    solution = wb.solve(problem, heuristic="insertion", bound_time=0)
+    told = str(replace(solution.certificate, observed_ratio=1.0))
+    assert "at most 1 at level 1, observed" in told

@@ -183,3 +183,12 @@ def test_nothing_stands_beside_a_pipe(tmp_path: Path) -> None:
     write_certificate(covering(8000)[1], pipe)
     reader.join()
     assert isinstance(json.loads(read[0])["evidence"], list)
+
+
+def test_a_certificate_saves_itself_and_its_bound_is_derived_again(tmp_path: Path) -> None:
+    problem, certificate = covering(3)
+    certificate.save(tmp_path / "proof.json")
+    assert wb.check(problem, [1.0], tmp_path / "proof.json").bound == certificate.bound is not None
+    with pytest.raises(wb.UsageError, match=r"a certificate is written as \.json"):
+        certificate.save(tmp_path / "proof.txt")
+    assert not (tmp_path / "proof.txt").exists()

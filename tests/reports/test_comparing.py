@@ -90,7 +90,7 @@ def test_text_and_html_say_what_is_checked_and_what_is_verified(made: Comparison
     text = str(made)
     assert "every answer in the table was checked from the data" in text
     assert "none was verified, so that no gap is known" in text
-    assert "<table>" in made._repr_html_() and "&lt;" not in made._repr_html_()
+    assert "<table" in made._repr_html_() and "&lt;" not in made._repr_html_()
 
 
 def test_the_log_holds_all_runs(problem: wb.Problem, tmp_path: Any) -> None:

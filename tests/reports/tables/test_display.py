@@ -123,3 +123,9 @@ def test_lists_of_solvers_are_lists(ends: dict[str, Any]) -> None:
     copied = pickle.loads(pickle.dumps(ends["solvers"]))
     assert copied == list(ends["solvers"])
     assert Listing([1, 2], lambda rows: Table("N", (Column("n"),), tuple((str(r),) for r in rows)))._repr_html_().count("<td") == 2
+
+
+def test_as_text_a_table_is_not_shown_by_the_notebook_besides(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There ``rich`` would show it instead of writing it."""
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    assert "n" in table_plain(Table("N", (Column("n"),), (("1",),))).split()
