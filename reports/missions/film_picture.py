@@ -135,7 +135,8 @@ class _Stage:
         self.trails = LineCollection([], colors=AGENT, linewidths=1.3, alpha=0.45, zorder=2)
         self.wakes = LineCollection([], colors="#999999", linewidths=0.8, alpha=0.6, zorder=1.5)
         self.links = LineCollection([], colors=LINK, linewidths=1.0, alpha=0.85, linestyles=(0, (3, 1.5)), zorder=1.8)
-        for collection in (self.discs, self.trails, self.wakes, self.links):
+        ways = LineCollection([first.points[list(way)] for way in first.ways], colors="#BBBBBB", linewidths=2.5, zorder=1)
+        for collection in (self.discs, self.trails, self.wakes, self.links, ways):
             ax.add_collection(collection)
         agent, marked, unmarked = first.labels
         (self.agents,) = ax.plot([], [], "s", color=AGENT, markersize=6, label=agent, clip_on=False, zorder=4)

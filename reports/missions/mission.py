@@ -63,6 +63,8 @@ class Scene:
         Where agents face.
     links : sequence of (agent, point)
         Which points are assigned to which agent, by what was decided last.
+    ways : sequence of (point, point)
+        Points of the first picture that ways lead between, where not all of the area can be gone through.
     """
 
     area: tuple[float, float, float, float]
@@ -73,6 +75,7 @@ class Scene:
     labels: tuple[str, str, str] = ("agents", "attained", "open")
     headings: NDArray[np.float64] | None = None
     links: Sequence[tuple[int, int]] = ()
+    ways: Sequence[tuple[int, int]] = ()
 
 
 class Mission(ABC):

@@ -11,6 +11,7 @@ import pytest
 from programs import Counting
 from random_sensing import random_graph
 
+from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.routing.objective import Objective, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
@@ -126,6 +127,28 @@ def test_bounds_are_verified_and_can_prove_optimality(square: RoutingProblem, en
     assert solution.certificate.bound is not None
     assert solution.certificate.bound <= 24.0 + 1e-6
     assert solution.bound_kind == "verified"
+
+
+def test_a_claimed_bound_ahead_of_a_proved_optimum_does_not_hide_the_proof(registered: Any) -> None:
+    """Costs that differ by less than a solver sees: its optimum is 1e-8 above the least, which the prices prove."""
+    answer, value = (0, 1), 2.0 + 2e-8
+
+    class Fake(Engine):
+        name, package, modules, summary, family = "short-sighted", "numpy", ("numpy",), "a fake", "bin-assignment"
+        features = frozenset(BACKENDS["lapjv"].features)
+
+        def run(self, problem: Any, options: Options, control: Control) -> RawResult:
+            return RawResult("optimal", answer=answer, objective=value, bound=value)
+
+    registered(BACKENDS, Fake.name, Fake)
+    problem = BinAssignment.from_matrix([[1.0 + 2e-8, 1.0], [1.0, 1.0]])
+    alone = solve(problem, Fake.name, bound_time=1)
+    assert (alone.status, alone.bound_kind, alone.certificate.bound) == ("optimal", "claimed", pytest.approx(2.0, rel=1e-12))
+    assert "optimal according to short-sighted" in str(alone)
+    started = solve(problem, Fake.name, start=(1, 0), bound_time=1)
+    assert (started.objective, started.bound_kind, started.faults) == (2.0, "verified", ())
+    assert started.gap is not None and started.gap <= 1e-9
+    assert "optimal: the verified bound meets the objective" in str(started)
 
 
 def test_a_missing_feature_names_solvers_that_have_it(square: RoutingProblem, engine_that: Any) -> None:

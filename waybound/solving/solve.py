@@ -461,8 +461,7 @@ def _certified(
         if evaluation is None:
             raise CheckFailedError("; ".join(faults))
         result = replace(result, status="unknown", objective=None, bound=None, further=())
-    precision = EQUAL if evaluation is None else evaluation.precision
-    bound, kind, source = _best_bound(problem, run, result, certificate, size, precision)
+    bound, kind, source = _best_bound(problem, run, result, certificate, evaluation)
     objective = None if evaluation is None else evaluation.objective
     if isinstance(bound, float) and len(problem.senses) > 1:
         further = dict(claims.concerned(problem.senses, result, evaluation)) if evaluation and run.exactness(result).bound_is_valid else {}
@@ -558,12 +557,14 @@ def _gather(
 
 
 def _best_bound(
-    problem: Problem, run: _Run, result: RawResult, certificate: Certificate, size: float, precision: float
+    problem: Problem, run: _Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None
 ) -> tuple[Value | None, str | None, str | None]:
-    """The best known bound of either kind; a verified one wins a tie."""
+    """The best known bound of either kind; a verified one wins a tie, and where the answer meets it: a claim ahead of both is false."""
+    size, precision = (0.0, EQUAL) if evaluation is None else (evaluation.size, evaluation.precision)
     verified = certificate.bound
+    met = verified is not None and evaluation is not None and same(verified, evaluation.values[0], size, precision)
     claimed = result.bound if run.exactness(result).bound_is_valid else None
-    if claimed is not None and math.isfinite(claimed):
+    if claimed is not None and math.isfinite(claimed) and not met:
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
         if ahead and (verified is None or not same(claimed, verified, size, precision)):
             return claimed, "claimed", _claimant(run)

@@ -52,6 +52,15 @@ def test_solvers_find_what_enumeration_finds(solver: str) -> None:
         assert found.objective == (best if best is None else pytest.approx(best, rel=1e-9, abs=1e-9))
 
 
+@pytest.mark.parametrize(("steps", "shortest_first", "optimum"), [((3, 3, 6, 6), 4, 4), ((5, 5, 5), 3, 2)])
+def test_bins_returned_within_a_horizon_are_a_knapsack_for_each_robot(steps: tuple[int, ...], shortest_first: int, optimum: int) -> None:
+    """Two robots of nine steps: that the shortest bins fit into all steps together is a bound, and need not be attained."""
+    assert int((np.cumsum(np.sort(steps)) <= 18).sum()) == shortest_first
+    problem = GeneralisedAssignment.from_arrays(np.ones((2, len(steps))), [steps, steps], [9.0, 9.0], "profit")
+    found = wb.solve(problem, "highs", bound_time=1)
+    assert (found.objective, found.status) == (optimum, "optimal")
+
+
 def test_jobs_that_cannot_all_be_done_are_explained_with_proof() -> None:
     lost = GeneralisedAssignment.from_arrays([[1.0, 1.0]], [[1.0, 9.0]], [5.0])
     (reason,) = lost.infeasibility_reasons()

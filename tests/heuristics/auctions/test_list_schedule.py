@@ -28,6 +28,15 @@ def test_schedules_of_the_reference(places, full, nearest, longest, total):
     assert wb.solve(retrievals(places, full, objective="completion"), heuristic="list-schedule").objective == total
 
 
+@pytest.mark.parametrize(
+    ("places", "full", "last"),
+    [(((0, 1), (0, 8), (4, 8)), (5, 0, 0), 18), (((0, 2), (1, 2)), (0, 0), 5), (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), 14)],
+)
+def test_the_longest_first_is_at_the_optimum_of_other_schedules_of_the_reference(places, full, last):
+    robots = ((0, 0), (0, 0)) if last == 18 else ((0, 0), (0, 6))
+    assert wb.solve(retrievals(places, full, robots), heuristic="list-schedule", order="longest", bound_time=0).objective == last
+
+
 def test_guarantees_hold():
     rng = np.random.default_rng(2)
     for _ in range(draws(40)):

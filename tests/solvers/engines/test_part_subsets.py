@@ -36,6 +36,12 @@ def test_the_two_objectives_have_different_optima():
     assert best == {("min-max", "mst"): 2, ("min-max", "clique"): 4, ("min-difference", "mst"): 0, ("min-difference", "clique"): 3}
 
 
+def test_weights_alone_are_halved():
+    """8, 7, 6, 5, 4: two parts of 15."""
+    problem = parts([0] * 5, weights=[8, 7, 6, 5, 4], edges="none", objective="min-difference")
+    assert wb.solve(problem, bound_time=0).objective == 0.0
+
+
 def test_sixteen_tasks_are_not_many():
     rng = np.random.default_rng(15)
     for objective in ("min-max", "min-difference"):
