@@ -65,8 +65,10 @@ if TYPE_CHECKING:
     from .formulations.selection.submodular_selection import SubmodularSelection
     from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
+    from .heuristics.auctions.relay_steps.steiner_points import RelayTree, fermat_weber, fewest_relays, spanning_tree_relays
     from .heuristics.selection.submodularity import check_submodular
     from .instances.auctions.assignment import AssignmentInstance
+    from .instances.auctions.exploration_map import ExplorationMap
     from .instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
     from .instances.auctions.orchard_jobs import OrchardJobs
     from .instances.auctions.robot_tasks import RobotTasks
@@ -105,6 +107,8 @@ _MODULES = {
     "formulations.auctions.joint_assignment": ("JointAssignment",),
     "formulations.auctions.orchard_day": ("OrchardDay",),
     "formulations.auctions.room_exploration": ("RoomExploration",),
+    "heuristics.auctions.relay_steps.steiner_points": ("RelayTree", "fermat_weber", "fewest_relays", "spanning_tree_relays"),
+    "instances.auctions.exploration_map": ("ExplorationMap",),
     "formulations.certificate": ("Certificate",),
     "formulations.evaluation": ("Check", "Evaluation", "Violation"),
     "formulations.evidence": ("Evidence", "Guarantee"),
@@ -201,6 +205,7 @@ __all__ = [
     "Evidence",
     "Exactness",
     "Explanation",
+    "ExplorationMap",
     "FacilityLocation",
     "GeneralisedAssignment",
     "GeneralisedAssignmentInstance",
@@ -222,6 +227,7 @@ __all__ = [
     "Penalties",
     "Problem",
     "Program",
+    "RelayTree",
     "Reward",
     "RiskAllocation",
     "RiskyGraph",
@@ -262,6 +268,8 @@ __all__ = [
     "compare",
     "cvrp",
     "explain",
+    "fermat_weber",
+    "fewest_relays",
     "generate",
     "heuristics",
     "judge",
@@ -277,6 +285,7 @@ __all__ = [
     "run",
     "solve",
     "solvers",
+    "spanning_tree_relays",
     "team_orienteering",
     "tsp",
     "vrptw",

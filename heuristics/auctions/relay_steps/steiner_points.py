@@ -64,7 +64,7 @@ def spanning_tree_relays(terminals: ArrayLike, reach: float, *, strict: bool = F
     Notes
     -----
     Source: Zhang (2015), section 5.4.1; Lin and Xue (1999) for the heuristic, Chen et al. (2000) for its ratio;
-    docs/formulations/task-allocation.md#relays.
+    docs/formulations/relays.md#model.
     """
     points = np.asarray(terminals, dtype=np.float64)
     if points.ndim != 2 or points.shape[1:] != (2,) or not len(points) or not np.isfinite(points).all():
@@ -118,6 +118,10 @@ def fewest_relays(linked: ArrayLike, terminals: ArrayLike, most: int | None = No
         If the table is not square and symmetric, or a terminal does not exist.
     Stopped
         If ``stop`` comes first.
+
+    Notes
+    -----
+    docs/formulations/relays.md#model.
     """
     links = np.asarray(linked, dtype=bool)
     if links.ndim != 2 or links.shape[0] != links.shape[1] or (links != links.T).any():
@@ -176,7 +180,7 @@ def fermat_weber(points: ArrayLike, weights: ArrayLike | None = None, steps: int
     Notes
     -----
     Source: Weiszfeld (1937), with the step of Vardi and Zhang (2000) at a given point; Zhang (2015), section 5.4.1, describes it as if it
-    were the placement of relays (docs/formulations/task-allocation.md#relays).
+    were the placement of relays (docs/formulations/relays.md#model).
     """
     at = np.asarray(points, dtype=np.float64)
     heavy = np.ones(len(at)) if weights is None else np.asarray(weights, dtype=np.float64)
