@@ -83,7 +83,7 @@ def _sites(sites: dict[str, Any]) -> list[Row]:
     if sites["optional"]:
         text += f"; {sites['optional']} customers are optional"
     if sites["unreachable"]:
-        text += f"; {sites['unreachable']} customers cannot be reached by any vehicle (see waybound explain)"
+        text += f"; {sites['unreachable']} customer{'s' if sites['unreachable'] != 1 else ''} cannot be reached by any vehicle (see waybound explain)"
     return [("sites", text)]
 
 
