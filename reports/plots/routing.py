@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
+from ...instances.routing.travel import EXPLICIT
 from . import PLOTS
 from .drawing import COLOURS, entitle, figures_of, literal, new_axes
 from .maps import MOST_ARROWS, arrows, geographic, legend_of_routes, map_axes, scale_bar, site_positions
@@ -150,7 +151,10 @@ def _title(problem: RoutingProblem, answer: Routes, solution: Solution | None, p
     head = f"{problem.name}: {len(answer)} {'route' if len(answer) == 1 else 'routes'}"
     if solution is not None:
         head += f" by {solution.solver}"
-    detail = f"{problem.objective} {figures_of(problem, answer, solution)}; {CONVENTIONS.get(problem.convention, problem.convention)}"
+    rounded = CONVENTIONS.get(problem.convention, problem.convention)
+    if problem.convention == "file" and problem.travel.metric == EXPLICIT:
+        rounded = "distances as given"
+    detail = f"{problem.objective} {figures_of(problem, answer, solution)}; {rounded}"
     if left := len(_left_out(problem, answer)):
         detail += f"\n{left} {'site' if left == 1 else 'sites'} left out (hollow)"
     if placed:

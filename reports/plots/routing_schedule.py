@@ -45,7 +45,7 @@ def plot_schedule(
     Returns
     -------
     matplotlib.axes.Axes
-        Time runs to the right, in the units of the data.
+        Time runs to the right, as moments where times were given so, else in the units of the data.
 
     Notes
     -----
@@ -76,6 +76,7 @@ def plot_schedule(
     ax.set_ylim(len(names) - 0.4, -0.75)
     ax.set_xlim(begins - 0.02 * span, ends + 0.02 * span)
     _finish(ax)
+    _time_axis(ax, problem, span)
     head = f"{problem.name}: schedule" + ("" if solution is None else f" by {solution.solver}") if title is None else title
     entitle(ax, head, f"{problem.objective} {figures_of(problem, answer, solution)}" if title is None else "")
     literal(ax)
@@ -130,12 +131,31 @@ def _finish(ax: Any) -> None:
         ax.plot([], [], color="#AAAAAA", linewidth=1.1)[0],
     ]  # fmt: skip
     legend_below(ax, handles, ["driving", "service", "waiting", "from begin of service to the end of the window"], 4)
-    ax.set_xlabel("time", fontsize=9, color="#555555")
     for side in ("top", "right", "left"):
         ax.spines[side].set_visible(False)
     ax.tick_params(labelsize=8, colors="#555555", length=0)
     ax.grid(axis="x", color="#EEEEEE", zorder=0)
     ax.set_axisbelow(True)
+
+
+STEPS = (1, 5, 15, 60, 300, 900, 1800, 3600, 7200, 14400, 28800, 86400, 604800)
+"""Seconds from one mark of a clock to the next."""
+
+
+def _time_axis(ax: Any, problem: RoutingProblem, span: float) -> None:
+    """Marks at full hours and the like, told as moments where the problem knows from when its times count."""
+    from matplotlib.ticker import MultipleLocator
+
+    clock, label = problem.clock, "time"
+    if clock is not None:
+        label = f"time ({clock.unit})"
+        step = next((s for s in STEPS if span * clock.seconds <= 9 * s), None)
+        if step is not None and (start := clock.midnight) is not None:
+            shape = "%H:%M:%S" if step < 60 else "%H:%M" if span * clock.seconds <= 86400 else "%d %b %H:%M"
+            ax.xaxis.set_major_locator(MultipleLocator(step / clock.seconds))
+            ax.xaxis.set_major_formatter(lambda at, _: clock.moments([at])[0].strftime(shape))
+            label = f"hours of {start:%Y-%m-%d}" if span * clock.seconds <= 86400 and not start.hour else "time"
+    ax.set_xlabel(label, fontsize=9, color="#555555")
 
 
 PLOTS.add("routing:schedule", plot_schedule)

@@ -82,8 +82,8 @@ def _sites(sites: dict[str, Any]) -> list[Row]:
     text = f"{sites['customers']} customers, depot {', '.join(sites['depots'])}"
     if sites["optional"]:
         text += f"; {sites['optional']} customers are optional"
-    if sites["unreachable"]:
-        text += f"; {sites['unreachable']} customers cannot be reached by any vehicle (see waybound explain)"
+    if count := sites["unreachable"]:
+        text += f"; {count} {'customer' if count == 1 else 'customers'} cannot be reached by any vehicle (see waybound explain)"
     return [("sites", text)]
 
 

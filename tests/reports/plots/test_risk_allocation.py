@@ -10,6 +10,7 @@ from risk_problems import problem
 import waybound as wb
 from waybound.formulations.risk.allocations import Allocation
 from waybound.instances.errors import UsageError
+from waybound.reports.plots import views
 from waybound.reports.plots.risk_allocation import plot_risk_allocation
 
 
@@ -51,3 +52,9 @@ def test_violations_are_counted() -> None:
 def test_other_views_are_refused() -> None:
     with pytest.raises(UsageError, match="shows risks, violations, not 'trajectory'"):
         plot_risk_allocation(problem(), [1.0, 1.0], view="trajectory")
+
+
+def test_views_are_those_of_a_solution_and_of_the_command_line() -> None:
+    assert {"trajectory", "risks", "violations", "history"} == set(views(problem()))
+    solution = wb.solve(problem(), heuristic="iterative", bound_time=0)
+    assert "any fails with probability" in solution.plot(view="risks").texts[0].get_text()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import waybound as wb
@@ -54,3 +55,15 @@ def test_problems_without_windows_have_a_schedule_too(tmp_path) -> None:
     made = wb.solve(wb.read("demo-x40"), heuristic="savings", bound_time=0)
     save_plot(made, tmp_path / "a.svg", "schedule")
     assert (tmp_path / "a.svg").stat().st_size > 1000
+
+
+def test_times_that_were_given_as_moments_are_shown_as_moments() -> None:
+    day = pd.Timestamp("2026-05-04")
+    due = [day + pd.Timedelta(hours=h) for h in (18, 12, 12)]
+    sites = pd.DataFrame({"id": ["d", "a", "b"], "x": [0, 60, 90], "y": [0, 0, 40], "ready": day + pd.Timedelta("8h"), "due": due})
+    problem = wb.RoutingProblem.from_frame(sites, vehicles=1, time_unit="min")
+    ax = plot_schedule(problem, wb.Routes.of([[1, 2]]))
+    ax.figure.canvas.draw()
+    shown = [label.get_text() for label in ax.get_xticklabels()]
+    assert "09:00" in shown and all(len(text) == 5 for text in shown)
+    assert ax.get_xlabel() == "hours of 2026-05-04"
