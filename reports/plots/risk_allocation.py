@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -178,3 +179,5 @@ def _violations(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
 
 
 PLOTS.add("risk-allocation", plot_risk_allocation)
+for _view in VIEWS[1:]:
+    PLOTS.add(f"risk-allocation:{_view}", partial(plot_risk_allocation, view=_view))

@@ -10,6 +10,7 @@ from risk_problems import problem
 import waybound as wb
 from waybound.formulations.risk.allocations import Allocation
 from waybound.instances.errors import UsageError
+from waybound.reports.plots import save_plot, views
 from waybound.reports.plots.risk_allocation import plot_risk_allocation
 
 
@@ -51,3 +52,12 @@ def test_violations_are_counted() -> None:
 def test_other_views_are_refused() -> None:
     with pytest.raises(UsageError, match="shows risks, violations, not 'trajectory'"):
         plot_risk_allocation(problem(), [1.0, 1.0], view="trajectory")
+
+
+def test_further_views_are_drawn_by_name(tmp_path) -> None:
+    solution = wb.solve(problem(), heuristic="iterative", bound_time=0)
+    assert views(problem()) == ["risks", "violations", "history"]
+    assert solution.plot(view="risks").get_ylabel() == "risk"
+    assert "samples" in solution.plot(view="violations").get_ylabel()
+    save_plot(solution, tmp_path / "risks.svg", "risks")
+    assert (tmp_path / "risks.svg").stat().st_size > 1000
