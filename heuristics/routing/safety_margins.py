@@ -16,6 +16,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from ...formulations.forms import FORMS
+from ...formulations.programs.exactness import Exactness
 from ...formulations.routing.overrun import quantile, route_overrun
 from ...formulations.routing.schedule import schedule
 from ...instances.errors import UnsupportedError, UsageError
@@ -214,7 +216,9 @@ def _refuses(problem: Any) -> frozenset[str]:
 
 
 def _opens(problem: Any) -> bool:
-    return problem.family == "routing" and bool(problem.features() & RISKS) and len(problem.customers) > EXACT
+    if problem.family != "routing" or not problem.features() & RISKS:
+        return False
+    return len(problem.customers) > EXACT or not any(FORMS[name].exactness is Exactness.EXACT for name in problem.forms())
 
 
 HEURISTICS.add(

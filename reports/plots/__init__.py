@@ -57,7 +57,8 @@ def plot_solution(solution: Solution, *, view: str | None = None, **options: Any
     solution : Solution
         With an answer.
     view : str, optional
-        Another picture than the first one: ``history``; of routes ``schedule`` and ``loads``.
+        Another picture than the first one: ``history``; of routes ``schedule`` and ``loads``; of risk allocations
+        ``risks`` and ``violations``.
     **options
         Of the family's plot: ``ax``, ``title``, ...
 

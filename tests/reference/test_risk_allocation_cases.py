@@ -140,6 +140,20 @@ def test_the_quantile_of_equal_risks(many: int, quantile: float) -> None:
     assert -ndtri(uniform_risks(margins([1.0] * many, 0.05))) == pytest.approx(quantile, abs=5e-5)
 
 
+@pytest.mark.parametrize(("many", "quantile"), [(4, 2.2340), (10, 2.5679), (100, 3.2834)])
+def test_the_quantile_of_equal_independent_risks(many: int, quantile: float) -> None:
+    """Where the risks of independent noise multiply out to the total, each is 1 - (1 - total)^(1/N)."""
+    found = any_fails(np.full(many, quantile), np.eye(many))
+    assert found.value == pytest.approx(0.05, abs=2e-5 * many)
+
+
+@pytest.mark.parametrize(("total", "left"), [(0.01, 0.00995), (0.05, 0.04877), (0.1, 0.09516), (0.5, 0.39347), (0.9, 0.59343)])
+def test_many_equal_independent_risks_fail_as_the_exponential_says(total: float, left: float) -> None:
+    many = 400
+    found = any_fails(np.full(many, -ndtri(total / many)), np.eye(many))
+    assert found.value == pytest.approx(left, rel=2e-3)
+
+
 @pytest.mark.parametrize(("dimensions", "rho", "worth"), [(1, 1.9600, 2.0), (2, 2.4477, 6.96), (3, 2.7955, 19.3), (10, 4.2787, 5319)])
 def test_an_ellipsoid_is_worth_its_radius_from_so_many_constraints_on(dimensions: int, rho: float, worth: float) -> None:
     found = radius(margins([1.0] * dimensions, 0.05))

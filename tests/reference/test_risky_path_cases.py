@@ -37,14 +37,30 @@ def test_table_3_1_is_evaluated_as_printed_up_to_its_rounding():
 
 
 @pytest.mark.parametrize(
-    ("table", "risk", "thesis", "sums", "by_category", "hazard"),
+    ("table", "risk", "thesis", "sums", "by_category", "hazard", "by_state"),
     [
-        (cases.RED, 0.7142955048, 0.714, [0.14, 0.19, 0.45, 0.20, 0.25, 0], [0.283375, 0.486169, 0.224102], 1.2527972),
-        (cases.GREEN, 0.5752245818, 0.575, [0.14, 0.11, 0.35, 0.10, 0.14, 0], [0.223297, 0.369960, 0.131967], 0.8561947),
+        (
+            cases.RED,
+            0.7142955048,
+            0.714,
+            [0.14, 0.19, 0.45, 0.20, 0.25, 0],
+            [0.283375, 0.486169, 0.224102],
+            1.2527972,
+            [0.039502, *[0.077922] * 5, 0.142275, 0.141996, 0.106149, 0.159151, 0.193208],
+        ),
+        (
+            cases.GREEN,
+            0.5752245818,
+            0.575,
+            [0.14, 0.11, 0.35, 0.10, 0.14, 0],
+            [0.223297, 0.369960, 0.131967],
+            0.8561947,
+            [0.039502, *[0.077922] * 3, 0.159603, 0.124492, 0.115372, 0.133329],
+        ),
     ],
     ids=["red", "green"],
 )
-def test_tables_7_1_and_7_2(table, risk, thesis, sums, by_category, hazard):
+def test_tables_7_1_and_7_2(table, risk, thesis, sums, by_category, hazard, by_state):
     problem = cases.of_table(table)
     path = tuple(range(len(table)))
     verdict = problem.evaluate(path)
@@ -55,6 +71,14 @@ def test_tables_7_1_and_7_2(table, risk, thesis, sums, by_category, hazard):
     told = [1 - (1 - verdict.quantities[f"risk of {a}"]) * (1 - verdict.quantities[f"risk of {b}"]) for a, b in pairs]
     assert told == pytest.approx(by_category, abs=5e-7)
     assert -math.log1p(-verdict.values[0]) == pytest.approx(hazard, abs=5e-8)
+    told = [1.0 - math.prod(1.0 - r for r in state) for state in zip(*problem.risks(path).values(), strict=True)]
+    assert told == pytest.approx(by_state, abs=6e-7)
+
+
+def test_rounded_risks_of_states_are_not_the_risk_of_the_path():
+    printed = [0.04, *[0.08] * 5, 0.14, 0.14, 0.11, 0.16, 0.19]
+    states = cases.graph([(k, k + 1) for k in range(10)], [LocaleRisk(np.array(printed))], goals=(10,))
+    assert risk_of(RiskyPath(states), range(11)) == pytest.approx(0.7166, abs=5e-5)
 
 
 def test_green_is_worth_more_per_risk_than_red_while_its_reward_is_above_four_fifths():
@@ -94,6 +118,8 @@ def test_two_stages_miss_what_a_little_more_risk_would_earn():
     exact, staged = wb.solve(problem), wb.solve(problem, heuristic="two-stage")
     assert (exact.answer, exact.objective) == ((0, 2, 3), pytest.approx(27.2727, abs=5e-5))
     assert (staged.answer, staged.objective) == ((0, 1, 3), pytest.approx(20.0))
+    by_path = {path: problem.evaluate(path).values[0] for path in ((0, 1), (0, 2))}
+    assert by_path == {(0, 1): pytest.approx(10.0), (0, 2): pytest.approx(18.1818, abs=5e-5)}
     best_reward, own, last = 3.0, 2.0, 1.0
     ratio = staged.objective / exact.objective
     assert ratio == pytest.approx(0.7333, abs=5e-5) and ratio >= own / best_reward >= last / best_reward
@@ -172,6 +198,7 @@ def test_the_ratio_takes_the_plan_that_no_budget_of_three_tenths_allows():
     graph = cases.graph([(0, 1), (0, 2)], [LocaleRisk(np.array([0, 0.3, 0.5]))], rewards=[0, 4, 10])
     solution = wb.solve(RiskyPath(graph), bound_time=0)
     assert (solution.answer, solution.objective) == ((0, 2), pytest.approx(20.0))
+    assert RiskyPath(graph).evaluate((0, 1)).values[0] == pytest.approx(13.33, abs=5e-3)
     for price in (19.9, 20.1):  # a penalty for risk takes the first or the third plan, never the second
         worth = [reward - price * risk for reward, risk in ((0, 0.0), (4, 0.3), (10, 0.5))]
         assert worth.index(max(worth)) == (2 if price < 20 else 0)

@@ -53,6 +53,7 @@ def finding(answer: Any) -> Iterator[list[float]]:
 def test_it_opens_problems_with_risks_and_more_than_a_few_customers() -> None:
     assert opening_heuristic(star(), Options()) == opening_heuristic(star(None, team_risk=0.2), Options()) == NAME
     assert opening_heuristic(star(customers=9), Options()) is None
+    assert opening_heuristic(star(customers=6, risk=None, team_risk=0.2), Options()) is None
     assert opening_heuristic(replace(star(None), travel=replace(star().travel, variances=None)), Options()) is None
     for asked in ({"start": ALONE}, {"iterations": 5}, {"no_improvement": 5}, {"extra": {"presolve": False}}):
         assert opening_heuristic(star(), Options(**asked)) is None
@@ -87,6 +88,15 @@ def test_large_problems_and_those_for_which_there_is_no_solver_are_its_own(monke
         monkeypatch.setattr("waybound.solving.solve.LARGEST", 5)
         assert solve(star(), time_limit=8.0, bound_time=0).solver == NAME
     assert opening.LARGEST == 50
+
+
+def test_few_customers_with_too_many_routes_for_an_exact_form_are_its_own() -> None:
+    far = star(None, 8, team_risk=0.2)
+    far = replace(far, fleet=(replace(far.fleet[0], max_duration=280.0),))
+    assert "set-partitioning" not in far.forms()
+    with finding(Routes.of([range(1, 9)])) as limits:
+        found = solve(far, time_limit=8.0, bound_time=0)
+    assert (found.solver, found.status, limits) == (NAME, "feasible", [8.0])
 
 
 def test_who_names_a_solver_or_a_form_gets_it_alone() -> None:

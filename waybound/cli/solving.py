@@ -95,7 +95,12 @@ def solve(
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the answer: .png, .svg or .pdf.")] = None,
     view: Annotated[
-        str | None, typer.Option("--view", metavar="NAME", help="What --plot draws: history; of routes also schedule, loads; else a map.")
+        str | None,
+        typer.Option(
+            "--view",
+            metavar="NAME",
+            help="What --plot draws: history; of routes also schedule, loads, of risks risks, violations; else a map.",
+        ),
     ] = None,
     log: Log = None,
     json: Json = False,

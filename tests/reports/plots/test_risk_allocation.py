@@ -10,7 +10,7 @@ from risk_problems import problem
 import waybound as wb
 from waybound.formulations.risk.allocations import Allocation
 from waybound.instances.errors import UsageError
-from waybound.reports.plots import views
+from waybound.reports.plots import save_plot, views
 from waybound.reports.plots.risk_allocation import plot_risk_allocation
 
 
@@ -54,7 +54,10 @@ def test_other_views_are_refused() -> None:
         plot_risk_allocation(problem(), [1.0, 1.0], view="trajectory")
 
 
-def test_views_are_those_of_a_solution_and_of_the_command_line() -> None:
+def test_views_are_those_of_a_solution_and_of_the_command_line(tmp_path) -> None:
     assert {"trajectory", "risks", "violations", "history"} == set(views(problem()))
     solution = wb.solve(problem(), heuristic="iterative", bound_time=0)
     assert "any fails with probability" in solution.plot(view="risks").texts[0].get_text()
+    assert "samples" in solution.plot(view="violations").get_ylabel()
+    save_plot(solution, tmp_path / "risks.svg", "risks")
+    assert (tmp_path / "risks.svg").stat().st_size > 1000
