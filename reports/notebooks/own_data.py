@@ -61,7 +61,7 @@ _ = solution.plot(view="loads")
 # %% [markdown]
 # ## Keep it, change it, judge it
 #
-# Answers are saved by suffix: `.json` with the certificate, `.csv`, `.xlsx`, `.geojson` for any map. Whatever comes back, edited or from
+# Answers are saved by suffix: `.json`, `.csv`, `.xlsx`, `.geojson` for any map. Whatever comes back, edited or from
 # somebody else, is judged from the data.
 
 # %%
