@@ -287,6 +287,15 @@ class Problem(ABC):
         return compile_form(self, form, relax=relax)
 
 
+def refuse_settings(name: str, settings: Mapping[str, Any]) -> None:
+    """Raise UsageError for any setting of a problem that takes none and has no distances to round."""
+    if settings.get("convention") not in (None, "exact"):
+        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
+    unknown = [key for key in settings if key != "convention"]
+    if unknown:
+        raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes none")
+
+
 def problem_from_instance(instance: Instance, problem: str | None = None, **settings: Any) -> Problem:
     """The problem ``problem`` (by default the one the instance stands for) of an instance.
 

@@ -15,7 +15,7 @@ from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Problem, refuse_settings
 from ..tolerance import allowance, room
 
 if TYPE_CHECKING:
@@ -219,8 +219,5 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> GeneralisedAssig
     """The problem of an instance; no settings."""
     if not isinstance(instance, GeneralisedAssignmentInstance):
         raise UsageError(f"{instance.name} holds no agents with capacities, so it cannot be read as {name}")
-    if settings.pop("convention", None) not in (None, "exact"):
-        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
-    if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes none")
+    refuse_settings(name, settings)
     return GeneralisedAssignment(instance)

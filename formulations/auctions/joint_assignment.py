@@ -14,7 +14,7 @@ from ...instances.auctions.joint_assignment import JointAssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
 from ..evaluation import Evaluation, judge
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Problem, refuse_settings
 from .matching import largest_matching
 
 if TYPE_CHECKING:
@@ -246,8 +246,5 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> JointAssignment:
     """The problem of an instance; no settings."""
     if not isinstance(instance, JointAssignmentInstance):
         raise UsageError(f"{instance.name} holds no robots with bins and requests, so it cannot be read as {name}")
-    if settings.pop("convention", None) not in (None, "exact"):
-        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
-    if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes none")
+    refuse_settings(name, settings)
     return JointAssignment(instance)

@@ -13,7 +13,7 @@ from ...instances.auctions.exploration_map import GAINS, ExplorationMap
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
 from ..evaluation import Checklist, Evaluation
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Problem, refuse_settings
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -204,8 +204,5 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> RoomExploration:
     """The problem of an instance; no settings."""
     if not isinstance(instance, ExplorationMap):
         raise UsageError(f"{instance.name} holds no rooms to explore, so it cannot be read as {name}")
-    if settings.pop("convention", None) not in (None, "exact"):
-        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
-    if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes none")
+    refuse_settings(name, settings)
     return RoomExploration(instance)
