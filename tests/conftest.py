@@ -20,9 +20,10 @@ settings.register_profile("waybound", deadline=None, max_examples=draws(100))
 settings.register_profile("ci", deadline=None, max_examples=draws(100), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "waybound")
 
-if hasattr(signal, "SIGHUP"):  # ignored under nohup, and by every process that tests start there
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of a script
+for name in ("SIGHUP", "SIGQUIT"):  # ignored under nohup or in the background of a script, and by every process that tests start there
+    if hasattr(signal, name):
+        signal.signal(getattr(signal, name), signal.SIG_DFL)
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

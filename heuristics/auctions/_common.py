@@ -11,6 +11,7 @@ from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.stop import Stop
 from ...formulations.tolerance import LIMIT
 from ...instances.auctions.assignment import AssignmentInstance
+from ..heuristic import Outcome
 
 if TYPE_CHECKING:
     from ...formulations.auctions.bin_assignment import Assignment
@@ -48,9 +49,14 @@ def completed(problem: BinAssignment, taken: NDArray[np.int64], stop: Stop) -> t
     kept = taken[problem.robots] == problem.bins
     changes = AssignmentInstance(problem.num_robots, problem.num_bins, problem.indptr, problem.bins, np.where(kept, 0.0, 1.0))
     found = auction(BinAssignment(changes), stop)
-    if not found.complete:
-        return tuple(taken.tolist()), 0
-    return found.answer, int((np.array(found.answer) != taken).sum())
+    answer = found.answer if found.complete else problem.answer_at_hand()
+    return answer, int((np.array(answer) != taken).sum())
+
+
+def cut_short(problem: BinAssignment, stop: Stop, statistics: dict[str, float] | None = None) -> Outcome:
+    """What is left of an auction that was stopped: its own pairs may be fewer than asked for."""
+    message = "cut short: the answer is any of the most pairs"
+    return Outcome(problem.answer_at_hand(), statistics=statistics or {}, message=message, limit=stop.reached() or "time")
 
 
 def told(changed: int) -> str:

@@ -13,7 +13,7 @@ from ...formulations.evidence import Guarantee
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ._common import QUADRANGLE, completed, quadrangle, told
+from ._common import QUADRANGLE, completed, cut_short, quadrangle, told
 
 MODES = ("deferred", "immediate")
 
@@ -57,14 +57,14 @@ def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "d
     stop = context.begin()
     order = _by_cost(problem, stop)
     if order is None:
-        return Outcome(None, limit=stop.reached() or "time")
+        return cut_short(problem, stop)
     indptr = problem.indptr.astype(np.int64)
     taken, rounds, bids, whole = conflict_rounds(
         stop.flag, indptr, problem.bins[order].astype(np.int64), problem.cost[order], problem.num_bins, mode == "immediate"
     )
     statistics = {"rounds": int(rounds), "bids": int(bids)}
     if not whole:
-        return Outcome(tuple(taken.tolist()), statistics=statistics, limit=stop.reached() or "time")
+        return cut_short(problem, stop, statistics)
     answer, changed = completed(problem, taken, stop)
     guarantee = None
     if mode == "deferred" and problem.objective == "sum" and quadrangle(problem, stop):

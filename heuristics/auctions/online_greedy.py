@@ -10,7 +10,7 @@ from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.evidence import Guarantee
 from ...instances.errors import UsageError
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ._common import QUADRANGLE, completed, quadrangle, told
+from ._common import QUADRANGLE, completed, cut_short, quadrangle, told
 
 MOST = 1000
 """Robots for which 2^n - 1 is a number."""
@@ -55,7 +55,7 @@ def online_greedy(problem: BinAssignment, context: Context, *, order: str | Sequ
     data = problem.indptr.astype(np.int64), problem.bins.astype(np.int64), problem.cost
     taken, whole = serial_choice(stop.flag, *data, problem.num_bins, turns)
     if not whole:
-        return Outcome(tuple(taken.tolist()), limit=stop.reached() or "time")
+        return cut_short(problem, stop)
     answer, changed = completed(problem, taken, stop)
     guarantee = None
     if problem.objective == "sum" and n <= min(problem.num_bins, MOST) and quadrangle(problem, stop):
