@@ -4,8 +4,9 @@ PYTEST_FLAGS ?=
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-# Tests start hundreds of processes: bytecode is kept for them, whatever the environment says.
-CACHING := PYTHONDONTWRITEBYTECODE=
+# Tests start hundreds of processes: bytecode is kept for them, whatever the environment says. Of two workers each has one core:
+# threads of linear algebra would wait for each other by spinning.
+TESTING := PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1
 
 .PHONY: demo test test-all test-hostile lint format docs screenshots benchmarks clean
 
@@ -25,13 +26,13 @@ demo: $(READY)
 	@echo "The map is in demo/demo-c25.png"
 
 test: $(READY)
-	$(CACHING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(PYTEST_FLAGS)
+	$(TESTING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(PYTEST_FLAGS)
 
 test-all: $(READY)
-	WAYBOUND_DRAWS=all $(CACHING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
+	WAYBOUND_DRAWS=all $(TESTING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
 
 test-hostile: $(READY)
-	WAYBOUND_HOSTILE=1 $(CACHING) $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
+	WAYBOUND_HOSTILE=1 $(TESTING) $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -7,7 +7,7 @@ import os
 ALL = os.environ.get("WAYBOUND_DRAWS") == "all"
 """Whether every example is drawn."""
 
-PART = 0.25
+PART = 0.2
 
 
 def draws(full: int) -> int:

@@ -195,6 +195,7 @@ def test_every_pair_that_is_turned_round_and_every_load_beyond_the_capacity_is_r
     assert (turned, loaded) == (66, 9)
 
 
+@pytest.mark.long
 def test_every_windowed_solution_file_is_rejected_with_a_visit_past_its_window(benchmarks: Path) -> None:
     spoilt_files = 0
     for row in rows(benchmarks):

@@ -64,7 +64,9 @@ def test_every_exact_form_of_every_family_is_in_it():
     assert {case.truth.status for case in every} == {"optimal", "infeasible", "unbounded"}
 
 
-@pytest.mark.parametrize("solver", examinable())
+@pytest.mark.parametrize(
+    "solver", [pytest.param(s, marks=pytest.mark.long) if s.startswith("outer-approximation:") else s for s in examinable()]
+)
 def test_nothing_that_a_solver_says_is_false(solver):
     found, tally = faults(solver, spread(SHORT, SHARES.get(solver, (20, 2_000))[0]))
     assert not found, f"{len(found)}: {found[:5]}"

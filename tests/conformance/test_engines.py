@@ -182,7 +182,7 @@ def test_no_optimum_is_claimed(engine_name):
 
 def test_an_interrupt_in_mid_run_keeps_the_best_answer(engine_name):
     problem, control = middling(BUSY.get(engine_name, 60)), Control()
-    threading.Timer(2.5 if BACKENDS[engine_name].needs_process else 0.5, control.stop).start()
+    threading.Timer(1.5 if BACKENDS[engine_name].needs_process else 0.5, control.stop).start()
     began = time.perf_counter()
     kind = BACKENDS[engine_name]
     if kind.needs_process:

@@ -159,7 +159,7 @@ def test_certificates_hold_without_a_solver(case: str, form: str) -> None:
     assert value - 1e-9 <= again.bound <= bound + EXACT
 
 
-@pytest.mark.parametrize("solver", ["mathopt:highs", "cvxpy", "cvxpy:HIGHS"])
+@pytest.mark.parametrize("solver", ["mathopt:highs", *(pytest.param(s, marks=pytest.mark.long) for s in ("cvxpy", "cvxpy:HIGHS"))])
 def test_solvers_that_run_apart_are_reached_through_solve(solver: str) -> None:
     known = CASES["S3"]
     shares = wb.solve(BottleneckSATA(known.graph, fractional=True), solver, bound_time=0)

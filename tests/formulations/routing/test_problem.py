@@ -110,7 +110,7 @@ def test_the_reward_of_a_depot_is_part_of_what_solvers_find_and_prove(scored, so
     tours = [list(order) for n in range(5) for order in itertools.permutations(range(1, 5), n)]
     judged = [scored.evaluate(wb.Routes.of([tour] if tour else [])) for tour in tours]
     best = max(each.objective for each in judged if each.feasible)
-    made = wb.solve(scored, solver, time_limit=2, bound_time=0, **options)
+    made = wb.solve(scored, solver, time_limit=0.7, bound_time=0, **options)
     assert (made.objective, made.faults) == (best, ())
     assert made.bound is None or made.bound == best
 

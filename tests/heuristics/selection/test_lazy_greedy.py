@@ -62,15 +62,15 @@ def test_cut_anywhere_and_continued_it_comes_out_the_same(seed: int, kind: str, 
 
 def test_few_evaluations_on_many_elements() -> None:
     rng = np.random.default_rng(2)
-    weights = rng.random(3000)
-    groups = rng.integers(0, 3000, (2000, 6))
-    masks_weights = np.zeros((2000, 3000))
+    weights = rng.random(1000)
+    groups = rng.integers(0, 1000, (700, 6))
+    masks_weights = np.zeros((700, 1000))
     np.put_along_axis(masks_weights, groups, 1.0, axis=1)
 
     def covered(masks):  # type: ignore[no-untyped-def]
         return ((masks.astype(np.float32) @ masks_weights.astype(np.float32)) > 0) @ weights
 
-    f = UserFunction(covered, 2000, monotone=True, submodular=True)
+    f = UserFunction(covered, 700, monotone=True, submodular=True)
     outcome = run("lazy-greedy", SubmodularSelection(f, Cardinality(10)))
     assert outcome.statistics["evaluations"] < 0.25 * outcome.statistics["plain_evaluations"]
 

@@ -278,7 +278,7 @@ REAL = {"C101": (191.3, 3), "R101": (617.1, 8), "RC101": (461.1, 4)}
 
 
 @pytest.mark.parametrize("form", ["two-index-load-flow", "two-index-mtz"])
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long) if n == "RC101" else n for n in REAL])
 def test_first_25_customers_of_solomon_files(name: str, form: str, benchmarks: Path) -> None:
     problem = problem_from_instance(read_instance(benchmarks / "vrptw-solomon" / f"{name}.txt"), None, customers=25, convention="trunc1")
     value, routes = REAL[name]
