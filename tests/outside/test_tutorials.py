@@ -145,7 +145,7 @@ CASES = {
         Case(reloads, 5728, 20, 4060, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
     )
 }
-QUICK = {"prizes", "alternatives"}
+QUICK = {"alternatives"}
 
 
 @pytest.mark.parametrize("name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.long) for n in CASES])

@@ -47,6 +47,7 @@ def test_covers_are_drawn_and_proved(capsys: pytest.CaptureFixture[str]) -> None
     assert capsys.readouterr().out.rstrip().endswith("yes")
 
 
+@pytest.mark.long
 def test_files_are_cut_and_proved(benchmarks: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files(benchmarks / "vrptw-solomon", ["R101", "none"], 30.0)
     assert "R101     617.1" in capsys.readouterr().out

@@ -15,6 +15,7 @@ def test_a_folder_must_be_named(monkeypatch, capsys):
     assert "--folder" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_files_of_each_family_are_bounded_within_their_gaps(benchmarks):
     wanted = {"cvrp/A": ("A-n32-k5", 12.0), "top/set6": ("", 12.0), "minmax-mtsp/mtsplib": ("eil51-m2", 15.0)}
     for family, (name, percent) in wanted.items():

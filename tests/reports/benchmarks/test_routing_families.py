@@ -54,6 +54,7 @@ def test_no_answer_within_the_limit_is_none() -> None:
     assert math.isnan(benchmark.distance((), (1.0,)))
 
 
+@pytest.mark.long
 def test_a_run_is_the_command() -> None:
     ran = benchmark.solve(Path("demo-tiny"), "savings", 5.0, ())
     assert ran.code == 0 and row("VRPTW", "savings", ran, None)[1]

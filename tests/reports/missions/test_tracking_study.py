@@ -11,6 +11,7 @@ import pytest
 from waybound.reports.missions import tracking_study as study
 
 
+@pytest.mark.long
 def test_the_short_study_writes_tables_figures_and_an_animation(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(study, "SHORT", replace(study.SHORT, targets=(5, 10), instances=2, steps=3, gazebo_steps=3, local_steps=2))
     assert study.main(["--out", str(tmp_path / "made"), "--short"]) == 0

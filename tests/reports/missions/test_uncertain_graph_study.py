@@ -8,6 +8,7 @@ import pytest
 from waybound.reports.missions import uncertain_graph_study as study
 
 
+@pytest.mark.long
 def test_the_short_study_writes_tables_and_figures(tmp_path, capsys):
     assert study.main(["--out", str(tmp_path / "made"), "--short"]) == 0
     text = capsys.readouterr().out
