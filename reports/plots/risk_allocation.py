@@ -147,11 +147,11 @@ def _limits(ax: Any, problem: RiskAllocation, along: dict[int, Floats], upright:
 
 def _risks(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     own = problem.risks(answer.decision)
-    each = np.arange(len(own))
-    if problem.risk.kind == "allocated":  # jointly no constraint has a risk of its own to keep
+    each, allocated = np.arange(len(own)), problem.risk.kind == "allocated"  # jointly no constraint has a risk of its own to keep
+    if allocated:
         ax.bar(each, own if answer.risks is None else answer.risks, width=0.8, color=QUIET, zorder=2, label="allowed")
     ax.bar(each, own, width=0.5, color=COLOURS[0], zorder=3, label="at the decision")
-    if problem.risk.total is not None:
+    if allocated and problem.risk.total is not None:
         even = problem.risk.total / len(own)
         ax.axhline(even, color=ALARM, linewidth=1.0, linestyle="--", zorder=4, label="equal shares of the total")
     if len(own) <= LABELLED_BARS:
@@ -164,7 +164,8 @@ def _risks(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     ax.legend(fontsize=8, frameon=False)
     budget = "" if problem.risk.total is None else f" of {problem.risk.total:g}"
     joint = next(iter(problem.joint_risk(answer.decision).values()))
-    return f"risks of the constraints, {own.sum():.4g}{budget} together; any fails with probability {joint.value:.4g}"
+    summed, fails = f"risks of the constraints, {own.sum():.4g}", f"any fails with probability {joint.value:.4g}"
+    return f"{summed}{budget} together; {fails}" if allocated else f"{summed} in sum; {fails}{budget}"
 
 
 def _violations(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:

@@ -31,10 +31,9 @@ def answer(problem: RiskAllocation, given: Any) -> list[Table]:
     rows = [(str(name), _risk(allowed), _risk(risk)) for name, allowed, risk in shown.to_numpy().tolist()]
     if len(rest):
         rows.append((f"and {len(rest)} more", _risk(rest.allowed.sum()), _risk(rest.risk.sum())))
-    columns = (Column("constraint"), Column("allowed", right=True), Column("risk", right=True))
-    if problem.risk.kind == "joint":
-        columns, rows = columns[::2], [row[::2] for row in rows]
-    each = Table("Risks", columns, tuple(rows))
+    columns = [Column("constraint"), Column("allowed", right=True), Column("risk", right=True)]
+    step = 2 if problem.risk.kind == "joint" else 1
+    each = Table("Risks", tuple(columns[::step]), tuple(tuple(row)[::step] for row in rows))
     return [each, Table("Together", (Column(""), Column("", wide=True)), tuple(_together(problem, problem.answer_of(given).decision)))]
 
 

@@ -50,7 +50,8 @@ def test_all_states_with_limits_of_their_own_are_drawn() -> None:
 
 def test_joint_risk_allows_no_constraint_one_of_its_own() -> None:
     ax = plot_risk_allocation(problem(risk__kind="joint"), np.array([1.0, 3.0]))
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["equal shares of the total", "at the decision"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["at the decision"]
+    assert "any fails with probability 0.02278 of 0.1" in ax.texts[0].get_text()
 
 
 def test_obstacles_are_boxes() -> None:
