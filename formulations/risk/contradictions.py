@@ -17,6 +17,8 @@ def contradiction(problem: RiskAllocation, data: Mapping[str, Any]) -> str:
     fixed = _named(data["rows"], problem.instance.constraint_names)
     names = _named(data["chance"], [problem.names[constraint] for constraint in problem.constraint.tolist()])
     if not names:
+        if len(fixed) == 1:
+            return f"no decision within its bounds keeps constraint {fixed[0]}, whatever the risk"
         return f"constraints {_listed(fixed)} contradict each other, whatever the risk" if fixed else "no alternative is left"
     held = f", where {'constraints' if len(fixed) > 1 else 'constraint'} {_listed(fixed)} {'hold' if len(fixed) > 1 else 'holds'}"
     if len(names) == 1:

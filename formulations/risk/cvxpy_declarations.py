@@ -66,19 +66,29 @@ def declared_instance(
     selection = np.zeros((q, n))
     selection[np.arange(q), at + np.arange(q)] = 1.0
     constraint_names = tuple(str(k + 1) for k in range(q)) if names is None else tuple(map(str, names))
+    if total is None and each is None:
+        raise InputError("risk says no limit", expected="total or each")
     caps = min(MOST_RISK, total if total is not None else MOST_RISK) if each is None else each
     instance = RiskAllocationInstance(
         _bound(data.get("lower_bounds"), n, -math.inf), _bound(data.get("upper_bounds"), n, math.inf),
         _names([*own.values(), mean], columns, n), Quantities(selection, np.zeros(q), np.asarray(covariance, dtype=np.float64),
         _numbered("y", q)), Affine(linear[None], np.zeros((1, q)), np.array([offset])),
-        ChanceConstraints(Affine(np.zeros((q, n)), np.eye(q), np.zeros(q)), np.broadcast_to(np.asarray(limits, dtype=np.float64), q).copy(),
+        ChanceConstraints(Affine(np.zeros((q, n)), np.eye(q), np.zeros(q)), _each(limits, "limits", q),
                           constraint_names, np.arange(q)),
-        Risk(risk, total, np.broadcast_to(np.asarray(caps, dtype=np.float64), q).copy()),
+        Risk(risk, total, _each(caps, "each", q)),
         affine(matrix[:linear_rows], np.zeros(linear_rows)), lower_sides, side[:linear_rows], _numbered("row", linear_rows),
         _squares(data.get("P"), q), tuple(cones), "max" if maximise else "min", name, "cvxpy",
     )  # fmt: skip
     places = {name: (columns[v.id], v.shape) for name, v in own.items()}
     return instance, places
+
+
+def _each(given: Any, what: str, q: int) -> Floats:
+    """A number for all quantities, or one each."""
+    values = np.asarray(given, dtype=np.float64)
+    if values.shape not in ((), (q,)):
+        raise InputError(f"{what} must be a number, or one a quantity", expected=str(q), found=str(values.shape))
+    return np.broadcast_to(values, q).copy()
 
 
 def _numbered(letter: str, count: int) -> tuple[str, ...]:

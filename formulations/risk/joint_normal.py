@@ -73,7 +73,8 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
     if (slack[deviation == 0.0] < 0.0).any():
         return Probability(1.0, 1.0, 1.0, True)
     kept = deviation > 0.0
-    z = slack[kept] / deviation[kept]
+    with np.errstate(over="ignore"):
+        z = slack[kept] / deviation[kept]
     tails = ndtr(-z)
     felt = tails > 1e-300
     total = float(tails.sum())

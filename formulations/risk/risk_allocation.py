@@ -68,15 +68,20 @@ class RiskAllocation(Problem):
         self.name, self.problem, self.notes = instance.name, "risk-allocation", instance.notes
         given, chance = instance.quantities, instance.chance
         self.lower, self.upper = instance.lower, instance.upper
-        self.linear, offset = (part[0] for part in instance.cost.mean(given))
-        self.offset = float(offset)
-        self.terms = tuple((t.kind, t.weight, *t.rows.mean(given)) for t in instance.terms)
-        self.rows, shift = instance.constraints.mean(given)
-        self.row_lower, self.row_upper = instance.constraint_lower - shift, instance.constraint_upper - shift
-        self.cones = tuple((*c.rows.mean(given), *(part[0] for part in c.limit.mean(given))) for c in instance.cones)
-        self.chance, shift = chance.rows.mean(given)
-        self.limits = chance.limits - shift
-        self.covariance = chance.rows.quantities @ given.covariance @ chance.rows.quantities.T
+        with np.errstate(over="ignore", invalid="ignore"):
+            self.linear, offset = (part[0] for part in instance.cost.mean(given))
+            self.offset = float(offset)
+            self.terms = tuple((t.kind, t.weight, *t.rows.mean(given)) for t in instance.terms)
+            self.rows, shift = instance.constraints.mean(given)
+            self.cones = tuple((*c.rows.mean(given), *(part[0] for part in c.limit.mean(given))) for c in instance.cones)
+            self.chance, moved = chance.rows.mean(given)
+            self.covariance = chance.rows.quantities @ given.covariance @ chance.rows.quantities.T
+            self.row_lower, self.row_upper = instance.constraint_lower - shift, instance.constraint_upper - shift
+            self.limits = chance.limits - moved
+        parts = (self.linear, offset, self.rows, shift, self.chance, self.limits, self.covariance, *(p for t in self.terms for p in t[2:]),
+                 *(p for c in self.cones for p in c))  # fmt: skip
+        if not all(np.isfinite(part).all() for part in parts):
+            raise InputError("rows over quantities are too large: their means or variances are no finite numbers")
         self.deviation = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         self.constraint, self.names, self.caps = chance.constraint, chance.names, instance.risk.caps()
         self.budgets = instance.risk.all_budgets()

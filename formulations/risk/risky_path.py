@@ -208,7 +208,8 @@ class RiskyPath(Problem):
         yield Reason("goal", names, f"{names} cannot be reached from {g.state_name(g.start)}: {why}", evidence)
 
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
-        return "no goal can be reached from the start at a risk below 1"
+        reasons = (reason.message for reason in self.infeasibility_reasons())
+        return next(reasons, "no goal can be reached from the start at a risk below 1")
 
     # -- answers ---------------------------------------------------------------------------------------------------------------
 

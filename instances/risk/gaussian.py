@@ -59,19 +59,20 @@ class Dynamics:
         """The states of steps 1 to ``steps``, step after step."""
         n, m, steps = len(self.state_names), len(self.input_names), self.steps
         powers = [np.eye(n)]
-        for _ in range(steps):
-            powers.append(self.state @ powers[-1])
         mean_map, offset = np.zeros((steps, n, steps, m)), np.zeros((steps, n))
         covariance = np.zeros((steps, n, steps, n))
         spread = self.start_covariance
-        for t in range(steps):
-            for k in range(t + 1):
-                mean_map[t, :, k] = powers[t - k] @ self.input
-            offset[t] = powers[t + 1] @ self.start
-            spread = self.state @ spread @ self.state.T + self.noise
-            for later in range(t, steps):
-                covariance[later, :, t] = powers[later - t] @ spread
-                covariance[t, :, later] = covariance[later, :, t].T
+        with np.errstate(over="ignore", invalid="ignore"):  # what is no number is refused below
+            for _ in range(steps):
+                powers.append(self.state @ powers[-1])
+            for t in range(steps):
+                for k in range(t + 1):
+                    mean_map[t, :, k] = powers[t - k] @ self.input
+                offset[t] = powers[t + 1] @ self.start
+                spread = self.state @ spread @ self.state.T + self.noise
+                for later in range(t, steps):
+                    covariance[later, :, t] = powers[later - t] @ spread
+                    covariance[t, :, later] = covariance[later, :, t].T
         names = tuple(f"{name}@{t + 1}" for t in range(steps) for name in self.state_names)
         size = steps * n
         return Quantities(
@@ -113,8 +114,8 @@ class Quantities:
         if self.map.ndim != 2 or len(self.map) != q or self.offset.shape != (q,):
             found = f"{self.map.shape} and {self.offset.shape}"
             raise InputError("quantities: map and offset have one row each quantity", expected=str(q), found=found)
-        if not (np.isfinite(self.map).all() and np.isfinite(self.offset).all()):
-            raise InputError("quantities: map and offset must be finite")
+        if not all(np.isfinite(part).all() for part in (self.map, self.offset, self.covariance)):
+            raise InputError("quantities: map, offset and covariance must be finite")
         if self.covariance.shape != (q, q):
             raise InputError("quantities: covariance has the wrong shape", expected=str((q, q)), found=str(self.covariance.shape))
         if not self.checked:

@@ -127,7 +127,8 @@ class OccupancyGrid:
         free = ~np.pad(self.occupied, 1, constant_values=True) if edges else ~self.occupied
         if free.all():
             return np.full(len(self.cells), math.inf)
-        far = np.asarray(distance_transform_edt(free, sampling=self.cell))
+        with np.errstate(over="ignore"):
+            far = np.asarray(distance_transform_edt(free, sampling=self.cell))
         return np.asarray(far[tuple((self.cells + int(edges)).T)])
 
     def scale(self, size: float) -> Floats:

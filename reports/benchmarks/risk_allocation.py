@@ -169,14 +169,15 @@ def rebuilt(problem: RiskAllocation) -> tuple[float, int]:
     return p.sign * values[-1], len(values)
 
 
-def milliseconds(run: Callable[[], Any], repeat: int) -> float:
-    """CPU time of the fastest of so many runs."""
-    found = []
+def milliseconds(repeat: int, *runs: Callable[[], Any]) -> list[float]:
+    """CPU time of the fastest of so many runs of each, taken in turns, so that whatever else the machine does falls on all of them."""
+    found = [math.inf] * len(runs)
     for _ in range(repeat):
-        began = time.process_time()
-        run()
-        found.append(time.process_time() - began)
-    return 1000.0 * min(found)
+        for k, run in enumerate(runs):
+            began = time.process_time()
+            run()
+            found[k] = min(found[k], time.process_time() - began)
+    return [1000.0 * seconds for seconds in found]
 
 
 # -- report --------------------------------------------------------------------------------------------------------------
@@ -198,20 +199,17 @@ def side_by_side(problem: RiskAllocation, repeat: int) -> tuple[list[str], float
 
     lines.append(f"  {'method':18} {'cost':>12} {'CPU ms':>9}  {'sum':9}  any fails (99.9 %)")
     for form in ("uniform", "ellipsoid", "secants"):
-        told(form, by_program(problem, form), milliseconds(partial(by_program, problem, form), repeat), "")
+        told(form, by_program(problem, form), milliseconds(repeat, partial(by_program, problem, form))[0], "")
     answer, rounds = by_iterative(problem)
-    slow = milliseconds(partial(by_iterative, problem), repeat)
+    slow, *times = milliseconds(repeat, partial(by_iterative, problem), *(partial(by_default, problem, gap) for gap in (GAP, 0.0)))
     told("iterative", answer, slow, f"{rounds} rounds")
-    quick = math.inf
-    for gap in (GAP, 0.0):
+    for gap, took in zip((GAP, 0.0), times, strict=True):
         found = convex(problem, gap)
-        took = milliseconds(partial(by_default, problem, gap), repeat)
         bound = verified_bound(problem, found.evidence(problem.sign)[0])
         apart = abs(bound - problem.sign * found.value) / abs(found.value)
         told(f"convex, gap {gap:g}", found.answer, took, f"{found.rounds} rounds, verified bound {bound:.6f}, interval {apart:.1e}")
-        quick = min(quick, took) if gap else quick
         assert gap == 0.0 or apart <= GAP
-    return lines, slow, quick
+    return lines, slow, times[0]
 
 
 def compared(count: int) -> list[str]:
@@ -247,7 +245,7 @@ def report(count: int, repeat: int, steps: int = 100) -> str:
         if problem.name == "stalling":
             continue
         value, rounds = rebuilt(problem)
-        loop = milliseconds(partial(rebuilt, problem), max(1, repeat // 3))
+        (loop,) = milliseconds(max(1, repeat // 3), partial(rebuilt, problem))
         lines.append(f"  {'rebuilt loop':18} {value:>12.6f} {loop:>9.2f}  {rounds} rounds, each a new CVXPY model")
         alike = of_unique_plans(problem)
         (plan, _), (ended, _) = by_iterative(alike), rebuilt(alike)

@@ -27,6 +27,9 @@ LABELLED_COUNTS = 8
 NAMES_IN_LINE = 60
 """Letters of all names of constraints that stand in a line below their bars."""
 
+BAND = 1.959964
+"""Deviations to either side that hold 95 % of a Gaussian number."""
+
 ELLIPSE = math.sqrt(-2.0 * math.log(0.05))
 """Deviations of the ellipse that holds 95 % of a Gaussian point of the plane."""
 
@@ -76,7 +79,7 @@ def _spread(given: Quantities, at: NDArray[np.int64]) -> Floats:
 
 
 def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
-    """The states named x and y as a map with ellipses, or the first state over time with its band."""
+    """The states named x and y as a map with ellipses, or those that have limits of their own, else the first, over time with bands."""
     given = problem.instance.quantities
     dynamics = given.dynamics
     assert dynamics is not None
@@ -99,19 +102,26 @@ def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
         ax.set_ylabel("y", fontsize=9, color="#555555")
         chart_axes(ax)
         return "means of the states, ellipses that hold 95 % each, and limits"
-    step = np.arange(1, dynamics.steps + 1)
-    band = ELLIPSE * 0.8 * np.sqrt(np.diag(given.covariance)[::states])  # 1.96 deviations
-    ax.fill_between(step, mean[:, 0] - band, mean[:, 0] + band, color=COLOURS[4], alpha=0.45, linewidth=0, zorder=2)
-    ax.plot(step, mean[:, 0], color=COLOURS[0], linewidth=1.2, marker="o", markersize=3, zorder=3)
-    _limits(ax, problem, {0: step.astype(float)}, 0, -1)
+    step, alone = np.arange(1, dynamics.steps + 1), problem.instance.chance.rows.quantities
+    limited = np.unique(np.nonzero(alone[np.count_nonzero(alone, axis=1) == 1])[1] % states).tolist() or [0]
+    deviation = np.sqrt(np.diag(given.covariance)).reshape(mean.shape)
+    for k, state in enumerate(limited):
+        middle, band, line = mean[:, state], BAND * deviation[:, state], COLOURS[k % len(COLOURS)]
+        shade = COLOURS[4] if len(limited) == 1 else line
+        ax.fill_between(step, middle - band, middle + band, color=shade, alpha=0.45 / len(limited), linewidth=0, zorder=2)
+        ax.plot(step, middle, color=line, linewidth=1.2, marker="o", markersize=3, zorder=3, label=dynamics.state_names[state])
+        _limits(ax, problem, {state: step.astype(float)}, state, -1, ALARM if len(limited) == 1 else line)
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_xlabel("step", fontsize=9, color="#555555")
-    ax.set_ylabel(dynamics.state_names[0], fontsize=9, color="#555555")
+    if len(limited) > 1:
+        ax.legend(fontsize=8, frameon=False)
+    else:
+        ax.set_ylabel(dynamics.state_names[limited[0]], fontsize=9, color="#555555")
     chart_axes(ax)
     return "mean, band that holds 95 %, and limits"
 
 
-def _limits(ax: Any, problem: RiskAllocation, along: dict[int, Floats], upright: int, level: int) -> None:
+def _limits(ax: Any, problem: RiskAllocation, along: dict[int, Floats], upright: int, level: int, colour: str = ALARM) -> None:
     """Limits on one state: as dots where the limit of its step stands, or as boxes where they are alternatives."""
     dynamics, chance = problem.instance.quantities.dynamics, problem.instance.chance
     assert dynamics is not None
@@ -126,7 +136,7 @@ def _limits(ax: Any, problem: RiskAllocation, along: dict[int, Floats], upright:
         sign = float(row[at[0]])
         sides.setdefault(constraint, {})[state, math.copysign(1.0, sign)] = limit / sign
         if state == upright and np.count_nonzero(chance.constraint == constraint) == 1:
-            ax.plot(along[state][step], limit / sign, marker="_", color=ALARM, markersize=9, markeredgewidth=1.6, zorder=4)
+            ax.plot(along[state][step], limit / sign, marker="_", color=colour, markersize=9, markeredgewidth=1.6, zorder=4)
     for side in sides.values():
         corners = tuple(side.get(key, math.nan) for key in ((level, 1.0), (level, -1.0), (upright, 1.0), (upright, -1.0)))
         if not any(map(math.isnan, corners)):
@@ -137,11 +147,11 @@ def _limits(ax: Any, problem: RiskAllocation, along: dict[int, Floats], upright:
 
 def _risks(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     own = problem.risks(answer.decision)
-    allowed = own if answer.risks is None else answer.risks
-    each = np.arange(len(own))
-    ax.bar(each, allowed, width=0.8, color=QUIET, zorder=2, label="allowed")
+    each, allocated = np.arange(len(own)), problem.risk.kind == "allocated"  # jointly no constraint has a risk of its own to keep
+    if allocated:
+        ax.bar(each, own if answer.risks is None else answer.risks, width=0.8, color=QUIET, zorder=2, label="allowed")
     ax.bar(each, own, width=0.5, color=COLOURS[0], zorder=3, label="at the decision")
-    if problem.risk.total is not None:
+    if allocated and problem.risk.total is not None:
         even = problem.risk.total / len(own)
         ax.axhline(even, color=ALARM, linewidth=1.0, linestyle="--", zorder=4, label="equal shares of the total")
     if len(own) <= LABELLED_BARS:
@@ -154,7 +164,8 @@ def _risks(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     ax.legend(fontsize=8, frameon=False)
     budget = "" if problem.risk.total is None else f" of {problem.risk.total:g}"
     joint = next(iter(problem.joint_risk(answer.decision).values()))
-    return f"risks of the constraints, {own.sum():.4g}{budget} together; any fails with probability {joint.value:.4g}"
+    summed, fails = f"risks of the constraints, {own.sum():.4g}", f"any fails with probability {joint.value:.4g}"
+    return f"{summed}{budget} together; {fails}" if allocated else f"{summed} in sum; {fails}{budget}"
 
 
 def _violations(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:

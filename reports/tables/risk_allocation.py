@@ -20,7 +20,10 @@ def _budgets(budgets: dict[str, float]) -> list[Row]:
 
 
 def answer(problem: RiskAllocation, given: Any) -> list[Table]:
-    """What any constraint fails with, beside what it was allowed; and the risk of each, the largest first."""
+    """What any constraint fails with, beside what it was allowed; and the risk of each, the largest first.
+
+    Where risk is joint no constraint is allowed one of its own.
+    """
     if given is None:
         return []
     frame = problem.answer_to_frame(given).sort_values("risk", ascending=False, kind="stable")
@@ -28,7 +31,9 @@ def answer(problem: RiskAllocation, given: Any) -> list[Table]:
     rows = [(str(name), _risk(allowed), _risk(risk)) for name, allowed, risk in shown.to_numpy().tolist()]
     if len(rest):
         rows.append((f"and {len(rest)} more", _risk(rest.allowed.sum()), _risk(rest.risk.sum())))
-    each = Table("Risks", (Column("constraint"), Column("allowed", right=True), Column("risk", right=True)), tuple(rows))
+    columns = [Column("constraint"), Column("allowed", right=True), Column("risk", right=True)]
+    step = 2 if problem.risk.kind == "joint" else 1
+    each = Table("Risks", tuple(columns[::step]), tuple(tuple(row)[::step] for row in rows))
     return [each, Table("Together", (Column(""), Column("", wide=True)), tuple(_together(problem, problem.answer_of(given).decision)))]
 
 

@@ -24,11 +24,14 @@ from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.rendering import as_text
 from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError, WayboundError
+from waybound.instances.formats import waybound_json
 from waybound.instances.reading import read_instance, recognise
 from waybound.reports.tables.facts import facts, facts_table
 from waybound.solving.bounding import find_bounds
 
+from .. import risk_problems, risky_cases
 from ..instances.test_reading_fuzz import BASES, TOKENS
+from ..uncertain_graphs import WORKED, graph_of
 
 SECONDS = 2.0
 MEGABYTES = 500
@@ -50,7 +53,40 @@ FLEET = {
               {"name": "van", "count": None, "capacity": 12, "start": "b", "end": "b", "unit_cost": 2, "max_distance": 80,
                "energy": {"capacity": 70, "rate": 2, "charge": "elapsed"}}],
 }  # fmt: skip
-RIGHT = {**BASES, "fleet": json.dumps(FLEET, indent=1).split("\n")}
+LATE = {
+    **{key: value for key, value in FLEET.items() if key not in ("fleet", "sites")}, "name": "late", "team_risk": 0.3,
+    "sites": {"id": ["a", "1", "2", "3"], "depot": [True, False, False, False], "x": [0, 1, 2, 3], "y": [0, 1, 2.5, 3]},
+    "travel": {"metric": "EXPLICIT", "matrix": [[0, 2, 3, 4], [2, 0, 1, 2], [3, 1, 0, 1], [4, 2, 1, 0]],
+               "variances": [[0, 1, 1, 2], [1, 0, 0.5, 1], [1, 0.5, 0, 1], [2, 1, 1, 0]]},
+    "fleet": [{"name": "van", "count": 3, "start": "a", "end": "a", "max_duration": 14, "risk": 0.1}],
+}  # fmt: skip
+PLAN = {
+    "waybound": 1, "kind": "risk-allocation", "name": "plan", "problem": "risk-allocation", "lower": -1, "upper": [1, 1, 2],
+    "dynamics": {"state": [[1, 1], [0, 1]], "input": [[0.5], [1]], "noise": [[0.04, 0.01], [0.01, 0.02]], "start": [3, 0], "steps": 3},
+    "cost": {"decisions": [1, 0, 2], "constant": 1, "terms": [{"kind": "absolute", "weight": 0.5, "decisions": [[1, -1, 0]]}]},
+    "constraints": {"quantities": [[0, 0, 0, 0, 0, 1]], "lower": -2, "upper": 2, "names": ["end"]},
+    "cones": [{"decisions": [[1, 0, 0], [0, 1, 0]], "limit": {"constant": 1.5}}],
+    "chance": {"quantities": {"rows": 3, "row": [0, 1, 2], "column": [0, 2, 4], "value": [-1, -1, -1]}, "limits": [-1, -0.5, 0],
+               "names": ["a", "b", "c"], "constraint": [0, 1, 2]},
+    "risk": {"kind": "allocated", "total": 0.1, "each": [0.1, 0.05, 0.1],
+             "budgets": [{"name": "late", "constraints": ["b", "c"], "risk": 0.08}]},
+}  # fmt: skip
+AT_RISK: dict[str, str] = {
+    "lanes": "# name: lanes\n# start: s\n# goal: g\nfrom,to,mean,variance,least\ns,m,1,0.5,0\nm,g,2,0,2\ns,g,3.5,0.25,1\n",
+    "roads": waybound_json.write(graph_of(WORKED)),
+    "yard": "# risk map\n# a yard\n# conditional: yes\n# cell: 0.5\n# clearance: 0.04 0.5 1.5\n# length: 0.1\n# turn: 0.02\n# mud: 0.3\n"
+    "# tether: 0.25 0.25 0.01 0.03\n...@G\n.~~..\nS..@.\n",
+    "states": "# conditional: yes\n# reach: 1.2\n# start: a\n# goals: d; c\n# length: 0.02 linear\n"
+    "state,easting,northing,reward,risk-x\na,0,0,0,0.01\nb,1,0,2,0.04\nc,0,1,0,0\nd,1,1,0,0\n",
+    "mud": waybound_json.write(risky_cases.mud().graph),
+    "ways": waybound_json.write(risky_cases.two_ways().graph),
+    "plan": json.dumps(PLAN, indent=1),
+    "two": risk_problems.STALLING_TEXT,
+    "late": json.dumps(LATE, indent=1),
+}
+"""Problems of risk in each of their formats."""
+
+RIGHT = {**BASES, "fleet": json.dumps(FLEET, indent=1).split("\n"), **{name: text.split("\n") for name, text in AT_RISK.items()}}
 
 
 # -- files that are right ---------------------------------------------------------------------------------------------------
@@ -73,6 +109,10 @@ def an_answer(problem: Problem) -> Any:
         return wb.Routes.of([[int(c)] for c in problem.customers])
     if problem.problem == "max-min-lp":
         return problem.answer_from_json({"kind": "values", "values": {}})
+    if isinstance(problem, wb.RiskAllocation):
+        return np.zeros(problem.size)
+    if isinstance(problem, wb.UncertainPath | wb.RiskyPath):
+        return problem.answer_at_hand()
     if isinstance(problem, wb.BottleneckSATA) and problem.fractional:
         return np.zeros(problem.graph.num_actions)
     return wb.Selection((0,))

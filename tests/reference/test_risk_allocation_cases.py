@@ -9,19 +9,25 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from programs import program
-from risk_problems import margins, problem, run
+from risk_problems import context, margins, problem, run
 from scipy.special import ndtr, ndtri
+from scipy.stats import chi2
 
 import waybound as wb
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.program import Program
+from waybound.formulations.risk.forms._fixed_risks import fixed_margins_program
 from waybound.formulations.risk.forms.ellipsoid import radius
 from waybound.formulations.risk.forms.uniform import uniform_risks
 from waybound.formulations.risk.joint_normal import any_fails
+from waybound.formulations.stop import Stop
+from waybound.heuristics.risk.iterative_risk_allocation import iterative
+from waybound.reports.benchmarks.risk_allocation import by_program, reference
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.backends.cvxpy import CVXPY, solvers_found
 from waybound.solvers.backends.highs import Highs
 from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.convex_allocation_steps.session import open_session
 from waybound.solvers.engines.exact_joint import ExactJoint
 
 CONE_SOLVERS = [
@@ -159,3 +165,54 @@ def test_an_ellipsoid_is_worth_its_radius_from_so_many_constraints_on(dimensions
     found = radius(margins([1.0] * dimensions, 0.05))
     assert found == pytest.approx(rho, abs=5e-5)
     assert 0.05 / ndtr(-found) == pytest.approx(worth, rel=1e-3)
+
+
+@pytest.mark.parametrize(("family", "value", "low", "high"), [("auv", 5.28840, 0.0095, 0.0115), ("corridor", 1.37414, 4e-5, 1e-4)])
+def test_equal_risks_of_the_two_problems_of_the_literature(family: str, value: float, low: float, high: float) -> None:
+    p = reference(family)
+    found = by_program(p, "uniform")
+    assert found is not None and p.evaluate(found).values[0] == pytest.approx(value, abs=5e-6)
+    assert low < p.joint_risk(found.decision)["total"].value < high
+
+
+@pytest.mark.parametrize(("family", "low", "high"), [("auv", 5.22936, 5.23121), ("corridor", 1.35925, 1.35928)])
+def test_the_optimum_lies_between_a_relaxation_and_a_restriction_of_60_pieces(family: str, low: float, high: float) -> None:
+    found = run(ConvexAllocation, reference(family), gap=1e-5)
+    assert low - 5e-6 <= found.bound <= found.objective <= high + 5e-6
+
+
+@pytest.mark.parametrize(
+    ("alpha", "decay", "rounds", "value"),
+    [(0.3, 1.0, 11, 5.24289), (0.7, 1.0, 29, 5.24367), (0.9, 1.0, 81, 5.24407), (0.7, 0.98, 21, 5.24366)],
+)
+def test_rounds_of_the_iterative_method_above_the_sea_floor(alpha: float, decay: float, rounds: int, value: float) -> None:
+    p = reference("auv")
+    found = iterative(p, context(), alpha=alpha, decay=decay)
+    assert found.statistics["rounds"] == rounds and p.evaluate(found.answer).values[0] == pytest.approx(value, abs=6e-6)
+    if (alpha, decay) == (0.7, 1.0):
+        assert found.statistics["values"][:5] == pytest.approx([5.2884, 5.2735, 5.26412, 5.25778, 5.25345], abs=6e-6)
+
+
+@pytest.mark.parametrize(
+    ("family", "quantile", "value"), [("auv", 0.0, 3.58726), ("corridor", 0.0, 1.29122), ("auv", 40, 8.14715), ("corridor", 80, None)]
+)
+def test_no_margin_and_that_of_the_ellipsoid_of_the_whole_trajectory(family: str, quantile: float, value: float | None) -> None:
+    """An ellipsoid of all states, steps times their number of degrees of freedom, takes more than one of the constraints' noise does."""
+    p = reference(family)
+    margin = math.sqrt(chi2.isf(p.budgets[0].risk, quantile)) if quantile else 0.0
+    found = open_session(fixed_margins_program(p, "margins", p.deviation * margin)).solve(Stop())
+    if value is None:
+        assert found.status == "infeasible"
+    else:
+        assert found.value == pytest.approx(value, abs=6e-6)
+    if (family, quantile) == ("auv", 0.0):
+        assert p.joint_risk(found.x[: p.size])["total"].value == pytest.approx(0.765, abs=1e-3)
+
+
+def test_decisions_of_the_two_variables() -> None:
+    flat = run(ConvexAllocation, margins([1.0, 3.0], 0.1)).answer.decision  # 1e-9 of the cost is 1e-4 of a margin
+    assert flat == pytest.approx([2.04451, 1.40812], abs=1e-4)
+    tight = problem(constraints__upper=4)
+    assert run(ConvexAllocation, tight).answer.decision[1] == pytest.approx(3.718442, abs=1e-6)
+    even = by_program(tight, "uniform")
+    assert even is not None and even.decision == pytest.approx([0.644854, 3.355146], abs=1e-6)

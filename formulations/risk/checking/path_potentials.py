@@ -70,7 +70,9 @@ def check_path_potentials(problem: Any, data: Mapping[str, Any]) -> float:
         a, b = np.maximum(numbers({"weights": weights[k]}, "weights", 2), 0.0).tolist()
         p = numbers({"potentials": potentials[k]}, "potentials", graph.num_vertices)
         if max(a, b) > 0:
-            planes.append(_half_plane(graph, a / max(a, b), b / max(a, b), p / max(a, b)))
+            with np.errstate(over="ignore"):
+                scaled = p / max(a, b)
+            planes.append(_half_plane(graph, a / max(a, b), b / max(a, b), scaled))
     return _least(problem.z, [plane for plane in planes if plane[2] > 0])
 
 

@@ -23,6 +23,9 @@ from ._settings import COMMON, elements_of, graph_settings, numbers_of
 Floats = NDArray[np.float64]
 Indices = NDArray[np.integer[Any]]
 
+FARTHEST = 1e150
+"""Coordinates beyond have squares that are no numbers."""
+
 KEYS = (*COMMON, "reach", "start", "goals")
 AXES = ("easting", "northing", "height")
 COLUMNS = ("state", *AXES, "reward")
@@ -86,6 +89,9 @@ def _within(positions: Floats, reach: float) -> tuple[Indices, Indices]:
     """Pairs of states no farther apart than ``reach``, both ways."""
     from scipy.spatial import cKDTree
 
+    largest = max(reach, float(np.abs(positions).max(initial=0.0)))
+    if largest > FARTHEST:
+        raise InputError("places and reach are too large for distances", expected=f"at most {FARTHEST:g}", found=f"{largest:g}")
     pairs = cKDTree(positions).query_pairs(reach * (1.0 + 1e-12), output_type="ndarray")
     return np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
 

@@ -137,8 +137,9 @@ def decode(data: dict[str, Any]) -> RiskyGraph:
 
 
 def _decoded(data: Any, path: str, states: int) -> RiskElement:
-    if not isinstance(data, dict) or data.get("kind") not in ELEMENTS:
-        found = kind_of(data) if not isinstance(data, dict) else kind_of(data.get("kind"))
+    kind = data.get("kind") if isinstance(data, dict) else None
+    if not isinstance(data, dict) or not isinstance(kind, str) or kind not in ELEMENTS:
+        found = kind_of(kind if isinstance(data, dict) else data)
         raise InputError(f"{path} is no risk element", expected=", ".join(ELEMENTS), found=found)
     make, readers = ELEMENTS[data["kind"]]
     tethered = TETHER if data["kind"] == "tether" else {}

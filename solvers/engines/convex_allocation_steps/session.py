@@ -60,6 +60,12 @@ class Session(Protocol):
     def change_upper(self, start: int, upper: Floats) -> None:
         """Other upper sides of rows that have no lower ones, from row ``start`` on."""
 
+    def add_columns(self, upper: Floats, column: Ints, row: Ints, data: Floats) -> None:
+        """Append continuous columns from 0 to ``upper``, without cost; ``column`` counts them from 0."""
+
+    def change_column_upper(self, columns: Ints, upper: Floats) -> None:
+        """Other upper bounds of columns that are at least 0."""
+
     def solve(self, stop: Stop, gap: float = 0.0) -> Solved:
         """Run until the end or ``stop``; of a program with integers until the gap."""
 
@@ -95,6 +101,17 @@ class HighsSession:
         """See ``Session.change_upper``."""
         for row, side in enumerate(upper.tolist(), start=start):
             self._model.changeRowBounds(row, -math.inf, side)
+
+    def add_columns(self, upper: Floats, column: Ints, row: Ints, data: Floats) -> None:
+        """See ``Session.add_columns``."""
+        size, order = len(upper), np.argsort(column, kind="stable")
+        starts = np.searchsorted(column[order], np.arange(size)).astype(np.int32)
+        none = np.zeros(size)
+        self._model.addCols(size, none, none, upper, len(data), starts, row[order].astype(np.int32), data[order])
+
+    def change_column_upper(self, columns: Ints, upper: Floats) -> None:
+        """See ``Session.change_column_upper``."""
+        self._model.changeColsBounds(len(columns), columns.astype(np.int32), np.zeros(len(columns)), upper)
 
     def solve(self, stop: Stop, gap: float = 0.0) -> Solved:
         """See ``Session.solve``."""
@@ -133,43 +150,63 @@ class ClarabelSession:
             import clarabel  # noqa: F401
         except ImportError:
             raise MissingPackageError("problems with cones or quadratic costs need the package clarabel: pip install clarabel") from None
-        self._program, self._rows = program, list(program.rows)
-        self._uppers: dict[int, Floats] = {}
+        self._program, self._matrix = program, program.matrix
+        self._sides = [program.row_lower.copy(), program.row_upper.copy()]
+        self._bounds = [program.lower.copy(), program.upper.copy()]
 
     def add(self, rows: Rows) -> None:
         """See ``Session.add``."""
-        self._rows.append(rows)
+        import scipy.sparse as sp
+
+        further = sp.csr_matrix((rows.data, rows.indices, rows.indptr), shape=(rows.size, self._matrix.shape[1]))
+        self._matrix = sp.vstack([self._matrix, further], format="csr")
+        self._sides = [np.append(all_, new) for all_, new in zip(self._sides, (rows.lower, rows.upper), strict=True)]
 
     def change_upper(self, start: int, upper: Floats) -> None:
         """See ``Session.change_upper``."""
-        self._uppers[start] = upper
+        self._sides[1][start : start + len(upper)] = upper
+
+    def add_columns(self, upper: Floats, column: Ints, row: Ints, data: Floats) -> None:
+        """See ``Session.add_columns``."""
+        import scipy.sparse as sp
+
+        further = sp.csr_matrix((data, (row, column)), shape=(self._matrix.shape[0], len(upper)))
+        self._matrix = sp.hstack([self._matrix, further], format="csr")
+        self._bounds = [np.append(all_, new) for all_, new in zip(self._bounds, (np.zeros(len(upper)), upper), strict=True)]
+
+    def change_column_upper(self, columns: Ints, upper: Floats) -> None:
+        """See ``Session.change_column_upper``."""
+        self._bounds[1][columns] = upper
 
     def solve(self, stop: Stop, gap: float = 0.0) -> Solved:
         """See ``Session.solve``."""
         import clarabel
         import scipy.sparse as sp
 
-        p, n = self._program, self._program.num_variables
+        p, matrix, (lower, upper), (least, most) = self._program, self._matrix, self._sides, self._bounds
+        n, known = len(least), p.num_variables
         if stop.reached():
             return Solved("unknown")
-        matrix = sp.vstack([sp.csr_matrix((r.data, r.indices, r.indptr), shape=(r.size, n)) for r in self._rows], format="csr")
-        lower, upper = (np.concatenate([getattr(r, side) for r in self._rows]) for side in ("lower", "upper"))
-        for start, changed in self._uppers.items():
-            upper[start : start + len(changed)] = changed
         equal = lower == upper
         over, under = ~equal & np.isfinite(upper), ~equal & np.isfinite(lower)
-        high, low, unit = np.isfinite(p.upper), np.isfinite(p.lower), sp.identity(n, format="csr")
+        high, low, unit = np.isfinite(most), np.isfinite(least), sp.identity(n, format="csr")
         parts = [matrix[equal], matrix[over], -matrix[under], unit[high], -unit[low], *(-c.matrix(n) for c in p.cones)]
-        sides = [upper[equal], upper[over], -lower[under], p.upper[high], -p.lower[low], *(c.offset for c in p.cones)]
+        sides = [upper[equal], upper[over], -lower[under], most[high], -least[low], *(c.offset for c in p.cones)]
         cones = [clarabel.ZeroConeT(int(equal.sum())), clarabel.NonnegativeConeT(sum(len(side) for side in sides[1:5]))]
         cones += [clarabel.SecondOrderConeT(c.width) for c in p.cones for _ in range(c.size)]
         sign = 1.0 if p.sense == "min" else -1.0
         quadratic = sp.csc_matrix((n, n)) if p.quadratic is None else sp.triu(sign * p.quadratic, format="csc")
+        quadratic.resize(n, n)
         settings = clarabel.DefaultSettings()
         settings.verbose, settings.max_threads, settings.time_limit = False, 1, max(1e-3, stop.seconds_left)
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = PRECISION
         found = clarabel.DefaultSolver(
-            quadratic, sign * p.cost, sp.csc_matrix(sp.vstack(parts)), np.concatenate(sides), cones, settings
+            quadratic,
+            sign * np.append(p.cost, np.zeros(n - known)),
+            sp.csc_matrix(sp.vstack(parts)),
+            np.concatenate(sides),
+            cones,
+            settings,
         ).solve()
         said, z = str(found.status), np.array(found.z)
         ends = np.cumsum([len(side) for side in sides[:5]])
@@ -181,5 +218,5 @@ class ClarabelSession:
             return Solved("infeasible", ray=duals, cone_duals=z[ends[4] :])
         if said in ("Solved", "AlmostSolved"):
             x = np.array(found.x)
-            return Solved("optimal", p.value(x), sign * float(found.obj_val_dual) + p.offset, x, sign * duals, z[ends[4] :])
+            return Solved("optimal", p.value(x[:known]), sign * float(found.obj_val_dual) + p.offset, x, sign * duals, z[ends[4] :])
         return Solved("unbounded" if said in ("DualInfeasible", "AlmostDualInfeasible") else "unknown")

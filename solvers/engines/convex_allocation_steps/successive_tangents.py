@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from ....formulations.risk.allocations import Allocation
 from ....formulations.risk.forms._blocks import prices
-from ....formulations.risk.forms._piecewise import density, mean_risk, piece_rows, piecewise_program, points, tangents
-from ....formulations.risk.normal import ndtr
+from ....formulations.risk.forms._piecewise import mean_risk, piecewise_program, points
+from ....formulations.risk.normal import ndtr, ndtri
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
+from .envelope import Envelope
 from .interval import Interval
 from .session import Solved, open_session
 from .units import Units
@@ -56,6 +57,9 @@ CHORD_POINTS = 60
 STALLED = 8
 """Rounds without progress after which it ends."""
 
+HIGHEST = 1.0 / math.sqrt(2.0 * math.pi)
+"""The normal density at 0."""
+
 MOST_NAMED = 60
 """Chance rows of a contradiction that are left out one by one, to see which of them it takes."""
 
@@ -75,11 +79,10 @@ class SuccessiveTangents:
     def __init__(self, problem: RiskAllocation, seed: int = 1, publish: Callable[[Interval], None] = lambda interval: None) -> None:
         self.original, self.units, self.publish = problem, Units.of(problem), publish
         self.problem = problem = self.units.problem
-        at = points(problem, mean_risk(problem), FIRST_POINTS, FIRST_LEAST)
-        self.pieces = piecewise_program(problem, "tangents", at, above=False)
-        self.session, self.seed = open_session(self.pieces.program, seed), seed
-        self.budgets = np.array([b.risk for b in problem.budgets]) / self.pieces.unit
-        self.floor = self.pieces.program.lower[self.pieces.z : self.pieces.z + len(problem.names)]
+        self.tail, self.seed = Envelope(problem, FIRST_POINTS, FIRST_LEAST, seed), seed
+        self.session, self.program = self.tail.session, self.tail.program
+        self.budgets = np.array([b.risk for b in problem.budgets])
+        self.floor = -ndtri(problem.caps)
         order = np.argsort(problem.constraint)  # one row a constraint
         noise = problem.deviation[order]
         certain = noise == 0.0
@@ -101,7 +104,7 @@ class SuccessiveTangents:
         found, aim, still = self.found, max(gap, CLOSED), 0
         while found.rounds < MOST_ROUNDS and not stop.reached():
             before = found.gap
-            self._use(0.0)
+            self.tail.use(0.0)
             below = self.session.solve(stop)
             if below.status != "optimal":
                 self._ended(below, stop)
@@ -111,7 +114,7 @@ class SuccessiveTangents:
             added = self._touch(below)
             if found.gap > aim and excess < NEAR:
                 less = MARGIN * max(excess, self.least)
-                self._use(less)
+                self.tail.use(less)
                 above = self.session.solve(stop)
                 if above.status == "optimal":
                     self._bound(above, less)
@@ -135,35 +138,26 @@ class SuccessiveTangents:
             found.status = "feasible"
         return found
 
-    def _use(self, less: float) -> None:
-        """Budgets smaller by that part."""
-        self.session.change_upper(self.pieces.budget, self.budgets * (1.0 - less))
-
-    def _parts(self, x: Floats) -> tuple[Floats, Floats]:
-        """Arguments of the tail, and the risks beside them in their unit."""
-        many = len(self.problem.names)
-        return x[self.pieces.z : self.pieces.z + many], x[self.pieces.risk : self.pieces.risk + many]
-
     def _prices(self, made: Solved, duals: Floats) -> dict[str, Floats]:
         p = self.problem
-        found = prices(p, self.pieces.program, made.x, duals, made.cone_duals)
+        found = prices(p, self.program, made.x, duals, made.cone_duals)
         return self.units.prices({**found, "budgets": self._spent(duals)})
 
     def _spent(self, duals: Floats) -> Floats:
         """Prices of the budgets."""
-        start = self.pieces.budget
-        return np.asarray(np.maximum(-self.problem.sign * duals[start : start + len(self.budgets)] / self.pieces.unit, 0.0))
+        start = self.tail.budget
+        return np.asarray(np.maximum(-self.problem.sign * duals[start : start + len(self.budgets)] / self.tail.unit, 0.0))
 
     def _bound(self, made: Solved, less: float = 0.0) -> None:
         """Take the bound that the duals prove, of budgets that were smaller by that part."""
         p, found = self.problem, self.found
-        z, risk = self._parts(made.x)
-        chance = made.duals[self.pieces.chance : self.pieces.chance + len(z)][self.order]
+        z, risk = self.tail.parts(made)
+        chance = made.duals[self.tail.chance : self.tail.budget][self.order]
         slope = np.maximum(-p.sign * chance, 0.0) * self.deviation
         prices = self._spent(made.duals)
         spent = prices @ self.members
-        more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.pieces.unit).sum())
-        more -= less * float(prices @ self.budgets) * self.pieces.unit
+        more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.tail.unit).sum())
+        more -= less * float(prices @ self.budgets)
         bound = (p.sign * made.value + more) / self.units.cost
         if bound > found.bound:
             found.bound, self.best = bound, made
@@ -230,12 +224,11 @@ class SuccessiveTangents:
 
     def _touch(self, made: Solved) -> int:
         """Add tangents where constraints have more risk than the program says; how many."""
-        slack, risk = self.limits - self.slopes @ made.x[: self.problem.size], self._parts(made.x)[1]
-        short = ndtr(-slack) / self.pieces.unit - risk
+        slack, risk = self.limits - self.slopes @ made.x[: self.problem.size], self.tail.parts(made)[1]
+        short = ndtr(-slack) / self.tail.unit - risk
         at = np.nonzero(short > max(1e-11, TOUCHED * float(short.max(initial=0.0))))[0]
         if len(at):
-            slope, constant = tangents(slack[at], self.pieces.unit)
-            self.session.add(piece_rows(at, slope, constant, self.pieces.z, self.pieces.risk, self.problem.names))
+            self.tail.add(at, slack[at])
         return len(at)
 
     def _ended(self, made: Solved, stop: Stop) -> None:
@@ -248,7 +241,7 @@ class SuccessiveTangents:
 
     def _fewest(self, made: Solved, stop: Stop) -> Solved:
         """A contradiction that needs few chance rows: each is left out where the others contradict each other without it."""
-        first = self.pieces.chance
+        first = self.tail.chance
         priced = np.zeros(0) if made.ray is None else np.abs(made.ray[first : first + len(self.problem.limits)])
         rows = np.nonzero(priced)[0]
         if len(rows) > MOST_NAMED:
@@ -270,9 +263,9 @@ class SuccessiveTangents:
         if made.ray is None:
             return None
         size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
-        nowhere = Solved("infeasible", x=np.zeros(self.pieces.program.num_variables), cone_duals=made.cone_duals / size)
+        nowhere = Solved("infeasible", x=np.zeros(self.program.num_variables), cone_duals=made.cone_duals / size)
         for turn in (1.0, -1.0):
-            prices = self._prices(nowhere, turn * sign * made.ray[: self.pieces.program.num_rows] / size)
+            prices = self._prices(nowhere, turn * sign * made.ray / size)
             claimed = Interval("infeasible", prices=prices).evidence(sign)[0]
             if verified_bound(self.original, claimed) == sign * math.inf:
                 return prices
@@ -282,7 +275,7 @@ class SuccessiveTangents:
 def least_margin(slope: Floats, price: Floats, floor: Floats) -> Floats:
     """The least of ``slope z + price tail(z)`` over z >= floor, entry by entry."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = slope / (price * density(np.zeros(1)))
+        ratio = slope / (price * HIGHEST)
         z = np.sqrt(np.maximum(-2.0 * np.log(ratio), 0.0))
     z = np.maximum(np.where(price > 0.0, np.where(slope > 0.0, z, 40.0), floor), floor)
     return np.asarray(np.where(slope > 0.0, slope * z + price * ndtr(-z), 0.0))

@@ -31,6 +31,7 @@ def test_several_are_told_together() -> None:
 
 def test_rows_alone_have_nothing_to_do_with_risk() -> None:
     assert told({"at": [4, 2], "values": [1.0, -1.0]}, [0.0] * 3) == "constraints row 2, row 4 contradict each other, whatever the risk"
+    assert told({"at": [2], "values": [1.0]}, [0.0] * 3) == "no decision within its bounds keeps constraint row 2, whatever the risk"
     assert told([0.0], [0.0] * 3) == "no alternative is left"
 
 

@@ -52,3 +52,7 @@ def test_what_cannot_be_declared_is_refused() -> None:
         RiskAllocation.from_cvxpy(cp.Problem(cp.Minimize(cp.sum(cp.exp(x)))), x, np.eye(2), [1, 1], total=0.1)
     with pytest.raises(InputError, match="least eigenvalue -1"):
         RiskAllocation.from_cvxpy(convex, x, [[1, 2], [2, 1]], [1, 1], total=0.1)
+    with pytest.raises(InputError, match=r"limits must be a number, or one a quantity; expected 2; found \(1,\)"):
+        RiskAllocation.from_cvxpy(convex, x, np.eye(2), [1], total=0.1)
+    with pytest.raises(InputError, match="risk says no limit; expected total or each"):
+        RiskAllocation.from_cvxpy(convex, x, np.eye(2), [1, 1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,3 +57,12 @@ def test_the_joint_risk_is_that_of_a_simulation() -> None:
     error = np.sqrt(share * (1.0 - share) / many)
     assert abs(found.value - share) < 4.0 * error + (found.high - found.low) / 2.0
     assert found.high < p.risk.total / 3.0
+
+
+@pytest.mark.parametrize(
+    "changes", [{"quantities__covariance": [1e308, 1.0], "chance__quantities": [[2, 0], [0, 1]]},
+                {"quantities__map": [[1e200, 0], [0, 1]], "chance__quantities": [[1e200, 0], [0, 1]]}],
+)  # fmt: skip
+def test_numbers_whose_products_are_none_are_refused(changes: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="their means or variances are no finite numbers"):
+        problem(**changes)

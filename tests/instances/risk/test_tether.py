@@ -52,6 +52,14 @@ def test_walls_of_several_boxes_bend_a_tether_at_their_ends_alone():
     assert whole.along(way)[-1] == parts.along(way)[-1]
 
 
+@pytest.mark.parametrize(("spacing", "waypoints"), [(0.2, 31), (0.5, 13), (1.0, 7), (1.5, 5), (3.0, 3)])
+def test_a_spacing_cuts_a_move_at_as_many_waypoints_as_in_the_source(spacing, waypoints, monkeypatch):
+    ends = []
+    monkeypatch.setattr(Tether, "_piece", lambda self, contacts, before, after: ends.append(after) or contacts)
+    Tether((0, 0), [], spacing).moved(((0.0, 0.0),), (1, 0), (7, 0))
+    assert len(ends) + 1 == waypoints and ends[-1] == pytest.approx([7, 0])
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -31,6 +31,29 @@ def test_heights_are_drawn_over_time() -> None:
     assert ax.lines[0].get_ydata() == pytest.approx([12.0, 12.0, 12.0])
 
 
+def test_all_states_with_limits_of_their_own_are_drawn() -> None:
+    two = {
+        "state": [[1, 0], [0, 1]], "input": [[1, 0], [0, 1]], "noise": [0.01, 0.04], "start": [4, 5], "steps": 3,
+        "states": ["h1", "h2"], "inputs": ["u1", "u2"],
+    }  # fmt: skip
+    p = problem(
+        decisions=None, quantities=None, dynamics=two, constraints=None, cost={"quantities": [1, 1] * 3},
+        chance={"quantities": (-np.eye(6)).tolist(), "limits": [-1, -2] * 3},
+    )  # fmt: skip
+    ax = plot_risk_allocation(p, np.zeros(6))
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["h1", "h2"]
+    lines = [line for line in ax.lines if len(line.get_xdata()) == 3]
+    assert [line.get_ydata().tolist() for line in lines] == [[4, 4, 4], [5, 5, 5]] and len(ax.lines) == 2 + 6
+    band = ax.collections[1].get_paths()[0].vertices[:, 1]
+    assert band.max() - band.min() == pytest.approx(2 * 1.96 * 0.12**0.5, rel=1e-4)
+
+
+def test_joint_risk_allows_no_constraint_one_of_its_own() -> None:
+    ax = plot_risk_allocation(problem(risk__kind="joint"), np.array([1.0, 3.0]))
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["at the decision"]
+    assert "any fails with probability 0.02278 of 0.1" in ax.texts[0].get_text()
+
+
 def test_obstacles_are_boxes() -> None:
     p = wb.generate("risk-allocation", family="obstacles", steps=2, obstacles=2)
     ax = plot_risk_allocation(p, np.zeros(4))

@@ -18,6 +18,11 @@ def test_the_chain_from_the_budget_to_what_is_true() -> None:
     assert answer_tables(problem(), None) == []
 
 
+def test_joint_risk_allows_no_constraint_one_of_its_own() -> None:
+    each = answer_tables(problem(risk__kind="joint"), Allocation.of([1.0, 3.4]))[0]
+    assert [column.name for column in each.columns] == ["constraint", "risk"] and each.rows[0] == ("2", "0.0548")
+
+
 def test_budgets_are_told() -> None:
     rows = dict(facts_table(facts(problem(risk__budgets=[{"name": "arm", "constraints": ["1"], "risk": 0.02}]))).rows)
     assert rows["budgets"] == "total 0.1, arm 0.02"

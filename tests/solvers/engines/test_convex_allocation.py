@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from risk_problems import margins, problem, run
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
+from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import UnsupportedError
+from waybound.instances.risk.allocation import Budget, Risk
+from waybound.reports.benchmarks.risk_allocation import by_program, random_problem
 from waybound.solvers.engines.convex_allocation import ConvexAllocation, _unproved
 from waybound.solvers.engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
 from waybound.solving.solve import solve
@@ -132,3 +138,57 @@ def test_joint_risk_gets_an_answer_and_no_bound() -> None:
 def test_what_it_lacks_is_said() -> None:
     with pytest.raises(UnsupportedError, match="alternatives"):
         run(ConvexAllocation, wb.generate("risk-allocation", family="obstacles", steps=2))
+
+
+# -- budgets of parts ------------------------------------------------------------------------------------------------------
+
+
+def with_budgets(
+    p: RiskAllocation, groups: Sequence[Sequence[int]], risks: Sequence[float], *, total: float | None = None
+) -> RiskAllocation:
+    """The same constraints under a budget a group, and a total or none."""
+    budgets = tuple(Budget(f"part {k + 1}", np.array(g), r) for k, (g, r) in enumerate(zip(groups, risks, strict=True)))
+    each = np.full(len(p.names), min(0.5, max(risks)))
+    return RiskAllocation(replace(p.instance, risk=Risk(p.risk.kind, total, each, budgets)))
+
+
+def parts(rng: np.random.Generator, many: int) -> list[list[int]]:
+    """The constraints in up to three groups, as those of robots or steps are."""
+    group = rng.integers(0, 3, many)
+    return [np.nonzero(group == g)[0].tolist() for g in np.unique(group)]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_budgets_of_parts_are_worth_no_more_than_the_whole_and_as_much_where_they_are_those_of_the_best(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    p = random_problem(rng)
+    best, total = run(ConvexAllocation, p), p.budgets[0].risk
+    own, size = best.answer.risks, 1e-7 * abs(best.objective)
+    for groups in (parts(rng, len(own)), [[k] for k in range(len(own))]):
+        for shares in (np.full(len(groups), total / len(groups)), total * rng.dirichlet(np.full(len(groups), 9.0))):
+            split = with_budgets(p, groups, shares.tolist())
+            found = run(ConvexAllocation, split)
+            assert found.objective <= best.objective + size  # a reward
+            assert verified_bound(split, found.evidence[0]) >= found.objective - size
+            assert split.evaluate(found.answer).feasible and p.evaluate(found.answer).feasible
+            for form in ("uniform", "secants"):
+                kept = by_program(split, form)
+                assert kept is not None and split.evaluate(kept).feasible
+                assert split.value(kept.decision)[0] <= found.objective + size
+        same = with_budgets(p, groups, [max(float(own[g].sum()), 1e-12 * total) for g in groups])
+        assert run(ConvexAllocation, same).objective == pytest.approx(best.objective, rel=1e-6)
+        assert run(ConvexAllocation, with_budgets(p, groups, [total] * len(groups), total=total)).objective == pytest.approx(
+            best.objective, rel=1e-7
+        )
+
+
+@pytest.mark.parametrize("solver", [pytest.param("exact-joint", marks=pytest.mark.long), "convex-allocation"])
+def test_joint_budgets_of_parts_are_worth_no_more_than_the_whole(solver: str) -> None:
+    p = margins([1.0, 2.0, 5.0], 0.1, kind="joint")
+    whole = solve(p, solver, bound_time=0, gap=1e-5)
+    own = p.risks(whole.answer.decision)
+    for groups, shares in (([[0], [1, 2]], [0.03, 0.07]), ([[0, 1], [2]], [0.05, 0.05]), ([[0], [1], [2]], (own * 0.999).tolist())):
+        split = with_budgets(p, groups, shares, total=0.1)
+        found = solve(split, solver, bound_time=0, gap=1e-5)
+        assert found.certificate.feasible and found.objective >= whole.objective * (1.0 - 2e-5)
+    assert found.objective == pytest.approx(whole.objective, rel=1e-3)

@@ -60,6 +60,7 @@ def test_it_is_recognised_and_solved(tmp_path):
         (("# reach: 1.2", "# reach: 0"), "line 2: the reach of a move must be positive"),
         (("# goals: d; c", "# goals: z"), "line 4: the goal 'z' is no state"),
         (("# start: a", "# start: a, b"), "line 3: there must be one start; found 2"),
+        (("b,1,0", "b,1e200,0"), "places and reach are too large for distances; expected at most 1e+150; found 1e+200"),
         (("b,1,0", "a,1,0"), "two states have the name 'a'"),
         (("# goals: d; c", "# luck: d"), "line 4: setting 'luck' is unknown"),
     ],

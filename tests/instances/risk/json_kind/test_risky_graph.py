@@ -67,6 +67,7 @@ def element(**given):
         (changed(moves={"tail": [0], "head": [1, 2]}), "moves.head has a wrong length"),
         (changed(states={"count": 0}), "states.count must be a whole number"),
         (element(kind="luck"), r"elements\[0\] is no risk element; expected locale, length, .*; found 'luck'"),
+        (element(kind=["locale"]), r"elements\[0\] is no risk element; expected locale, length, .*; found a list"),
         (changed(elements=[3]), r"elements\[0\] is no risk element"),
         (element(kind="locale"), r"elements\[0\] is incomplete: missing 1 required positional argument: 'risk'"),
         (element(kind="locale", risk=[0.1, 0.2, 3]), r"risks of locale must lie in \[0, 1\]; found 3 at 2"),

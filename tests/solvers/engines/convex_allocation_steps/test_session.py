@@ -42,6 +42,20 @@ def test_value_and_duals_before_and_after_changes(kind, sense: str) -> None:
     assert ended.status == "infeasible" and (ended.ray is None or len(ended.ray) == 4)
 
 
+@pytest.mark.parametrize("kind", [HighsSession, ClarabelSession])
+def test_columns_are_added_and_shortened(kind) -> None:
+    session = kind(program())
+    assert session.solve(Stop()).value == pytest.approx(6.0)
+    # u takes from the first row and w from both: max x + 2 y, x + y - u - w <= 4, x + 3 y - 2 w <= 6, u <= 1, w <= 0.5.
+    session.add_columns(np.array([1.0, 0.5]), np.array([0, 1, 1]), np.array([0, 0, 1]), np.array([-1.0, -1.0, -2.0]))
+    found = session.solve(Stop())
+    assert found.value == pytest.approx(1.0 + 3.0 + 2.0 * 4.0 / 3.0) and found.x[[0, 1, 3]] == pytest.approx(
+        [3.0, 4.0 / 3.0, 0.5], abs=1e-6
+    )
+    session.change_column_upper(np.array([3]), np.array([0.0]))
+    assert session.solve(Stop()).value == pytest.approx(6.0)
+
+
 def test_whole_numbers_come_with_a_bound() -> None:
     found = open_session(program(integer=True)).solve(Stop())
     assert found.value == pytest.approx(6.0) and found.bound == pytest.approx(6.0) and not len(found.duals)
