@@ -115,16 +115,17 @@ class ExplorationMap:
 
     def _refuse_walls(self) -> None:
         """Raise InputError where no robot can enter a room, or one can never be heard."""
-        alone = np.nonzero(~_reached(self.adjacent, self.starts))[0].tolist()
+        doors = self.adjacent
+        alone = np.nonzero(~_reached(doors, self.starts))[0].tolist()
         if alone:
             told = ", ".join(map(self.room_name, alone[:SHOWN])) + ", ..." * (len(alone) > SHOWN)
             raise InputError(
                 f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {told}", expected="doors to every room"
             )
-        heard = _reached(self.linked, np.array([self.base]))
-        for robot, start in enumerate(self.starts):
-            if not (_reached(self.adjacent, np.array([start])) & heard).any():
-                raise InputError(f"robot {robot + 1} can enter no room from which links lead to the base", expected="doors or links to it")
+        heard = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
+        lost = np.nonzero(~_reached(doors, heard)[self.starts])[0]
+        if len(lost):
+            raise InputError(f"robot {lost[0] + 1} can enter no room from which links lead to the base", expected="doors or links to it")
 
     # -- lookups -----------------------------------------------------------------------------------------------------
 
