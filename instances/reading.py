@@ -59,4 +59,7 @@ def recognise(text: str, path: str | PathLike[str] = "input", problem: str | Non
     if re.search(r"^\s*route\s*#?\s*\d+\s*:|^\s*TOUR_SECTION", text, re.I | re.M):
         raise InputError("is a solution file, not an instance", file=path)
     first = next(line for line in text.split("\n") if line.strip())
-    raise InputError("is of no known format", file=path, line=1, expected=", ".join(FORMATS.names()), found=shown(first.strip()))
+    near = ((entry.name, entry.lacks(text)) for entry in FORMATS.values() if entry.lacks is not None)
+    name, lacking = next(((name, lacking) for name, lacking in near if lacking), ("", ", ".join(FORMATS.names())))
+    what = f"is of no known format, but nearly {name}" if name else "is of no known format"
+    raise InputError(what, file=path, line=1, expected=lacking, found=shown(first.strip()))

@@ -109,6 +109,8 @@ class AssignmentInstance:
             made = np.asarray(costs, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
             raise _not_rectangular(costs) from None
+        if made.shape == (0,):
+            raise InputError("there are no robots", expected="one at least")
         if made.ndim != 2:
             raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {made.shape}")
         kept = made < math.inf
@@ -188,7 +190,8 @@ class AssignmentInstance:
         wrong = ~(np.abs(cost) <= LARGEST)
         if wrong.any():
             k = int(np.argmax(wrong))
-            pair = f"{self.robot_name(int(np.searchsorted(indptr, k, side='right')) - 1)} and {self.bin_name(int(bins[k]))}"
+            robot = self.robot_name(int(np.searchsorted(indptr, k, side="right")) - 1)
+            pair = f"robot {robot} and bin {self.bin_name(int(bins[k]))}"
             raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", found=str(cost[k]))
         if self.filled is not None:
             filled = arrays.reals("filled", self.filled)
@@ -198,7 +201,7 @@ class AssignmentInstance:
             if late.any():
                 k = int(np.argmax(late))
                 raise InputError(
-                    f"the time until {self.bin_name(k)} is full must be from 0 to {LARGEST:g}, or infinite", found=str(filled[k])
+                    f"the time until bin {self.bin_name(k)} is full must be from 0 to {LARGEST:g}, or infinite", found=str(filled[k])
                 )
             object.__setattr__(self, "filled", arrays.frozen(filled))
 

@@ -24,6 +24,9 @@ PROBLEMS = ("room-exploration",)
 GAINS = ("exploring", "mapping", "searching")
 """What is gained by entering a room, by observing its type, and by looking for a target in it."""
 
+SHOWN = 5
+"""Rooms that a message lists."""
+
 MOST_STEPS = 1000
 
 
@@ -58,7 +61,7 @@ class ExplorationMap:
     Raises
     ------
     InputError
-        If an array has the wrong shape or holds what it must not.
+        If an array has the wrong shape or holds what it must not, if no robot can enter a room, or one can never be heard.
 
     Notes
     -----
@@ -108,6 +111,21 @@ class ExplorationMap:
             put(self, key, int(value))
         put(self, "room_names", arrays.names("room", self.room_names, rooms))
         put(self, "positions", arrays.positions("room", self.positions, rooms))
+        self._refuse_walls()
+
+    def _refuse_walls(self) -> None:
+        """Raise InputError where no robot can enter a room, or one can never be heard."""
+        doors = self.adjacent
+        alone = np.nonzero(~_reached(doors, self.starts))[0].tolist()
+        if alone:
+            told = ", ".join(map(self.room_name, alone[:SHOWN])) + ", ..." * (len(alone) > SHOWN)
+            raise InputError(
+                f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {told}", expected="doors to every room"
+            )
+        heard = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
+        lost = np.nonzero(~_reached(doors, heard)[self.starts])[0]
+        if len(lost):
+            raise InputError(f"robot {lost[0] + 1} can enter no room from which links lead to the base", expected="doors or links to it")
 
     # -- lookups -----------------------------------------------------------------------------------------------------
 
@@ -174,6 +192,16 @@ def _pairs(key: str, given: ArrayLike, rooms: int) -> Integers:
     if (made[:, 0] == made[:, 1]).any():
         raise InputError(f"{key} must join two different rooms", found=f"room {made[made[:, 0] == made[:, 1]][0, 0]} twice")
     return made
+
+
+def _reached(table: Flags, begin: Integers) -> Flags:
+    """Rooms that pairs of a table lead to from some rooms."""
+    found = np.zeros(len(table), dtype=bool)
+    front = np.unique(begin)
+    while len(front):
+        found[front] = True
+        front = np.nonzero(table[front].any(axis=0) & ~found)[0]
+    return found
 
 
 def _table(pairs: Integers, rooms: int) -> Flags:

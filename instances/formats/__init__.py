@@ -42,6 +42,8 @@ class Format:
         Suffixes of solution files.
     kinds : tuple of str
         Kinds of instances that it can hold; empty for every kind.
+    lacks : callable, optional
+        Of a text that no format recognises: what it would have to begin with to be this one, None where it is nothing like it.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Format:
     answer: str = "routes"
     solutions: tuple[str, ...] = (".json", ".sol", ".tour")
     kinds: tuple[str, ...] = ("routing",)
+    lacks: Callable[[str], str | None] | None = None
 
 
 FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats", "waybound.instances.*.formats", group="waybound.formats")

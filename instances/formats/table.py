@@ -13,6 +13,9 @@ from ..text import shown
 Settings = dict[str, tuple[int, str]]
 """Line and value of each setting."""
 
+CORNER = "robot/bin"
+"""First title of a matrix, whose other titles are names of bins, whatever they are."""
+
 
 @dataclass(frozen=True)
 class Table:
@@ -36,13 +39,14 @@ def delimiter_of(line: str) -> str:
 
 
 def titles_of(text: str) -> frozenset[str]:
-    """Titles in the first line that is no comment, for recognising a format."""
+    """Titles in the first line that is no comment, for recognising a format; none of a matrix."""
     start = 0
     while start < len(text):
         end = text.find("\n", start)
         line = text[start:] if end < 0 else text[start:end]
         if line.strip() and not line.lstrip().startswith("#"):
-            return frozenset(cell.strip().strip('"').lower() for cell in line.split(delimiter_of(line)))
+            titles = [cell.strip().strip('"').lower() for cell in line.split(delimiter_of(line))]
+            return frozenset(titles if titles[0] != CORNER else ())
         start += len(line) + 1
     return frozenset()
 

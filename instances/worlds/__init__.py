@@ -48,6 +48,11 @@ class World(ABC):
     def metrics(self) -> dict[str, float]:
         """Figures of the present state, always under the same names."""
 
+    @property
+    def over(self) -> bool:
+        """Whether nothing is left to happen, in a world that has an end."""
+        return False
+
 
 @dataclass(frozen=True)
 class WorldKind:

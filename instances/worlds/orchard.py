@@ -126,8 +126,13 @@ class OrchardWorld(World):
             "returned": float(home), "standing": float(((self.stood >= 0) & (self.returned < 0)).sum() - (self.states == HAULING).sum()),
             "waiting_groups": float(((self.group_cells >= 0) & (self.group_bins < 0)).sum()),
             "idle_worker_steps": float(self.idle_steps * self.rules.pickers),
-            "finished": float(self.returned.max()) if home == self.rules.bins else np.nan,
+            "finished": float(self.returned.max()) if self.over else np.nan,
         }  # fmt: skip
+
+    @property
+    def over(self) -> bool:
+        """Whether all bins are home."""
+        return bool((self.returned >= 0).all())
 
     def positions(self) -> Floats:
         """Where robots are now: row and column, shape (robots, 2)."""

@@ -105,15 +105,19 @@ class UncertainGraphWorld(World):
         self.time += 1
         self._look()
 
+    @property
+    def over(self) -> bool:
+        """Whether the robot is at the goal."""
+        return self.path[-1] == self.graph.goal
+
     def metrics(self) -> dict[str, float]:
         """``cost`` so far; ``arrived``: 1 at the goal; ``hindsight``: the least cost of any path, all costs known; ``excess``: at the goal,
         by how many percent of that the robot's path cost more."""
-        arrived = self.path[-1] == self.graph.goal
         excess = np.nan
-        if arrived:
+        if self.over:
             above = max(self.cost - self.hindsight, 0.0)  # sums in another order
             excess = 100.0 * above / self.hindsight if self.hindsight > 0 else 0.0 if self.cost == 0 else np.inf
-        return {"cost": self.cost, "arrived": float(arrived), "hindsight": self.hindsight, "excess": float(excess)}
+        return {"cost": self.cost, "arrived": float(self.over), "hindsight": self.hindsight, "excess": float(excess)}
 
 
 @lru_cache(maxsize=32)

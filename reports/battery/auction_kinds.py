@@ -104,9 +104,10 @@ def standing_bins(rng: Generator) -> Problem:
 
 
 def rooms_in_contact(rng: Generator) -> Problem:
-    """A few rooms and one or two robots that must be heard again and again; where they start apart there may be no way."""
+    """A few rooms and one or two robots that must be heard again and again; where they start far out there may be no way."""
     rooms, robots = int(rng.integers(1, 4)), int(rng.integers(1, 3))
-    doors, heard = (np.argwhere(np.triu(rng.random((rooms, rooms)) < often, 1)) for often in (0.6, 0.3))
+    beside = np.diag(np.ones(rooms - 1, dtype=bool), 1)
+    doors, heard = (np.argwhere(np.triu(rng.random((rooms, rooms)) < often, 1) | kept) for often, kept in ((0.6, beside), (0.3, False)))
     visits, types, targets = (-np.sort(-weights(rng, (rooms, int(rng.integers(0, 3)))), axis=1) for _ in range(3))
     starts = rng.integers(0, rooms, robots) * int(rng.random() < 0.7)
     steps = int(rng.integers(1, 5 if robots == 1 else 3))

@@ -38,16 +38,24 @@ class Film:
             raise UsageError(f"mission {mission.name} has no pictures")
         self.mission = mission
         self.shots: list[tuple[Scene, float]] = []
+        self.over = False
 
     def __call__(self, world: World, row: dict[str, Any]) -> None:
         scene = self.mission.scene(world)
         assert scene is not None
         self.shots.append((scene, float((row or world.metrics())[self.mission.headline])))
+        self.over = world.over
 
     @property
     def values(self) -> list[float]:
         """The headline metric at the start and after each step."""
         return [value for _, value in self.shots]
+
+    def held(self, count: int) -> Film:
+        """The same with its last picture again until there are ``count``."""
+        made = Film(self.mission)
+        made.shots = self.shots + self.shots[-1:] * (count - len(self.shots))
+        return made
 
     def frames(self) -> list[int]:
         """Steps that are shown, the last one always."""
@@ -76,12 +84,13 @@ class Film:
 
 
 def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> None:
-    """Write films of the same mission beside each other, as ``Film.save`` does: one map each, and all curves in one chart.
+    """Write films of the same mission beside each other, as ``Film.save`` does: one map each, and all curves in one chart. Of a world that
+    is over before the others the last picture stays.
 
     Parameters
     ----------
     films : mapping from names to Film
-        Of equal numbers of steps, of worlds of equal size.
+        Of worlds of equal size, and of equal numbers of steps, but for worlds that are over.
     path : path-like
         ``.gif`` or ``.html``.
 
@@ -98,9 +107,11 @@ def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> N
     lengths = {len(film.shots) for film in films.values()}
     if lengths <= {0}:
         raise UsageError("nothing was played, so there is nothing to show")
-    if len(lengths) > 1:
+    longest = max(lengths)
+    if any(len(film.shots) < longest and not film.over for film in films.values()):
         raise UsageError(f"films side by side must be of one length, not of {' and '.join(map(str, sorted(lengths)))} pictures")
-    picture, steps = Picture(films), next(iter(films.values())).frames()
+    held = {name: film.held(longest) for name, film in films.items()}
+    picture, steps = Picture(held), next(iter(held.values())).frames()
     if suffix == ".gif":
         atomic_write(path, picture.gif(steps))
         return

@@ -42,6 +42,7 @@ class InformationGathering(Mission):
     name: ClassVar[str] = "information-gathering"
     summary: ClassVar[str] = "robots empty sensors that fill up, and bring what they take to their bases"
     headline: ClassVar[str] = "working"
+    lasting: ClassVar[int] = 1000
     settings: ClassVar[Mapping[str, Setting]] = {
         **WORLDS["information-gathering"].settings,
         "plan": Setting("partition", "how sensors are shared out: once, or anew whenever a robot is back", choices=tuple(PLANS)),

@@ -92,12 +92,15 @@ class Mission(ABC):
         What a user may choose, the world's settings included.
     headline : str
         The metric that pictures and summaries show first.
+    lasting : int
+        Steps that are played where none are asked for; fewer if the world is over before.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str]
     settings: ClassVar[Mapping[str, Setting]] = {}
     headline: ClassVar[str]
+    lasting: ClassVar[int] = 100
 
     @abstractmethod
     def world(self, seed: int, **settings: Any) -> World:

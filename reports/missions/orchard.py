@@ -43,6 +43,7 @@ class Orchard(Mission):
     name: ClassVar[str] = "orchard"
     summary: ClassVar[str] = "robots bring empty bins to pickers and full ones home"
     headline: ClassVar[str] = "returned"
+    lasting: ClassVar[int] = 10_000  # one robot takes some 2,500 for 160 bins
     settings: ClassVar[Mapping[str, Setting]] = {
         **WORLDS["orchard"].settings,
         "delivery": Setting("proposed", "where new bins go: ahead of requests too, or to the earliest request alone", choices=DELIVERIES),

@@ -38,7 +38,7 @@ def run(
     solver: str | None = None,
     heuristic: str | None = None,
     policy: str | None = None,
-    steps: int = 100,
+    steps: int | None = None,
     seed: int = 1,
     time_limit: float = 60.0,
     bound_time: float = 0.0,
@@ -56,7 +56,8 @@ def run(
     solver, heuristic, policy : str, optional
         What decides: a name for ``solve``, or a rule of the mission's own. Without any, the first installed solver that can take
         the mission's problems.
-    steps : int, >= 1
+    steps : int, >= 1, optional
+        By default until the world is over, and no more than the mission lasts: ``Mission.lasting``.
     seed : int
         The same seed gives the same world, whatever decides in it; and the same log (``seconds`` apart) if the solver is repeatable.
     time_limit, bound_time : float, seconds
@@ -94,7 +95,8 @@ def run(
     deciders = {"solver": solver, "heuristic": heuristic, "policy": policy}
     if sum(name is not None for name in deciders.values()) > 1:
         raise UsageError("give one of solver, heuristic and policy, not several")
-    for name, value, least in (("steps", steps, 1), ("seed", seed, 0)):
+    most = played.lasting if steps is None else steps
+    for name, value, least in (("steps", most, 1), ("seed", seed, 0)):
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
             raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}")
     if solver is not None:
@@ -126,16 +128,22 @@ def run(
         watch(world, {})
     with _interrupts() as interrupted:
         try:
-            while len(rows) < steps and not interrupted():
+            while len(rows) < most and not (steps is None and world.over) and not interrupted():
                 row = _step(played, world, None if policy is None else rules[policy], decide)
                 rows.append(row)
                 if watch is not None:
                     watch(world, row)
                 if progress is not None:
-                    progress({"phase": f"step {len(rows)} of {steps}", "seconds": row["seconds"], "objective": row["objective"]})
+                    progress(
+                        {
+                            "phase": f"step {len(rows)} of {'at most ' * (steps is None)}{most}",
+                            "seconds": row["seconds"],
+                            "objective": row["objective"],
+                        }
+                    )
         except KeyboardInterrupt:
             pass
-        if interrupted() and len(rows) < steps:
+        if interrupted() and len(rows) < most:
             limit = "interrupt"
     frame = pd.DataFrame(rows, columns=None if rows else ["step", *world.metrics(), *COLUMNS])
     frame.attrs.update(mission=played.name, **deciders, seed=int(seed), settings=dict(settings), limit=limit, faults=faults)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 
@@ -119,6 +120,21 @@ def test_two_methods_are_filmed_side_by_side(run, tmp_path):
     result = run("run", "tracking", "--policy", "stay", "--against", "policy:force-vector", *common)
     assert result.exit_code == 0, result.stderr
     assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF")
+
+
+def test_days_of_different_lengths_are_filmed_side_by_side_to_their_ends(run, tmp_path):
+    from PIL import Image
+
+    settings = [text for setting in ("rows=3", "columns=5", "robots=1", "groups=2") for text in ("--set", setting)]
+    lengths = []
+    for policy in ("greedy", "auction"):
+        result = run("run", "orchard", "--policy", policy, *settings, "--json", "-q")
+        lengths.append(json.loads(result.stdout)["steps"])
+    assert lengths[0] != lengths[1]
+    result = run("run", "orchard", "--policy", "greedy", "--against", "policy:auction", *settings, "--animation", tmp_path / "a.gif")
+    assert result.exit_code == 0, result.stderr
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.n_frames == max(lengths) + 1
 
 
 def test_a_second_method_needs_a_kind_and_a_film(refused, tmp_path):

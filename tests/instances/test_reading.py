@@ -37,6 +37,24 @@ def test_two_possible_formats_are_named(tmp_path: Path) -> None:
         read_instance(path)
 
 
+@pytest.mark.parametrize("bins", ["x,y", "id,b", "role,x,y", "robot,action,target", "robot,bin,cost"])
+def test_names_of_bins_are_no_titles_of_another_format(bins: str) -> None:
+    assert recognise(f"# name: yard\nrobot/bin,{bins}\nr{',1' * (bins.count(',') + 1)}\n").name == "assignment-matrix"
+
+
+@pytest.mark.parametrize(("text", "found"), [(",a,b\nr1,1,2\nr2,-,3e1\n", ",a,b"), ("1;2\n3;4\n", "1;2"), ("r;a;b\np;1;\n", "r;a;b")])
+def test_a_matrix_without_its_corner_is_told_what_it_lacks(text: str, found: str, tmp_path: Path) -> None:
+    path = tmp_path / "costs.csv"
+    path.write_text(text)
+    wanted = "robot/bin and the names of the bins as titles, then rows of a robot's name and its costs"
+    with pytest.raises(
+        InputError, match=f"costs.csv:1: is of no known format, but nearly assignment-matrix; expected {wanted}; found '{found}'"
+    ):
+        read_instance(path)
+    with pytest.raises(InputError, match=f"costs.csv:1: is a matrix without its corner; expected {wanted}"):
+        read_instance(path, format="assignment-matrix")
+
+
 def test_no_known_format_lists_them_all(tmp_path: Path) -> None:
     path = tmp_path / "letter.txt"
     path.write_text("\nDear customer,\n")

@@ -35,7 +35,9 @@ def run(
         str | None,
         typer.Option("--against", metavar="KIND:NAME", help="A second method, shown beside the first: solver:, heuristic: or policy:NAME."),
     ] = None,
-    steps: Annotated[int, typer.Option("--steps", metavar="N", help="How long the mission lasts.")] = 100,
+    steps: Annotated[
+        int | None, typer.Option("--steps", metavar="N", help="How long the mission lasts; by default to its end, if it has one.")
+    ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same world, whatever decides.")] = 1,
     settings: Annotated[
         list[str] | None,
@@ -97,10 +99,10 @@ def run(
     for fault in log.attrs["faults"]:
         complain(fault)
     if log.attrs["limit"] == "interrupt":
-        remark(f"interrupted after {len(log)} of {steps} steps")
+        remark(f"interrupted after {len(log)}{'' if steps is None else f' of {steps}'} steps")
     delivery = Delivery(verbose)
     delivery.file("--out", out, lambda path: atomic_write(path, log.to_csv(index=False)))
-    if film is not None and beside is not None and second is not None and len(beside.shots) == len(film.shots):
+    if film is not None and beside is not None and second is not None and second.attrs["limit"] != "interrupt":
         films = {_named(log): film, _named(second): beside}
         delivery.file("--animation", animation, lambda path: save_side_by_side(films, path))
     elif film is not None:

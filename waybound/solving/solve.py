@@ -469,7 +469,7 @@ def _certified(
         bound, kind, source = bounds_of_levels(problem, evaluation, certificate.levels, further, _claimant(run), bound, kind, source)
     gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
     status = _status(problem, run, result, certificate, evaluation, bound)
-    messages = dict.fromkeys(m for m in (result.message, *run.notes) if m)
+    messages = dict.fromkeys(m for m in (_why_none(problem, certificate), result.message, *run.notes) if m)
     return Solution(
         problem=problem,
         answer=answer,
@@ -493,6 +493,15 @@ def _certified(
         chain=(() if run.made is None else run.made.links) + result.links,
         faults=faults,
     )
+
+
+def _why_none(problem: Problem, certificate: Certificate) -> str:
+    """What proves that there is no answer, where the problem has words of its own for it."""
+    for evidence in certificate.evidence[:1] if certificate.infeasible else ():
+        told = problem.why_none(evidence.kind, evidence.data)
+        if told != Problem.why_none(problem, evidence.kind, evidence.data):
+            return told
+    return ""
 
 
 def _second_opinions(

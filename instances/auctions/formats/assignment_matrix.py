@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,16 @@ import numpy as np
 
 from ...errors import InputError, UsageError
 from ...formats import FORMATS, Format
-from ...formats.table import delimiter_of, settings_of, written
-from ...text import label, number, plain
+from ...formats.table import CORNER, delimiter_of, settings_of, written
+from ...text import label, number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
 
-CORNER = "robot/bin"
 FORBIDDEN = ("", "-", "inf")
 KEYS = ("name",)
+TITLES = f"{CORNER} and the names of the bins as titles, then rows of a robot's name and its costs"
+
+_FEW = 50
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.I)
 
 
 def recognises(text: str) -> bool:
@@ -27,6 +31,15 @@ def recognises(text: str) -> bool:
         if line.strip() and not line.lstrip().startswith("#"):
             return line.split(delimiter_of(line))[0].strip().strip('"').lower() == CORNER
     return False
+
+
+def lacks(text: str) -> str | None:
+    """What a matrix lacks: all rows but the first hold numbers, in all cells but the first."""
+    lines = [line for line in text.split("\n")[:_FEW] if line.strip() and not line.lstrip().startswith("#")]
+    rows = [[cell.strip().strip('"') for cell in line.split(delimiter_of(lines[0]))] for line in lines]
+    if len(rows) < 2 or len(rows[0]) < 2 or any(len(row) != len(rows[0]) for row in rows):
+        return None
+    return TITLES if all(cell.lower() in FORBIDDEN or _NUMBER.fullmatch(cell) for row in rows[1:] for cell in row[1:]) else None
 
 
 def read(text: str, path: Path) -> AssignmentInstance:
@@ -43,6 +56,8 @@ def read(text: str, path: Path) -> AssignmentInstance:
                 continue
             if not titles:
                 titles = cells
+                if titles[0].lower() != CORNER:
+                    raise InputError("is a matrix without its corner", line=line, expected=TITLES, found=shown(titles[0]))
                 if len(titles) < 2:
                     raise InputError("there are no bins", line=line, expected=f"{CORNER} and one title a bin")
                 continue
@@ -83,6 +98,6 @@ FORMATS.add(
     "assignment-matrix",
     Format(
         "assignment-matrix", "costs from CSV, one row a robot and one column a bin", recognises, read, write, (),
-        PROBLEMS[0], PROBLEMS, "exact", sense="min", answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",),
+        PROBLEMS[0], PROBLEMS, "exact", sense="min", answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",), lacks=lacks,
     ),
 )  # fmt: skip

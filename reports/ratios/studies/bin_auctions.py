@@ -19,6 +19,22 @@ def _serial(problem: Any) -> float:
     return float(2.0**problem.num_robots - 1.0)
 
 
+def _optimum(problem: Any) -> float:
+    from scipy.optimize import linear_sum_assignment
+
+    matrix = problem.matrix()
+    return float(matrix[linear_sum_assignment(matrix)].sum())
+
+
+def _within(part: float) -> Configuration:
+    """An epsilon so large that n epsilon is 1 / ``part`` of the optimum."""
+    return Configuration(
+        f"n epsilon = OPT / {part:g}", "bertsekas", lambda problem: part / (part - 1.0),
+        lambda problem, rng: {"epsilon": _optimum(problem) / (part * max(problem.num_robots, problem.num_bins))},
+        takes=lambda problem: _optimum(problem) > 0.0,
+    )  # fmt: skip
+
+
 guarantee_study(
     "auction", "the cheapest bid wins a bin, stated 2 n^(log2 3/2) - 1 on costs of travel", 2000,
     [Configuration("deferred", "auction", families.greedy_bound)],
@@ -33,7 +49,11 @@ guarantee_study(
     [families.travel(fewer_robots=True), families.serial_lines(), families.greedy_lines()],
 )  # fmt: skip
 guarantee_study(
-    "bertsekas", "prices rise by bids, optimal for whole costs", 2000,
-    [Configuration("default", "bertsekas", lambda problem: 1.0 if (problem.cost % 1.0 == 0.0).all() else 1.0 + 1e-6)],
+    "bertsekas", "prices rise by bids, optimal for whole costs, or n epsilon more for a given epsilon", 2000,
+    [
+        Configuration("default", "bertsekas", lambda problem: 1.0 if (problem.cost % 1.0 == 0.0).all() else 1.0 + 1e-6),
+        _within(4.0),
+        _within(1000.0),
+    ],
     [families.travel(), families.arbitrary(), families.serial_lines(), families.greedy_lines()],
 )  # fmt: skip

@@ -171,9 +171,8 @@ def _phases(
     n, m = part.num_rows, part.num_columns
     price, owner = np.zeros(m, np.int64), np.full(m, -1, np.int64)
     span, counts = int(cost.max(initial=0)), np.zeros(2, np.int64)
-    dense = part.complete and m > kernels.KEPT
-    many = kernels.KEPT if dense else kernels.KEPT_SPARSE if len(part.columns) > kernels.MANY_PAIRS * n else 0
-    memory = np.full((n, 2 * many + 2), -1, np.int64)
+    lines = 0 if len(part.columns) <= kernels.MANY_PAIRS * n else kernels.LINES if part.complete else kernels.LINES_SPARSE
+    memory = kernels.remembered(n, lines) if lines else None
     pairs = part.indptr, part.columns, cost, price, owner
     ended, waiting = 0, 0
     while True:
@@ -182,7 +181,7 @@ def _phases(
         began, cap = int(counts[0]), most if not waiting else min(most, int(counts[0]) + TRIED * n)
         while True:
             limits = epsilon, span, cap
-            if many:
+            if memory is not None:
                 ended = kernels.remembering_phase(stop.flag, *pairs, *limits, memory, counts)
             else:
                 ended = kernels.sparse_phase(stop.flag, *pairs, *limits, counts)

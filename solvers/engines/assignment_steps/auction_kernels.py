@@ -10,22 +10,34 @@ from ....formulations.stop_kernel import asked
 NONE = 1 << 61
 """Cost of a forbidden pair; prices stay below half of it."""
 
-KEPT = 24
-"""Pairs that a row remembers where there are all, the cheapest when it last looked at all of its own."""
+LINE = 4
+"""Pairs that a row remembers together: with their limit they are one line of a processor's memory."""
 
-KEPT_SPARSE = 11
-"""Pairs that a row of a sparse matrix remembers."""
+LINES, LINES_SPARSE = 6, 3
+"""Lines of a row, the cheapest pairs first when it last looked at all of its own: where there are all pairs, and of a sparse matrix."""
 
 MANY_PAIRS = 12
 """Pairs of a row, in the mean, from which on remembering is worth it."""
 
+_COLUMN = (1 << 32) - 1
+
+
+def remembered(rows, lines):  # type: ignore[no-untyped-def]
+    """Memory of rows that never looked, for ``remembering_phase``; it begins where a line does."""
+    words = np.empty(8 * (rows * lines + 1), np.int64)
+    first = -(words.ctypes.data // 8) % 8
+    memory = words[first : first + 8 * rows * lines].reshape(rows, lines, 8)
+    memory[:, 0, 0] = -1
+    return memory
+
 
 @kernel()
 def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Rows without a column bid until none is left, the one that was outbid last first.
+    """Rows without a column bid in turn until none is left; who is outbid takes the turn of who outbids.
 
-    A row looks at the columns that it remembers. Prices only rise, so these are the cheapest as long as its two best are no dearer than
-    its limit, the least that any other cost when it last looked at all of them.
+    A row looks at the pairs that it remembers, line by line. Prices only rise, so its two best are known as soon as they are no dearer
+    than the limit of a line: the least that any pair behind it cost when the row last looked at all of them. Taking turns, rather than
+    having who is outbid bid at once, lets a processor read one row while it decides another.
 
     Parameters
     ----------
@@ -41,8 +53,8 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
         By how much a row that has one column alone bids.
     most : int
         Bids, all phases together.
-    memory : array of shape (rows, 2 KEPT + 2)
-        Of each row the limit, -1 where it never looked, then costs and columns of the pairs that it remembers.
+    memory : array of shape (rows, lines, 8)
+        Of ``remembered``. A line: its limit, -1 where the row never looked; costs; columns, two a word.
     counts : array of shape (2,)
         Bids, and looks at a whole row.
 
@@ -51,46 +63,45 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
     int
         0; 1 where it was stopped, 2 where prices grow beyond all bounds, 3 where ``most`` bids were not enough.
     """
-    many = memory.shape[1] // 2 - 1
-    stack, top = _bidders(owner, len(indptr) - 1)
-    while top > 0:
+    lines = memory.shape[1]
+    waiting, left = _bidders(owner, len(indptr) - 1)
+    values, pairs = np.empty(LINE * lines + 1, np.int64), np.empty(LINE * lines + 1, np.int64)
+    turn = 0
+    while left > 0:
         if asked(flag):
             return 1
-        i = stack[top - 1]
-        best, first, second = -1, NONE, NONE
-        if memory[i, 0] >= 0:
-            for k in range(1, many + 1):
-                value = memory[i, k] + price[memory[i, many + k]]
-                if value < second:
-                    if value < first:
-                        best, first, second = memory[i, many + k], value, first
-                    else:
-                        second = value
-        if memory[i, 0] < 0 or second > memory[i, 0]:
+        i = waiting[turn]
+        best, first, second = np.int64(-1), NONE, NONE
+        known = False
+        if memory[i, 0, 0] >= 0:
+            for line in range(lines):
+                for k in range(LINE):
+                    column = memory[i, line, 1 + LINE + k // 2] >> 32 * (k % 2) & _COLUMN
+                    value = memory[i, line, 1 + k] + price[column]
+                    if value < second:
+                        if value < first:
+                            best, first, second = column, value, first
+                        else:
+                            second = value
+                if second <= memory[i, line, 0]:
+                    known = True
+                    break
+        if not known:
             counts[1] += 1
-            size, worst = 0, NONE
-            for k in range(indptr[i], indptr[i + 1]):
-                value = cost[k] + price[columns[k]]
-                if value < worst:
-                    at = size + 1 if size < many else many
-                    if size < many:
-                        size += 1
-                    while at > 1 and memory[i, at - 1] > value:
-                        memory[i, at] = memory[i, at - 1]
-                        memory[i, many + at] = memory[i, many + at - 1]
-                        at -= 1
-                    memory[i, at] = value
-                    memory[i, many + at] = k
-                    if size == many:
-                        worst = memory[i, many]
-            memory[i, 0] = worst
-            first = memory[i, 1]
-            second = memory[i, 2] if size > 1 else NONE
-            for k in range(1, many + 1):
-                pair = memory[i, many + k] if k <= size else 0
-                memory[i, k] = cost[pair] if k <= size else NONE
-                memory[i, many + k] = columns[pair]
-            best = memory[i, many + 1]
+            _look(columns, cost, price, indptr[i], indptr[i + 1], values, pairs)
+            best, first, second = np.int64(columns[pairs[0]]), values[0], values[1]
+            for line in range(lines):
+                memory[i, line, 0] = values[LINE * (line + 1)]
+                for k in range(LINE):
+                    at = LINE * line + k
+                    column, paid = np.int64(0), NONE
+                    if values[at] < NONE:
+                        column, paid = np.int64(columns[pairs[at]]), cost[pairs[at]]
+                    memory[i, line, 1 + k] = paid
+                    if k % 2 == 0:
+                        memory[i, line, 1 + LINE + k // 2] = column
+                    else:
+                        memory[i, line, 1 + LINE + k // 2] |= column << 32
         counts[0] += 1
         price[best] += (second - first if second < NONE else span) + epsilon
         if price[best] > NONE // 2:
@@ -100,15 +111,38 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
         before = owner[best]
         owner[best] = i
         if before >= 0:
-            stack[top - 1] = before
+            waiting[turn] = before
+            turn += 1
         else:
-            top -= 1
+            left -= 1
+            waiting[turn] = waiting[left]
+        if turn >= left:
+            turn = 0
     return 0
 
 
 @kernel()
+def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """The cheapest pairs from ``begin`` to ``end`` at present prices, in ascending order; ``NONE`` where there are no more."""
+    size, many = 0, len(values)
+    worst = NONE
+    for k in range(begin, end):
+        value = cost[k] + price[columns[k]]
+        if value < worst:
+            at = min(size, many - 1)
+            size = min(size + 1, many)
+            while at > 0 and values[at - 1] > value:
+                values[at], pairs[at] = values[at - 1], pairs[at - 1]
+                at -= 1
+            values[at], pairs[at] = value, k
+            if size == many:
+                worst = values[many - 1]
+    values[size:] = NONE
+
+
+@kernel()
 def sparse_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """``remembering_phase`` with each row looking at all of its own pairs."""
+    """``remembering_phase`` with each row looking at all of its own pairs, the one that was outbid last first."""
     stack, top = _bidders(owner, len(indptr) - 1)
     while top > 0:
         if asked(flag):

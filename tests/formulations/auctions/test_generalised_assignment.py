@@ -72,6 +72,12 @@ def test_jobs_that_cannot_all_be_done_are_explained_with_proof() -> None:
     assert not list(worked("profit").infeasibility_reasons()) and not list(worked().infeasibility_reasons())
 
 
+def test_a_job_that_fits_nobody_is_named_by_solve_too() -> None:
+    problem = GeneralisedAssignment.from_arrays([[1.0, 2.0], [1.0, 2.0]], [[5.0, 2.0], [5.0, 1.0]], [2.0, 2.0], job_names=("far", "near"))
+    found = wb.solve(problem, "highs")
+    assert found.status == "infeasible" and found.certificate.infeasible and found.message.startswith("job far: it fits no agent")
+
+
 def test_answers_go_to_json_and_frames_and_back_by_name() -> None:
     problem = GeneralisedAssignment.from_arrays(
         [[1.0, 2.0], [3.0, 4.0]], np.ones((2, 2)), [2.0, 2.0], "profit", agent_names=("p", "q"), job_names=("x", "y")

@@ -141,6 +141,19 @@ def test_average_ratios_are_those_of_simulation() -> None:
         assert (np.abs(np.mean(seen, axis=0) - means) <= 4.0 * spread / math.sqrt(len(seen))).all()
 
 
+def test_average_ratios_in_an_orchard_of_five_lanes_are_those_of_simulation() -> None:
+    """Four robots and bins; to 0.02, as the simulation's draws of what is filled are not known, and four deviations of the mean."""
+    seen = []
+    for seed in range(draws(400)):
+        problem = BinAssignment(generate("assignment", seed, costs="orchard", robots=4, bins=4, rows=5, columns=10))
+        best = run_optimum(problem)
+        deferred, immediate = value(problem), value(problem, mode="immediate")
+        if best > 0:
+            seen.append([deferred / best, immediate / best, serial_value(problem) / best, deferred == best, immediate == best])
+    spread = np.std(seen, axis=0) / math.sqrt(len(seen))
+    assert (np.abs(np.mean(seen, axis=0) - (1.038, 1.040, 1.112, 0.72, 0.71)) <= 0.02 + 4.0 * spread).all()
+
+
 def serial_value(problem: BinAssignment) -> float:
     return float(problem.evaluate(run_heuristic(problem, "online-greedy", {}, 1).answer).values[0])
 

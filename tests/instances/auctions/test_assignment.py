@@ -36,11 +36,12 @@ def test_a_complete_matrix_is_a_view() -> None:
     [
         ([[1, 2], [3]], "row 1 of the costs has a wrong length; expected 2; found 1"),
         ([[1, float("nan")]], "the cost in row 0, column 1 is not a number"),
-        ([[1, -INF]], "the cost of 1 and 2 must be a number of at most 1e"),
+        ([[1, -INF]], "the cost of robot 1 and bin 2 must be a number of at most 1e"),
         ([["a", 1]], "costs must hold numbers"),
         (3.0, "costs must be a matrix"),
         (np.zeros((0, 2)), "there are no robots; expected one at least"),
         (np.zeros((2, 0)), "there are no bins"),
+        ([], "there are no robots"),
         ([1.0, 2.0], "costs must be a matrix"),
     ],
 )  # fmt: skip
@@ -66,7 +67,7 @@ def test_wrong_pairs_are_refused() -> None:
 
 
 def test_times_of_being_filled_are_one_a_bin_and_not_negative() -> None:
-    for filled, message in (([1.0], "one time of being filled a bin"), ([1.0, -1.0], "the time until 2 is full")):
+    for filled, message in (([1.0], "one time of being filled a bin"), ([1.0, -1.0], "the time until bin 2 is full")):
         with pytest.raises(InputError, match=message):
             AssignmentInstance.from_matrix([[1.0, 2.0]], filled=np.array(filled))
 

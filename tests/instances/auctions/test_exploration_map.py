@@ -43,6 +43,11 @@ def test_doors_lead_both_ways_and_a_room_hears_itself() -> None:
         ({"silence": -1}, "silence must be"),
         ({"steps": 0}, "steps must be"),
         ({"steps": 2.5}, "steps must be"),
+        (
+            {"doors": [(0, 1)], "room_names": ("hall", "lab", "vault")},
+            "no doors lead from a robot to 1 of the 3 rooms: vault; expected doors",
+        ),
+        ({"doors": [(0, 1)], "starts": [0, 2], "heard": [(0, 1)]}, "robot 2 can enter no room from which links lead to the base"),
     ],
 )
 def test_what_is_wrong_is_named(change: dict[str, Any], message: str) -> None:

@@ -107,6 +107,11 @@ def test_two_methods_are_shown_beside_each_other(film, tmp_path):
 
     with Image.open(tmp_path / "both.gif") as both:
         assert both.n_frames == 5
+    other.shots.pop()
     with pytest.raises(UsageError, match="of one length"):
-        other.shots.pop()
         save_side_by_side({"a": film[0], "b": other}, tmp_path / "c.gif")
+    other.over = True  # its last picture stays
+    save_side_by_side({"a": film[0], "b": other}, tmp_path / "c.gif")
+    with Image.open(tmp_path / "c.gif") as both:
+        assert both.n_frames == 5
+    assert len(other.shots) == 4

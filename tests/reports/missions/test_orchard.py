@@ -30,6 +30,12 @@ def test_policies_play_the_compiled_day(policy, delivery):
     assert log["returned"].tolist() == [day.returned_by(step) for step in range(1, 81)]
 
 
+def test_a_day_is_played_to_its_end_by_default():
+    log = wb.run("orchard", policy="greedy", seed=5, **SMALL)
+    assert log["finished"].iloc[-1] == len(log) == play_day(RULES, 5, "greedy", "proposed").makespan
+    assert log["finished"].iloc[:-1].isna().all()
+
+
 @pytest.mark.parametrize(("mode", "policy"), [("deferred", "auction"), ("immediate", "auction-immediate")])
 def test_the_auction_as_a_heuristic_is_the_rule_of_its_name(mode, policy):
     log = wb.run("orchard", heuristic="auction", options={"mode": mode}, steps=40, seed=2, **SMALL)

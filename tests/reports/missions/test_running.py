@@ -92,6 +92,24 @@ def test_a_world_and_a_mission_of_ones_own_are_played_by_any_decider(decider):
         assert row["picked"] == pytest.approx(twin.picked)
 
 
+def test_without_steps_a_mission_is_played_until_its_world_is_over_or_as_long_as_it_lasts():
+    class Ripe(Orchard):
+        @property
+        def over(self):
+            return self.picked > 9.0
+
+    class Harvest(Picking):
+        lasting = 50
+
+        def world(self, seed, **settings):
+            return Ripe(5, np.random.default_rng(seed))
+
+    picked = run(Harvest(), policy="first-two")["picked"]
+    assert picked.iloc[-1] > 9.0 >= picked.iloc[-2]
+    assert len(run(Harvest(), policy="first-two", steps=len(picked) + 3)) == len(picked) + 3
+    assert len(run(Picking(), policy="first-two")) == Picking.lasting == 100
+
+
 def test_a_policy_solves_no_problem():
     log = run(Picking(), steps=4, policy="first-two")
     assert (log["problems"] == 0).all()

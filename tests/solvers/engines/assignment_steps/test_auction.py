@@ -46,6 +46,31 @@ def test_larger_ones_agree_with_shortest_augmenting_paths(costs: str, n: int, m:
     assert found.looks <= found.bids
 
 
+@pytest.mark.parametrize("largest", [2, 1000])
+def test_rows_remember_their_cheapest_pairs_line_by_line(largest: int) -> None:
+    """Rows of 1 pair, of less than a line, of some lines and of more than they remember; many ties."""
+    from scipy.optimize import linear_sum_assignment
+
+    from waybound.solvers.engines.assignment_steps import auction_kernels as kernels
+
+    rng = np.random.default_rng(largest)
+    for lines in (kernels.LINES, kernels.LINES_SPARSE):
+        memory = kernels.remembered(7, lines)
+        assert memory.shape == (7, lines, 8) and not memory.ctypes.data % 64 and (memory[:, 0, 0] == -1).all()
+    for _ in range(draws(60)):
+        n = 40
+        m = n + int(rng.integers(0, 2)) * int(rng.integers(1, 20))
+        allowed = rng.random((n, m)) < rng.choice([0.02, 0.2, 0.9], (n, 1), p=[0.2, 0.2, 0.6])
+        allowed[np.arange(n), rng.permutation(m)[:n]] = True
+        assert allowed.sum() > kernels.MANY_PAIRS * n
+        costs = np.where(allowed, rng.integers(0, largest + 1, (n, m)), np.inf)
+        problem = BinAssignment.from_matrix(costs)
+        found = auction(problem, NEVER)
+        best = costs[linear_sum_assignment(np.where(allowed, costs, 1e7))].sum()
+        assert problem.evaluate(found.answer).values[0] == best == found.evidence(problem, "x").value
+        assert found.looks < found.bids
+
+
 def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> None:
     """One robot, bins at 5 and 3 whose prices begin at 0 and 10: without repair it takes the first, 2 above the optimum."""
     from waybound.solvers.engines.assignment_steps.auction_kernels import sparse_phase
