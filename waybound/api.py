@@ -191,7 +191,7 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     ----------
     problem : Problem
     bound_time : float, seconds
-        Budget of all methods together.
+        Budget of all methods together, and of all levels of the objective.
     seed, threads : int
     lp_solver : str, optional
         A name of ``solvers()``: who solves the linear programs that methods meet on their way; HiGHS by default.
@@ -199,7 +199,8 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     Returns
     -------
     Certificate
-        ``bound`` is None where no method proves one.
+        ``bound`` is None where no method proves one. ``levels`` holds the bounds of the levels of priority after the first, each of
+        the answers that meet the bounds before it.
 
     Raises
     ------
@@ -213,17 +214,15 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     """
     import warnings
 
-    from .formulations.certificate import certify
     from .solvers.linear_programs import linear_programs
-    from .solving.bounding import find_bounds
+    from .solving.levels import bound_alone
 
     _refuse_path("bound", problem)
     check_number("bound_time", bound_time, above=0, option="the time for bounding")
     check_whole("seed", seed)
     check_whole("threads", threads, least=1)
     unable: list[str] = []
-    found = find_bounds(problem, bound_time, unable=unable, linear=linear_programs(lp_solver, seed, threads))
-    made = certify(problem, None, found, unproved=unable)
+    made, _, _ = bound_alone(problem, bound_time, linear_programs(lp_solver, seed, threads), unable)
     for line in unable:
         warnings.warn(line, RuntimeWarning, stacklevel=2)
     return made

@@ -427,7 +427,7 @@ def _certified(
     left = 0.0 if budget is None or record is None else budget - bound_seconds
     if record is not None and len(problem.senses) > 1 and evaluation is not None and left > 0.0 and not searched.interrupted:
         try:
-            certificate = further_levels(problem, certificate, evaluation, left, _linear(options), record, run.notes)
+            certificate = further_levels(problem, certificate, evaluation, left, _linear(options), run.notes, record.begin_phase)
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     heard: list[tuple[str, RawResult]] = []
