@@ -21,14 +21,19 @@ if TYPE_CHECKING:
 Source = str | PathLike[str]
 
 
-def read_source(path: Source, format: str | None = None, problem: str | None = None) -> Instance:  # noqa: A002
+def read_source(
+    path: Source,
+    format: str | None = None,  # noqa: A002
+    problem: str | None = None,
+    settings: dict[str, Any] | None = None,
+) -> Instance:
     """The instance in a file, or the bundled one of that name where there is no such file; see ``read_instance``."""
     from .instances.bundled import bundled_names, bundled_path
     from .instances.reading import read_instance
 
     if isinstance(path, str) and not Path(path).exists() and path in bundled_names():
-        return read_instance(bundled_path(path), format, problem)
-    return read_instance(path, format, problem)
+        return read_instance(bundled_path(path), format, problem, settings)
+    return read_instance(path, format, problem, settings)
 
 
 def read(
@@ -54,6 +59,7 @@ def read(
     **settings
         Changes of the data, as with ``--set``: ``customers=25``, ``vehicles=3``, ``vehicles="unlimited"``,
         ``vehicles_exactly=17``, ``capacity=100``, ``objective="vehicles then total-cost"``; ``fractional=True`` for a bottleneck problem.
+        Tables of sites (CSV, GeoJSON) take what ``RoutingProblem.from_frame`` takes: ``speed=50, time_unit="min", fleet=frame``, ...
 
     Returns
     -------
@@ -72,7 +78,8 @@ def read(
     >>> problem.problem
     'vrptw'
     """
-    return problem_of(read_source(path, format, problem), problem, convention, settings)
+    given = _dashed(settings)
+    return problem_of(read_source(path, format, problem, given), problem, convention, given)
 
 
 def problem_of(instance: Instance, problem: str | None, convention: str | None, settings: Mapping[str, Any]) -> Problem:
