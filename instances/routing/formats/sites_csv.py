@@ -43,9 +43,9 @@ EXPRESSIBLE = frozenset(
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds the titles of coordinates, or ``id``, among others, and no roles."""
+    """Whether the first line that is no comment holds titles of coordinates, or ``id``, among others, and no roles."""
     titles = {ALIASES.get(title, title) for title in titles_of(text)}
-    return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles or {"lat", "lon"} <= titles) and "role" not in titles
+    return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles or bool({"lat", "lon"} & titles)) and "role" not in titles
 
 
 def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> RoutingInstance:

@@ -111,6 +111,9 @@ def read(text: str, path: Path) -> RoutingInstance:
     if kind == "OP":
         return _orienteering(spec, name, Sites.of(ids, depot=flags, reward=_scores(spec, n), required=False, coordinates=xy), travel, depot)
     notes: list[str] = [] if "TYPE" in spec.headers else [f"the file has no TYPE, and is read as {kind} by what it holds"]
+    if travel.metric == "GEO" and (found := _no_minutes(travel.coordinates)) is not None:
+        notes.append(f"GEO coordinates are degrees and minutes (DDD.MM), and {found:g} has 60 minutes or more: decimal degrees belong into "
+                     "the columns lat and lon of a CSV file")  # fmt: skip
     pickup: Floats = np.zeros(n)
     lines: list[int] | None
     if kind in SIMULTANEOUS:
@@ -206,6 +209,13 @@ def _travel(spec: Specification, n: int, kind: str) -> tuple[Floats | None, Trav
         refuse((np.abs(own) > (90, 180)).any(axis=1), where, "latitude or longitude out of range", own, "within 90 and 180 degrees")
         coordinates = own[:, ::-1]  # a map has the longitude on its x axis
     return coordinates, Travel("euclidean" if metric == EXACT_2D else metric, coordinates=own)
+
+
+def _no_minutes(coordinates: Floats | None) -> float | None:
+    """The first number that is no angle in degrees and minutes."""
+    assert coordinates is not None
+    beyond = np.round(100.0 * np.abs(coordinates - np.trunc(coordinates)), 6) >= 60.0
+    return float(coordinates[beyond][0]) if beyond.any() else None
 
 
 def _scores(spec: Specification, n: int) -> Floats:

@@ -260,7 +260,7 @@ def test_recognition_looks_at_the_titles() -> None:
     assert recognises(GOOD)
     assert recognises("X;Y;Demand\n")
     assert recognises('"id"\t"x"\n')
-    assert recognises("name,lat,lng\n")
+    assert recognises("name,lat,lng\n") and recognises("name,lat\n")
     assert not recognises("id\n1\n")
     assert not recognises("a,b,c\n")
     assert not recognises("# only: comments\n")
