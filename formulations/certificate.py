@@ -320,7 +320,7 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
         _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
     for piece in evidence:
         _compare_evidence(problem, piece, made)
-    levels = check_levels(problem, data.get("levels"), evaluation)
+    levels = check_levels(problem, data.get("levels"), evaluation, data.get("objective") is not None)
     if levels:
         made = replace(made, levels=levels) if evaluation is None else with_levels(made, evaluation, levels)
     _compare_figures(data, made)
@@ -410,8 +410,19 @@ def bound_line(c: Certificate) -> Line:
     return Line("bound", f"{number(bounds if c.levels else c.bound)}, verified: {', then '.join(sources)}", "good")
 
 
-def _bound_lines(c: Certificate) -> list[Line]:
+def bound_lines(c: Certificate) -> list[Line]:
+    """What is proved of all answers, and of which ones a level's bound is, where it is no answer that says so."""
     lines = [bound_line(c)]
+    if c.feasible is None:
+        lines += [
+            Line("", f"level {k}: of solutions that are worth {number(level.given)} before it", "quiet")
+            for k, level in enumerate(c.levels, start=2)
+        ]
+    return lines
+
+
+def _bound_lines(c: Certificate) -> list[Line]:
+    lines = bound_lines(c)
     if c.gap is not None:
         lines.append(gap_line(c.objective, [c.bound, *(level.bound for level in c.levels)], c.gap))
     return [*lines, *ratio_lines(c)]

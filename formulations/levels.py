@@ -12,6 +12,7 @@ from . import tolerance
 from .evaluation import Evaluation
 from .evidence import Evidence
 from .problem import Problem
+from .rendering import number
 
 if TYPE_CHECKING:
     from .certificate import Certificate
@@ -49,9 +50,24 @@ class LevelBound:
 
 
 def best_level_bound(
-    problem: Problem, evaluation: Evaluation, level: int, evidence: Sequence[Evidence], unproved: list[str] | None = None
+    problem: Problem,
+    before: tuple[float, ...],
+    evaluation: Evaluation | None,
+    evidence: Sequence[Evidence],
+    unproved: list[str] | None = None,
 ) -> LevelBound | None:
-    """The best of ``evidence`` on ``problem.given(values before level)``, each piece read by its checker; None where nothing is proved.
+    """The best of ``evidence`` on ``problem.given(before)``, each piece read by its checker; None where nothing is proved.
+
+    Parameters
+    ----------
+    problem : Problem
+    before : tuple of float
+        Values of the levels before: the answer's, or, where there is none, any.
+    evaluation : Evaluation or None
+        Of an answer, whose value at the level no bound may contradict.
+    evidence : sequence of Evidence
+    unproved : list of str, optional
+        Receives a line for each piece whose checker fails, and where no answer is worth ``before``.
 
     Raises
     ------
@@ -60,7 +76,7 @@ def best_level_bound(
     """
     from .certificate import beats_bound, better_bound, verified_bound
 
-    before = evaluation.values[:level]
+    level = len(before)
     part, sense = problem.given(before), problem.senses[level]
     found: LevelBound | None = None
     if part is None:
@@ -75,11 +91,15 @@ def best_level_bound(
         if math.isfinite(bound) and (found is None or better_bound(sense, bound, found.bound)):
             found = LevelBound(before, bound, replace(piece, value=bound))
         elif bound == (math.inf if sense == "min" else -math.inf):
+            if evaluation is None:
+                if unproved is not None:
+                    unproved.append(f"no solution is worth {number(before)} before level {level + 1}: {piece.source}")
+                return None
             raise CheckFailedError(
                 f"an answer passed every check, but {piece.source} proves that none is as good before level {level + 1}: "
                 "one of the two checks is wrong; please report this"
             )
-    if found is not None and evaluation.feasible:
+    if found is not None and evaluation is not None and evaluation.feasible:
         size = evaluation.sizes[level] if evaluation.sizes else 0.0
         if beats_bound(sense, evaluation.values[level], found.bound, size):
             raise CheckFailedError(
@@ -103,8 +123,10 @@ def with_levels(certificate: Certificate, evaluation: Evaluation, levels: Sequen
     return made if len(levels) + 1 == len(evaluation.values) else replace(made, gap=None)
 
 
-def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None) -> tuple[LevelBound, ...]:
-    """Verify the further levels of a certificate file.
+def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None, of_answer: bool = True) -> tuple[LevelBound, ...]:
+    """Verify the further levels of a certificate file, which is one ``of_answer`` or of bounds alone.
+
+    Bounds alone are given bounds: what they say of other answers than the one at hand is verified and left out.
 
     Raises
     ------
@@ -129,7 +151,8 @@ def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None) -> 
             raise InputError(
                 "the certificate's levels are malformed", expected=f"{level} values before level {level + 1}", found=str(len(given))
             )
-        if evaluation is not None and not all(evaluation.same_at(k, value) for k, value in enumerate(given)):
+        concerned = evaluation is None or all(evaluation.same_at(k, value) for k, value in enumerate(given))
+        if evaluation is not None and of_answer and not concerned:
             raise CheckFailedError(
                 f"the certificate's bound of level {level + 1} is given {list(given)}, the answer is worth {evaluation.objective}"
             )
@@ -139,5 +162,6 @@ def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None) -> 
         stated, sense = real(entry["bound"], "bound of a level"), problem.senses[level]
         if proved is None or not math.isfinite(proved) or (better_bound(sense, stated, proved) and not tolerance.same(stated, proved)):
             raise CheckFailedError(f"the certificate states the bound {stated!r} at level {level + 1}, its evidence proves {proved!r}")
-        made.append(LevelBound(given, proved, replace(piece, value=proved)))
+        if concerned:
+            made.append(LevelBound(given, proved, replace(piece, value=proved)))
     return tuple(made)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from .errors import InputError, UsageError
 from .formats import FORMATS, Format
@@ -12,7 +13,12 @@ from .instance import Instance
 from .text import read_text, shown
 
 
-def read_instance(path: str | PathLike[str], format: str | None = None, problem: str | None = None) -> Instance:  # noqa: A002
+def read_instance(
+    path: str | PathLike[str],
+    format: str | None = None,  # noqa: A002
+    problem: str | None = None,
+    settings: dict[str, Any] | None = None,
+) -> Instance:
     """The instance that a file holds.
 
     Parameters
@@ -22,6 +28,8 @@ def read_instance(path: str | PathLike[str], format: str | None = None, problem:
         A name of ``FORMATS``; recognised from the content by default.
     problem : str, optional
         What is to be asked of it, which settles the format where the content allows more than one, and nothing else.
+    settings : dict, optional
+        Those of ``--set``; what the format's reader takes of them is taken out.
 
     Returns
     -------
@@ -39,8 +47,9 @@ def read_instance(path: str | PathLike[str], format: str | None = None, problem:
     chosen = FORMATS[format] if format is not None else None
     text = read_text(path)
     chosen = chosen or recognise(text, path, problem)
+    taken = {key: settings.pop(key) for key in chosen.settings if key in settings} if settings else {}
     try:
-        return chosen.read(text, Path(path))
+        return chosen.read(text, Path(path), taken) if taken else chosen.read(text, Path(path))
     except InputError as error:
         raise error.at(file=path) from None
     except UsageError as error:  # a name inside the file that does not exist

@@ -150,6 +150,8 @@ class Control:
         self.bound: float | None = None
         self.evidence: tuple[Evidence, ...] = ()
         self.goal: Callable[[Any, float | None], bool] | None = None
+        self.nodes: int | None = None
+        self._counts_for: Control | None = None
 
     @property
     def stopped(self) -> bool:
@@ -177,6 +179,12 @@ class Control:
         with self._lock:
             self._closed = True
 
+    def count(self, nodes: int) -> None:
+        """Nodes of branch and bound that are done: told with what is published next, here and by whom this hands on to."""
+        self.nodes = nodes
+        if self._counts_for is not None:
+            self._counts_for.count(nodes)
+
     def publish(
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
     ) -> None:
@@ -190,7 +198,8 @@ class Control:
                 self.bound = bound
             if evidence:
                 self.evidence = evidence
-            event = {"seconds": time.perf_counter() - self.started, "objective": self.objective, "bound": self.bound}
+            seconds = time.perf_counter() - self.started
+            event = {"seconds": seconds, "objective": self.objective, "bound": self.bound, "nodes": self.nodes}
         if self._progress is not None:
             self._progress(event)
         if answer is not None and self.goal is not None and not self.stopped and self.goal(answer, objective):

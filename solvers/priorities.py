@@ -159,7 +159,7 @@ class _LevelControl(Control):
 
     def __init__(self, outer: Control, first: RawResult, held: Held) -> None:
         super().__init__()
-        self._outer, self._first, self._held = outer, first, held
+        self._outer, self._first, self._held, self._counts_for = outer, first, held, outer
         outer.on_stop(self.stop)
 
     def publish(

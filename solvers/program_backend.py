@@ -223,7 +223,7 @@ class _Relay(Control):
 
     def __init__(self, outer: Control, chain: Chain | None) -> None:
         super().__init__()
-        self._outer, self._chain = outer, chain
+        self._outer, self._chain, self._counts_for = outer, chain, outer
         mine = weakref.ref(self)
 
         def end() -> None:  # the outer one may live for many programs

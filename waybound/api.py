@@ -21,14 +21,19 @@ if TYPE_CHECKING:
 Source = str | PathLike[str]
 
 
-def read_source(path: Source, format: str | None = None, problem: str | None = None) -> Instance:  # noqa: A002
+def read_source(
+    path: Source,
+    format: str | None = None,  # noqa: A002
+    problem: str | None = None,
+    settings: dict[str, Any] | None = None,
+) -> Instance:
     """The instance in a file, or the bundled one of that name where there is no such file; see ``read_instance``."""
     from .instances.bundled import bundled_names, bundled_path
     from .instances.reading import read_instance
 
     if isinstance(path, str) and not Path(path).exists() and path in bundled_names():
-        return read_instance(bundled_path(path), format, problem)
-    return read_instance(path, format, problem)
+        return read_instance(bundled_path(path), format, problem, settings)
+    return read_instance(path, format, problem, settings)
 
 
 def read(
@@ -54,6 +59,7 @@ def read(
     **settings
         Changes of the data, as with ``--set``: ``customers=25``, ``vehicles=3``, ``vehicles="unlimited"``,
         ``vehicles_exactly=17``, ``capacity=100``, ``objective="vehicles then total-cost"``; ``fractional=True`` for a bottleneck problem.
+        Tables of sites (CSV, GeoJSON) take what ``RoutingProblem.from_frame`` takes: ``speed=50, time_unit="min", fleet=frame``, ...
 
     Returns
     -------
@@ -72,7 +78,8 @@ def read(
     >>> problem.problem
     'vrptw'
     """
-    return problem_of(read_source(path, format, problem), problem, convention, settings)
+    given = _dashed(settings)
+    return problem_of(read_source(path, format, problem, given), problem, convention, given)
 
 
 def problem_of(instance: Instance, problem: str | None, convention: str | None, settings: Mapping[str, Any]) -> Problem:
@@ -155,7 +162,7 @@ def judge(problem: Problem, answer: Any, *, form: str | None = None) -> Certific
     answer : object
         A ``Solution`` or the problem's own answer; of routes a list of lists of sites, such a list by the name of each vehicle, or a frame
         with the columns ``vehicle`` and ``site``; the parsed JSON of an answer; or the path of a file: all that ``Solution.save`` writes,
-        VROOM's output, and solution files of HiGHS, SCIP, CBC, Gurobi and MathOpt to an exported model.
+        VROOM's output, and solution files of HiGHS, SCIP, CBC, GLPK, Gurobi and MathOpt to an exported model.
     form : str, optional
         For a solver's file: the form that was exported; by default whichever the file is a solution of.
 
@@ -191,7 +198,7 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     ----------
     problem : Problem
     bound_time : float, seconds
-        Budget of all methods together.
+        Budget of all methods together, and of all levels of the objective.
     seed, threads : int
     lp_solver : str, optional
         A name of ``solvers()``: who solves the linear programs that methods meet on their way; HiGHS by default.
@@ -199,7 +206,8 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     Returns
     -------
     Certificate
-        ``bound`` is None where no method proves one.
+        ``bound`` is None where no method proves one. ``levels`` holds the bounds of the levels of priority after the first, each of
+        the answers that meet the bounds before it.
 
     Raises
     ------
@@ -213,17 +221,15 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     """
     import warnings
 
-    from .formulations.certificate import certify
     from .solvers.linear_programs import linear_programs
-    from .solving.bounding import find_bounds
+    from .solving.levels import bound_alone
 
     _refuse_path("bound", problem)
     check_number("bound_time", bound_time, above=0, option="the time for bounding")
     check_whole("seed", seed)
     check_whole("threads", threads, least=1)
     unable: list[str] = []
-    found = find_bounds(problem, bound_time, unable=unable, linear=linear_programs(lp_solver, seed, threads))
-    made = certify(problem, None, found, unproved=unable)
+    made, _, _ = bound_alone(problem, bound_time, linear_programs(lp_solver, seed, threads), unable)
     for line in unable:
         warnings.warn(line, RuntimeWarning, stacklevel=2)
     return made

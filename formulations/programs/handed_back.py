@@ -43,7 +43,7 @@ def vector_in_file(program: Program, path: str | PathLike[str]) -> Floats:
         read = solver_file(text)
         if read is None:
             found = text.strip().split("\n")[0][:40]
-            raise InputError("is no solver's solution file", expected="one of HiGHS, SCIP, CBC, Gurobi or MathOpt", found=repr(found))
+            raise InputError("is no solver's solution file", expected="one of HiGHS, SCIP, CBC, GLPK, Gurobi or MathOpt", found=repr(found))
         return vector_of(program, read)
     except InputError as error:
         raise error.at(file=path) from None

@@ -1,8 +1,8 @@
 """What solvers write of a program that they were given as a file: values of variables by name.
 
-Read are the files of HiGHS (raw and table), SCIP, CBC, and Gurobi (``name value``, which others write too), and MathOpt's results as
-text or JSON. Zeros may be left out. Names are those of the exports; positions (``x3``, ``c3``, ``X0000003``), which solvers make up where a
-model has none, are taken where every name is one.
+Read are the files of HiGHS (all its styles), SCIP, CBC, GLPK (raw and printed), and Gurobi (``name value``, which others write too), and
+MathOpt's results as text or JSON. Zeros may be left out. Names are those of the exports; positions (``x3``, ``c3``, ``X0000003``), which
+solvers make up where a model has none, are taken where every name is one.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _MADE_UP = frozenset({"objoffset", "objconstant", "constant", "const"})
 SAME = 1e-5
 """Relative difference up to which a stated objective is that of the values beside it: files hold some ten digits."""
 
-_NONE = re.compile(r"infeasible|unbounded|no solution", re.IGNORECASE)
+_NONE = re.compile(r"infeasible|unbounded|undefined|empty|no (?:integer )?solution", re.IGNORECASE)
 
 
 @dataclass
@@ -41,17 +41,20 @@ class SolverFile:
     ----------
     solver : str
     values : dict
-        By name; of MathOpt by number of the column.
+        By name.
     stated : float, optional
         The objective that it states.
     columns : int, optional
         How many variables the model had, where it says so.
+    numbered : bool
+        Whether names are numbers of columns, ``x0`` for the first one.
     """
 
     solver: str
     values: dict[str, float] = field(default_factory=dict)
     stated: float | None = None
     columns: int | None = None
+    numbered: bool = False
 
 
 def solver_file(text: str) -> SolverFile | None:
@@ -84,30 +87,50 @@ def _put(made: SolverFile, name: str, token: str, line: int) -> None:
 
 
 def _highs(text: str) -> SolverFile:
-    made, inside = SolverFile("HiGHS"), False
+    """Of style 0, and of style 4, which has a negative number of columns and then name, value and number of those that are not 0."""
+    made, count = SolverFile("HiGHS"), 0
+    inside = False
     for line, row in lines_of(text):
         words = row.split()
-        if row.startswith("# Columns") and made.columns is None:
-            inside, made.columns = True, int(words[2])
+        if row.startswith("# Columns") and not inside:
+            inside, count = True, int(words[2])
         elif row.startswith("#") and inside:
             break
         elif inside:
-            if len(words) != 2:
+            if len(words) != (2 if count > 0 else 3):
                 raise InputError("line is not understood", line=line, expected="a name and a value", found=shown(row))
             _put(made, words[0], words[1], line)
         elif words[0] == "Objective" and len(words) == 2:
             made.stated = _value(words[1], line, "Objective")
-        elif row in ("None", "Infeasible") and made.columns is None:
+        elif row in ("None", "Infeasible"):
             raise InputError("holds no solution", line=line, found=shown(row))
-    if made.columns is None:
+    if not inside:
         raise InputError("holds no solution", expected="# Columns")
-    if len(made.values) != made.columns:
-        raise InputError("is cut off", expected=f"{made.columns} variables", found=str(len(made.values)))
+    if len(made.values) != abs(count):
+        raise InputError("is cut off", expected=f"{abs(count)} variables", found=str(len(made.values)))
+    made.columns = count if count > 0 else None
+    return made
+
+
+def _highs_old(text: str) -> SolverFile:
+    """Of style -1: values alone, in the order of the columns."""
+    rows = lines_of(text)
+    n = int(rows[0][1].split()[0])
+    at = next((k for k, (_, row) in enumerate(rows) if row == "Columns"), None)
+    if at is None or (rows[1][1].split() or [""])[0] != "T":
+        raise InputError("holds no solution", line=rows[min(1, len(rows) - 1)][0])
+    made = SolverFile("HiGHS", columns=n, numbered=True)
+    for k, (line, row) in enumerate(rows[at + 1 : at + 1 + n]):
+        _put(made, f"x{k}", row, line)
+    if len(made.values) != n:
+        raise InputError("is cut off", expected=f"{n} variables", found=str(len(made.values)))
     return made
 
 
 def _highs_table(text: str) -> SolverFile:
     made, place = SolverFile("HiGHS"), None
+    if (found := re.search(r"^Model status:.*$", text, re.MULTILINE)) and _NONE.search(found[0]):
+        raise InputError("holds no solution", line=text.count("\n", 0, found.start()) + 1, found=shown(found[0]))
     for line, row in lines_of(text):
         words = row.split()
         if row == "Rows":
@@ -143,7 +166,7 @@ def _scip(text: str) -> SolverFile:
 
 
 def _cbc(text: str) -> SolverFile:
-    made = SolverFile("CBC")
+    made, last = SolverFile("CBC"), -1
     for line, row in lines_of(text):
         words = row.split()
         if "objective value" in row and made.stated is None and not made.values:
@@ -154,7 +177,62 @@ def _cbc(text: str) -> SolverFile:
         words = words[1:] if words[0] == "**" else words  # a value beyond its bounds: the judge sees it
         if len(words) != 4 or not words[0].isdigit():
             raise InputError("line is not understood", line=line, expected="index, name, value, cost", found=shown(row))
+        if int(words[0]) <= last:
+            made.values.clear()  # what came before were the rows, which it prints where it is asked for all
+        last = int(words[0])
         _put(made, words[1], words[2], line)
+    return made
+
+
+def _glpk(text: str) -> SolverFile:
+    """GLPK's raw text: ``s`` what it is, ``j`` a column by number."""
+    made, places = SolverFile("GLPK", numbered=True), {"mip": 2, "ipt": 2, "bas": 3}
+    place, ended = 2, False
+    for line, row in lines_of(text):
+        words = row.split()
+        if words[0] == "s":
+            if len(words) < 6 or words[1] not in places or not words[3].isdigit():
+                raise InputError(
+                    "line is not understood", line=line, expected="s, kind, rows, columns, status, objective", found=shown(row)
+                )
+            if not set(words[4:-1]) <= {"o", "f"}:
+                raise InputError("holds no solution", line=line, found=shown(row))
+            place, made.columns, made.stated = places[words[1]], int(words[3]), _value(words[-1], line, "objective")
+        elif words[0] == "j" and len(words) > place and words[1].isdigit():
+            _put(made, f"x{int(words[1]) - 1}", words[place], line)
+        elif words == ["e", "o", "f"]:
+            ended = True
+        elif words[0] not in ("c", "i"):
+            raise InputError("line is not understood", line=line, expected="c, s, i, j or e", found=shown(row))
+    if not ended:
+        raise InputError("is cut off", expected="e o f")
+    return made
+
+
+def _glpk_printed(text: str) -> SolverFile:
+    """What GLPK prints of a solution: a table of rows and one of columns, in which long names have a line of their own."""
+    made, inside, name = SolverFile("GLPK"), False, ""
+    for line, row in lines_of(text):
+        words = row.split()
+        if words[0] == "Status:" and _NONE.search(row):
+            raise InputError("holds no solution", line=line, found=shown(row))
+        if words[0] == "Objective:" and "=" in words:
+            made.stated = _value(words[words.index("=") + 1], line, "objective")
+        elif words[0] == "Columns:" and words[1].isdigit():
+            made.columns = int(words[1])
+        elif words[0] == "No.":
+            inside = "Column" in words
+        elif inside and not row.startswith("-"):
+            if not name and words[0].isdigit() and len(words) > 1:
+                name, words = words[1], words[2:]
+            elif not name:
+                break
+            words = [word for word in words if word not in ("*", "B", "NL", "NU", "NF", "NS")]
+            if words:
+                _put(made, name, words[0], line)
+                name = ""
+    if made.columns is None or len(made.values) != made.columns:
+        raise InputError("is cut off", expected=f"{made.columns} variables", found=str(len(made.values)))
     return made
 
 
@@ -196,7 +274,7 @@ def of_mathopt(said: object) -> SolverFile:
         raise InputError("the result of MathOpt holds no solution")
     values = held[0].variable_values
     numbers = zip(values.ids, values.values, strict=True)
-    return SolverFile("MathOpt", {f"x{k}": float(v) for k, v in numbers}, float(held[0].objective_value))
+    return SolverFile("MathOpt", {f"x{k}": float(v) for k, v in numbers}, float(held[0].objective_value), numbered=True)
 
 
 def _starts(pattern: str) -> Callable[[str], bool]:
@@ -209,11 +287,14 @@ def _has(pattern: re.Pattern[str], text: str) -> bool:
 
 READERS: tuple[tuple[Callable[[str], bool], Callable[[str], SolverFile]], ...] = (
     (_starts(r"Model status\s*\n"), _highs),
+    (_starts(r"\d+ \d+ : Number of columns and rows"), _highs_old),
+    (_starts(r"c Problem:|c Rows:|s (?:mip|bas|ipt) "), _glpk),
+    (_starts(r"Problem:.*\n\s*Rows:"), _glpk_printed),
     (_starts(r"Columns\s*\n\s*Index\s+Status"), _highs_table),
     (_starts(r"(?:solution status:|objective value:|no solution available)"), _scip),
-    (_starts(r"(?:[A-Za-z][A-Za-z ()]*- )objective value"), _cbc),
+    (_starts(r"[A-Za-z][A-Za-z (),-]*- objective value"), _cbc),
     (_starts(r"(?:termination|solutions|solve_stats)\s*\{|\{\s*\"(?:termination|solutions|solveStats)\""), _mathopt),
-    (_starts(r"#\s*(?:Solution for model|Objective value)"), _plain),
+    (_starts(r"(?:#[^\n]*\n\s*)*#\s*(?:Solution for model|Objective value)"), _plain),
 )
 """Whether a text is meant as a file of each solver, and its reader."""
 
@@ -248,7 +329,7 @@ def _named(program: Program, read: SolverFile) -> Mapping[int, float]:
     """Values by column."""
     n, given = program.num_variables, {name: v for name, v in read.values.items() if name.casefold() not in _MADE_UP}
     columns = {name: k for k, name in enumerate(column_names(program))}
-    if read.solver != "MathOpt":
+    if not read.numbered:
         if all(name in columns for name in given):
             return {columns[name]: value for name, value in given.items()}
         own = {program.variable_name(k): k for k in range(n)}

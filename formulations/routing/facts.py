@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...instances.instance import digest
 from ...instances.routing.features import features
+from ...instances.routing.geography import middle
 from ...instances.routing.travel import EXPLICIT
 from .reachability import unreachable
 
@@ -48,6 +49,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
         "fleet": [_vehicle(v, s) for v in problem.fleet],
         "min_vehicles": problem.min_vehicles,
         **({} if problem.team_risk is None else {"team_risk": problem.team_risk}),
+        **({"around": dataclasses.asdict(middle(s.coordinates))} if s.geographic and s.coordinates is not None else {}),
         **_further(problem),
     }
 

@@ -121,7 +121,8 @@ class RoutingProblem(Problem):
         max_duration: Any = math.inf,
         max_distance: float = math.inf,
         fixed_cost: float = 0.0,
-        speed: float = 1.0,
+        unit_cost: float = 1.0,
+        speed: float | None = None,
         fleet: Any = None,
         columns: Mapping[Any, Any] | None = None,
         extra: Iterable[Any] | bool = (),
@@ -156,9 +157,9 @@ class RoutingProblem(Problem):
             JSON file; or the name of a metric (``manhattan``, ...).
         durations : optional
             A matrix or frame, of numbers or timedeltas; of a networkx graph the name of an attribute of edges. Without, the distances.
-        vehicles, capacity, max_duration, max_distance, fixed_cost
+        vehicles, capacity, max_duration, max_distance, fixed_cost, unit_cost
             The fleet, all alike: ``vehicles`` at each depot, any number by default; a list of capacities for several loads.
-        speed : float
+        speed : float, optional
             Of all vehicles: durations are divided by it. Where sites have latitude and longitude it is a distance in an hour.
         fleet : DataFrame or sequence of mappings or VehicleType, optional
             In their place: one entry a vehicle type, with the keys of waybound's JSON (docs/formats.md), sites by id. A frame without the
@@ -206,9 +207,9 @@ class RoutingProblem(Problem):
 
         instance = instance_from_frame(
             sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity, max_duration=max_duration,
-            max_distance=max_distance, fixed_cost=fixed_cost, speed=speed, fleet=fleet, columns=columns, extra=extra, time_unit=time_unit,
-            distance_unit=distance_unit, weight=weight, convention=convention, name=name, closing=closing, min_vehicles=min_vehicles,
-            windows=windows, shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
+            max_distance=max_distance, fixed_cost=fixed_cost, unit_cost=unit_cost, speed=speed, fleet=fleet, columns=columns, extra=extra,
+            time_unit=time_unit, distance_unit=distance_unit, weight=weight, convention=convention, name=name, closing=closing,
+            min_vehicles=min_vehicles, windows=windows, shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
         )  # fmt: skip
         made = cls.from_instance(instance, problem)
         if objective is None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from ... import _guard as _guard
@@ -25,7 +24,8 @@ class Format:
     recognises : callable
         Whether a text is meant as this format; cheap, and never raises.
     read : callable
-        From the text and the path to the instance. Raises InputError with the line, without the file.
+        From the text and the path, and a mapping of ``settings`` where there are any, to the instance. Raises InputError with the line,
+        without the file.
     write : callable, optional
         From an instance to the text. Raises UsageError for what the format cannot express.
     suffixes : tuple of str
@@ -44,12 +44,14 @@ class Format:
         Kinds of instances that it can hold; empty for every kind.
     lacks : callable, optional
         Of a text that no format recognises: what it would have to begin with to be this one, None where it is nothing like it.
+    settings : tuple of str
+        Keys of ``--set`` that are the reader's, because the text cannot be understood without them.
     """
 
     name: str
     summary: str
     recognises: Callable[[str], bool]
-    read: Callable[[str, Path], Instance]
+    read: Callable[..., Instance]
     write: Callable[[Any], str] | None = None
     suffixes: tuple[str, ...] = ()
     problem: str = ""
@@ -60,6 +62,7 @@ class Format:
     solutions: tuple[str, ...] = (".json", ".sol", ".tour")
     kinds: tuple[str, ...] = ("routing",)
     lacks: Callable[[str], str | None] | None = None
+    settings: tuple[str, ...] = ()
 
 
 FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats", "waybound.instances.*.formats", group="waybound.formats")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from ..errors import InputError
@@ -73,8 +73,11 @@ def settings_of(text: str, known: Collection[str], columns: Collection[str]) -> 
     raise InputError("holds no table", expected=f"a line of titles out of {', '.join(columns)}", found="the end of the file")
 
 
-def table_of(text: str, start: int, columns: Collection[str], what: str) -> Table:
-    """The table that begins in line ``start`` (from 0); ``what`` is what its rows are, for messages."""
+def table_of(text: str, start: int, columns: Collection[str] | Callable[[str], str], what: str) -> Table:
+    """The table that begins in line ``start`` (from 0), with titles out of ``columns`` in any case, or whatever a function makes of them.
+
+    ``what`` is what its rows are, for messages.
+    """
     lines = text.split("\n")[start:]
     reader = csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter_of(lines[0]), strict=True)
     table = Table([], [], [])
@@ -84,7 +87,7 @@ def table_of(text: str, start: int, columns: Collection[str], what: str) -> Tabl
             if not any(cells):
                 continue
             if not table.titles:
-                table.titles.extend(_titles([cell.lower() for cell in cells], line, columns))
+                table.titles.extend(_titles(cells, line, columns))
             elif len(cells) != len(table.titles):
                 raise InputError("row has a wrong length", line=line, expected=f"{len(table.titles)} values", found=f"{len(cells)} values")
             else:
@@ -97,9 +100,12 @@ def table_of(text: str, start: int, columns: Collection[str], what: str) -> Tabl
     return table
 
 
-def _titles(titles: list[str], line: int, columns: Collection[str]) -> list[str]:
+def _titles(cells: list[str], line: int, columns: Collection[str] | Callable[[str], str]) -> list[str]:
+    titles = [columns(cell) if callable(columns) else cell.lower() for cell in cells]
     for k, title in enumerate(titles):
-        if title not in columns:
+        if not title:
+            raise InputError(f"column {k + 1} has no title", line=line)
+        if not callable(columns) and title not in columns:
             raise InputError(f"column {shown(title)} is unknown", line=line, expected=", ".join(columns))
         if title in titles[:k]:
             raise InputError(f"column {title} stands twice", line=line)

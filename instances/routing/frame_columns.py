@@ -34,7 +34,8 @@ MEANT = {
 }
 """Titles under which others keep what must not be dropped in silence."""
 
-_NUMBERED = re.compile(r"(demand|pickup)[2-9]")
+NUMBERED = re.compile(r"(demand|pickup)[2-9]")
+"""Titles of further loads."""
 
 
 @dataclass
@@ -121,11 +122,11 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
     titles = list(frame.columns)
     if len(set(titles)) < len(titles):
         raise InputError(f"column {next(t for t in titles if titles.count(t) > 1)!r} stands twice")
-    found = _mapped(titles, mapping or {})
+    found = mapped(titles, mapping or {})
     taken = set(found.values())
     for title in titles:
         known = ALIASES.get(str(title).casefold(), str(title))
-        if title not in taken and (known in COLUMNS or _NUMBERED.fullmatch(known)):
+        if title not in taken and (known in COLUMNS or NUMBERED.fullmatch(known)):
             if known in found:
                 if mapping and known in {*mapping, *mapping.values()}:
                     continue  # the user says which of them counts
@@ -144,22 +145,26 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
             raise InputError(f"extra names the column {title!r}, which is not there{did_you_mean(str(title), map(str, titles))}")
     for title in kept:
         meant = _meant(str(title), found)
+        twin = _twin(str(title), found)
+        if title not in granted and twin is not None and not (mapping and twin in {*mapping, *mapping.values()}):
+            cure = f"one of them, or extra=[{title!r}] to keep the other only"
+            raise InputError(f"columns {found[twin]!r} and {title!r} both tell {twin}", expected=cure)
         if title not in granted and meant is not None:
             cure = f"columns={{{meant!r}: {title!r}}} to use it, extra=[{title!r}] to keep it only"
             raise InputError(f"column {shown(str(title))} is unknown; did you mean {meant!r}?", expected=cure)
     return Columns(frame, found, tuple(kept), _ids(frame, found))
 
 
-def _mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
+def mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
     """``mapping`` from waybound's titles to the frame's, whichever way round it is given."""
     found: dict[str, Any] = {}
     own: Any
     for one, other in mapping.items():
-        own, theirs = (one, other) if _known(one) else (other, one) if _known(other) else (None, None)
+        own, theirs = (one, other) if known(one) else (other, one) if known(other) else (None, None)
         if own is None:
             pair = f"{one!r}: {other!r}"
             raise InputError(f"columns={{{pair}}} names no title of waybound", expected=", ".join(COLUMNS), found=str(one))
-        if theirs not in titles and own in titles and _known(theirs):
+        if theirs not in titles and own in titles and known(theirs):
             own, theirs = theirs, own
         if theirs not in titles:
             listed = ", ".join(map(str, titles[:12]))
@@ -171,8 +176,9 @@ def _mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
     return found
 
 
-def _known(title: Any) -> bool:
-    return isinstance(title, str) and (title in COLUMNS or _NUMBERED.fullmatch(title) is not None)
+def known(title: Any) -> bool:
+    """Whether it is one of waybound's titles."""
+    return isinstance(title, str) and (title in COLUMNS or NUMBERED.fullmatch(title) is not None)
 
 
 def _meant(title: str, found: Mapping[str, Any]) -> str | None:
@@ -185,6 +191,13 @@ def _meant(title: str, found: Mapping[str, Any]) -> str | None:
     long = [c for c in (*absent, *ALIASES) if len(c) > 4]  # short words are near to too many: a note is no node
     word = next((word for word in plain.split("_") if word in absent), None) or nearest(plain, long)
     return next((known for known in (word, ALIASES.get(word or "")) if known in absent), None)
+
+
+def _twin(title: str, found: Mapping[str, Any]) -> str | None:
+    """The known title, there already, that another one says once more: in another case or number, or under a name that others use."""
+    plain = re.sub(r"[^a-z0-9]+", "_", title.casefold()).strip("_")
+    alike = (own for own in found if ALIASES.get(plain, plain).rstrip("s") == own.rstrip("s") or plain in MEANT.get(own, ()))
+    return next(alike, None)
 
 
 def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:

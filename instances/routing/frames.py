@@ -41,7 +41,8 @@ def instance_from_frame(
     max_duration: Any = math.inf,
     max_distance: float = math.inf,
     fixed_cost: float = 0.0,
-    speed: float = 1.0,
+    unit_cost: float = 1.0,
+    speed: float | None = None,
     fleet: Any = None,
     columns: Mapping[Any, Any] | None = None,
     extra: Iterable[Any] | bool = (),
@@ -100,15 +101,16 @@ def instance_from_frame(
     else:
         held = None if durations is None else matrix_of(durations, table.ids, "duration", times)
         ways = Travel(moves, coordinates=xy, duration_matrix=held, **own)
-    ways = ways.at_speed(_speed(speed, ways, times))
+    ways = ways.at_speed(1.0 if speed is None else _speed(speed, ways, times))
     if fleet is not None and (
-        vehicles is not None or (capacity, max_duration, max_distance, fixed_cost) != (math.inf, math.inf, math.inf, 0)
+        vehicles is not None or (capacity, max_duration, max_distance, fixed_cost, unit_cost) != (math.inf, math.inf, math.inf, 0.0, 1.0)
     ):
-        raise InputError(
-            "fleet tells the vehicles already", expected="fleet, or vehicles, capacity, max_duration, max_distance and fixed_cost"
-        )
+        expected = "fleet, or vehicles, capacity, max_duration, max_distance, fixed_cost and unit_cost"
+        raise InputError("fleet tells the vehicles already", expected=expected)
     if fleet is None:
-        kinds = _equal(made, vehicles, capacity, times.span(max_duration, "max_duration"), max_distance, fixed_cost)
+        kinds = _equal(made, vehicles, capacity, times.span(max_duration, "max_duration"), max_distance, fixed_cost, unit_cost)
+        if len(kinds) > 1:
+            notes += (f"{'any number of' if vehicles is None else vehicles} vehicles at each of {len(kinds)} depots",)
     else:
         kinds = fleet_of(fleet, made, times)
     if table.extra:
@@ -195,7 +197,7 @@ def _need_units(
     sites: Sites,
     moves: Moves | str,
     durations: Any,
-    speed: float,
+    speed: float | None,
     fleet: Any,
     unit: str | None,
     max_duration: Any,
@@ -212,10 +214,11 @@ def _need_units(
                          expected="time_unit='s', min, h or d")  # fmt: skip
     if not (isinstance(moves, str) and moves in GEOGRAPHIC and durations is None):
         return
-    own = fleet is not None and "speed" in getattr(fleet, "columns", ())
-    if own and speed != 1.0:
+    rows = [] if fleet is None or hasattr(fleet, "columns") else list(fleet)
+    own = "speed" in getattr(fleet, "columns", ()) or any(isinstance(row, Mapping) and "speed" in row for row in rows)
+    if own and speed is not None:
         raise InputError("speeds are told twice", expected="speed, or the column speed of the fleet", found=f"speed={speed:g} and a column")
-    if speed == 1.0 and not own:
+    if speed is None and not own:
         raise InputError("distances on the globe are lengths, and there are times of sites or vehicles beside them",
                          expected="speed=50 (an hour), or durations=matrix")  # fmt: skip
     if unit is None:
@@ -233,14 +236,20 @@ def _speed(speed: float, travel: Travel, times: Times) -> float:
 
 
 def _equal(
-    sites: Sites, vehicles: int | None, capacity: Any, max_duration: float, max_distance: float, fixed_cost: float
+    sites: Sites,
+    vehicles: int | None,
+    capacity: Any,
+    max_duration: float,
+    max_distance: float,
+    fixed_cost: float,
+    unit_cost: float,
 ) -> tuple[VehicleType, ...]:
     if vehicles is not None and (isinstance(vehicles, bool) or int(vehicles) != vehicles):
         raise InputError("the number of vehicles must be whole", found=str(vehicles))
     loads = [float(v) for v in capacity] if isinstance(capacity, Sequence) else [float(capacity)]
     return equal_fleet(
         sites, count=None if vehicles is None else int(vehicles), capacity=loads[0], further_capacity=tuple(loads[1:]),
-        max_duration=max_duration, max_distance=float(max_distance), fixed_cost=float(fixed_cost),
+        max_duration=max_duration, max_distance=float(max_distance), fixed_cost=float(fixed_cost), unit_cost=float(unit_cost),
     )  # fmt: skip
 
 

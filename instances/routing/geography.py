@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import warnings
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .open_sea import at_open_sea
+from .travel import Travel
 
 if TYPE_CHECKING:
     from .frame_columns import Columns
@@ -63,15 +66,57 @@ def _column(table: Columns, title: str) -> Floats:
 def warn_of_swapped(xy: Floats) -> None:
     """Warn where (longitude, latitude) look like (latitude, longitude).
 
-    Where all latitudes are beyond any road and the longitudes are not; or where the sites, which seen from above would lie as widely from
-    west to east as from south to north, do so only with the two columns exchanged.
+    Where all latitudes are beyond any road and the longitudes are not; where most sites lie in the open sea, and all on land or by a coast
+    with the two columns exchanged; or where the sites, which seen from above would lie as widely from west to east as from south to north,
+    do so only exchanged.
     """
     lon, lat = xy.T
-    polar = bool((np.abs(lat) > INHABITED).all() and (np.abs(lon) <= INHABITED).all())
-    if polar or _rounder_exchanged(lon, lat):
-        why = "all latitudes are polar" if polar else "the sites would lie as widely from west to east as from south to north"
-        warnings.warn(f"latitude and longitude may be swapped: {why}{'' if polar else ' with the columns exchanged, and do not now'}; "
-                      "check the columns lat and lon", UserWarning, stacklevel=5)  # fmt: skip
+    if (np.abs(lat) > INHABITED).all() and (np.abs(lon) <= INHABITED).all():
+        why = "all latitudes are polar"
+    elif _on_land_exchanged(xy):
+        why = f"most sites lie in the open sea ({middle(xy)}), and all on land with the columns exchanged ({middle(xy[:, ::-1])})"
+    elif _rounder_exchanged(lon, lat):
+        why = "the sites would lie as widely from west to east as from south to north with the columns exchanged, and do not now"
+    else:
+        return
+    warnings.warn(f"latitude and longitude may be swapped: {why}; check the columns lat and lon", UserWarning, stacklevel=5)
+
+
+@dataclass(frozen=True)
+class Middle:
+    """Where sites lie.
+
+    Parameters
+    ----------
+    latitude, longitude : float, degrees
+        Of the direction of their mean, as seen from the centre of the globe.
+    within : float, km
+        Of it all lie.
+    """
+
+    latitude: float
+    longitude: float
+    within: float
+
+    def __str__(self) -> str:
+        north, east = "N" if self.latitude >= 0 else "S", "E" if self.longitude >= 0 else "W"
+        return f"around {abs(self.latitude):.1f} {north}, {abs(self.longitude):.1f} {east}"
+
+
+def middle(xy: Floats) -> Middle:
+    """Where (longitude, latitude) lie, also across the date line."""
+    lon, lat = np.radians(xy).T
+    points = np.column_stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
+    x, y, z = points.mean(axis=0).tolist()
+    centre = math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, math.hypot(x, y)))
+    around = Travel("haversine", coordinates=np.vstack([centre, xy]))
+    return Middle(centre[1], centre[0], float(around.distance(0, np.arange(1, len(xy) + 1)).max()))
+
+
+def _on_land_exchanged(xy: Floats) -> bool:
+    if np.abs(xy[:, 0]).max() > 90.0:
+        return False
+    return bool(at_open_sea(xy).mean() > 0.5 and not at_open_sea(xy[:, ::-1]).any())
 
 
 def _rounder_exchanged(lon: Floats, lat: Floats) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 FRAMES_A_SECOND = 8
 
 TRAIL = 12
-"""Steps that a trail goes back."""
+"""Steps that a trail goes back; those in which nothing moves do not count."""
 
 AGENT, MARKED, OPEN, LINK = "#332288", "#117733", "#CC3377", "#33AADD"
 """Distinct for all common kinds of colour vision, after Tol (2021); open points are crosses besides."""
@@ -42,6 +43,9 @@ class Picture:
         from matplotlib.figure import Figure
 
         self.films = dict(films)
+        shots = ((shot[0], value) for film in self.films.values() for shot, value in zip(film.shots, film.values, strict=True))
+        self.counts = all(value == int(scene.marked.sum()) for scene, value in shots)
+        """Whether the headline counts the points that are marked; else it has no largest value that a picture could tell."""
         several = len(self.films) > 1
         count = len(self.films)
         self.figure = Figure(figsize=(4.6 * count, 6.6) if several else (9.0, 4.8))  # its margins are fixed: a layout found anew jumps
@@ -69,9 +73,11 @@ class Picture:
         first = next(iter(self.films.values()))
         count, steps = len(first.shots[0][0].points), len(first.shots)
         chart.set_xlim(0, max(steps - 1, 1))
-        chart.set_ylim(0, 1.05 * max(float(count), *(value for film in self.films.values() for value in film.values), 1.0))
-        chart.axhline(count, color="#999999", linewidth=0.8, linestyle=(0, (5, 3)))
-        chart.text(0.01 * steps, count, "all", fontsize=8, color="#777777", va="bottom")
+        highest = max(value for film in self.films.values() for value in film.values)
+        chart.set_ylim(0, 1.05 * max(float(count) if self.counts else 0.0, highest, 1.0))
+        if self.counts:
+            chart.axhline(count, color="#999999", linewidth=0.8, linestyle=(0, (5, 3)))
+            chart.text(0.01 * steps, count, "all", fontsize=8, color="#777777", va="bottom")
         self.past, self.now = [], []
         for k in range(len(self.films)):
             colour = CURVES[k % len(CURVES)]
@@ -79,7 +85,8 @@ class Picture:
             self.now += chart.plot([], [], "o", color=colour, markersize=5)
         chart.set_xlabel("step", fontsize=9)
         chart.set_ylabel(first.mission.headline, fontsize=9)
-        chart.yaxis.set_major_locator(MaxNLocator(integer=True))
+        for axis in (chart.xaxis, chart.yaxis):
+            axis.set_major_locator(MaxNLocator(integer=True))
         chart.tick_params(labelsize=8, colors="#555555")
         for side in ("top", "right"):
             chart.spines[side].set_visible(False)
@@ -108,7 +115,8 @@ class Picture:
             self.now[k].set_data([step], [values[step]])
         film = next(iter(self.films.values()))
         now = " and ".join(number(film.values[step]) for film in self.films.values())
-        self.title.set_text(f"{film.mission.name}, step {step}: {film.mission.headline} {now} of {len(film.shots[step][0].points)}")
+        of = f" of {len(film.shots[step][0].points)}" if self.counts else ""
+        self.title.set_text(f"{film.mission.name}, step {step}: {film.mission.headline} {now}{of}")
         return [*changed, *self.past, *self.now, self.title]
 
 
@@ -119,6 +127,11 @@ class _Stage:
         from matplotlib.collections import EllipseCollection, LineCollection
 
         self.film = film
+        scenes = [scene for scene, _ in film.shots]
+        self._moved = [
+            False,
+            *(not (np.array_equal(a.agents, b.agents) and np.array_equal(a.points, b.points)) for a, b in pairwise(scenes)),
+        ]
         first = film.shots[0][0]
         left, bottom, right, top = first.area
         ax.set_aspect("equal")
@@ -142,7 +155,7 @@ class _Stage:
         (self.agents,) = ax.plot([], [], "s", color=AGENT, markersize=6, label=agent, clip_on=False, zorder=4)
         (self.marked,) = ax.plot([], [], "o", color=MARKED, markersize=5, label=marked, clip_on=False, zorder=3)
         (self.open,) = ax.plot([], [], "x", color=OPEN, markersize=6, markeredgewidth=1.6, label=unmarked, clip_on=False, zorder=3)
-        ax.plot([], [], color=AGENT, linewidth=1.3, alpha=0.6, label="their way so far")
+        ax.plot([], [], color=AGENT, linewidth=1.3, alpha=0.6, label=f"their last {TRAIL} moves")
         if any(scene.links for scene, _ in film.shots):
             ax.plot([], [], color=LINK, linewidth=1.0, linestyle=(0, (3, 1.5)), label="assigned")
         self.headings: Any = None
@@ -160,7 +173,8 @@ class _Stage:
 
     def show(self, step: int) -> list[Any]:
         scene = self.film.shots[step][0]
-        past = [self.film.shots[k][0] for k in range(max(0, step - TRAIL), step + 1)]
+        moves = [k for k in range(1, step + 1) if self._moved[k]]
+        past = [self.film.shots[k][0] for k in range(moves[-TRAIL] - 1 if len(moves) >= TRAIL else 0, step + 1)]
         self.discs.set_offsets(scene.agents)
         self.agents.set_data(*scene.agents.T)
         self.marked.set_data(*scene.points[scene.marked].T)

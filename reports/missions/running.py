@@ -16,6 +16,7 @@ from ...formulations.problem import Problem
 from ...formulations.solution import Solution, relative_gap
 from ...heuristics.heuristic import HEURISTICS
 from ...instances.errors import UsageError
+from ...instances.suggestions import did_you_mean
 from ...instances.worlds import World
 from ...solvers import interrupts
 from ...solvers.backend import BACKENDS, STATUSES
@@ -106,7 +107,8 @@ def run(
     rules = played.policies()
     if policy is not None:
         if policy not in rules:
-            raise UsageError(f"{played.name} has no policy {policy!r}; choose from {', '.join(rules) or 'none'}")
+            hint = did_you_mean(policy, rules)
+            raise UsageError(f"{played.name} has no policy {policy!r}; choose from {', '.join(rules) or 'none'}{hint}")
         if options:
             raise UsageError(f"policy {policy} takes no options")
     seeds = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, 2])))

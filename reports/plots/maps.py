@@ -15,6 +15,7 @@ from .drawing import roomy
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
+    from ...formulations.routing.routes import Routes
 
 Floats = NDArray[np.float64]
 
@@ -112,6 +113,20 @@ def _round_length(length: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not longer."""
     power = 10.0 ** math.floor(math.log10(length))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length * (1.0 + 1e-9))
+
+
+def route_ranks(problem: RoutingProblem, answer: Routes, where: Floats | None = None) -> list[int]:
+    """Of each route its place by the angle of its centre seen from its depot: it chooses the colour, the same in every picture of an
+    answer, and other than that of the neighbours on the map."""
+    if where is None:
+        if problem.sites.coordinates is None and len(problem.sites) > SCALED_SITES:
+            return list(range(len(answer)))  # there is no map to agree with
+        where = site_positions(problem)[0]
+    angles = []
+    for route in answer:
+        centre = where[list(route.visits)].mean(axis=0) - where[problem.fleet[route.vehicle].start]
+        angles.append(math.atan2(centre[1], centre[0]))
+    return np.argsort(np.argsort(angles, kind="stable")).tolist()  # type: ignore[no-any-return]
 
 
 def arrows(ax: Any, way: Floats, colour: str, count: int, size: float) -> None:

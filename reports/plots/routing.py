@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from ...formulations.routing.routes import Routes
 from ...instances.routing.travel import EXPLICIT
 from . import PLOTS
 from .drawing import COLOURS, entitle, figures_of, literal, new_axes
-from .maps import MOST_ARROWS, arrows, geographic, legend_of_routes, map_axes, scale_bar, site_positions
+from .maps import MOST_ARROWS, arrows, geographic, legend_of_routes, map_axes, route_ranks, scale_bar, site_positions
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
@@ -62,8 +61,9 @@ def plot_routes(
     """
     where, placed = site_positions(problem)
     ax, names = new_axes() if ax is None else ax, problem.vehicle_names(answer)
-    for rank, k in enumerate(_around_the_depot(problem, answer, where)):
-        _draw_route(ax, problem, answer, where, rank, k, names[k])
+    ranks = route_ranks(problem, answer, where)
+    for k in np.argsort(ranks).tolist():
+        _draw_route(ax, problem, answer, where, ranks[k], k, names[k])
     _draw_sites(ax, problem, answer, where)
     globe = geographic(problem)
     map_axes(ax, where, globe)
@@ -76,15 +76,6 @@ def plot_routes(
         legend_of_routes(ax, [handles[k] for k in order], [labels[k] for k in order])
         literal(ax)
     return ax
-
-
-def _around_the_depot(problem: RoutingProblem, answer: Routes, where: Floats) -> list[int]:
-    """Routes by the angle of their centre seen from their depot, so that neighbours on the map differ in colour."""
-    angles = []
-    for route in answer:
-        centre = where[list(route.visits)].mean(axis=0) - where[problem.fleet[route.vehicle].start]
-        angles.append(math.atan2(centre[1], centre[0]))
-    return [int(k) for k in np.argsort(angles, kind="stable")]
 
 
 def _draw_route(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats, rank: int, number_of: int, name: str) -> None:

@@ -13,6 +13,7 @@ from ...formulations.routing.routes import Routes
 from ...instances.errors import UsageError
 from . import PLOTS
 from .drawing import ALARM, COLOURS, chart_axes, entitle, figures_of, legend_below, literal, new_axes, roomy
+from .maps import route_ranks
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
@@ -51,13 +52,13 @@ def plot_loads(
         raise UsageError(f"dimension must be from 1 to {dimensions}, not {dimension}")
     ax = new_axes() if ax is None else ax
     roomy(ax, width=1.0 + 0.14 * len(answer))
-    capacities = []
+    capacities, ranks = [], route_ranks(problem, answer)
     for k, (route, board) in enumerate(zip(answer, boards, strict=True)):
         load, capacity = board[dimension - 1], _capacity(problem, route.vehicle, dimension)
         capacities.append(capacity)
         steps = k - 0.4 + 0.8 * np.arange(len(load) + 1) / len(load)
         over = load.max(initial=0.0) > capacity
-        colour = ALARM if over else COLOURS[k % len(COLOURS)]
+        colour = ALARM if over else COLOURS[ranks[k] % len(COLOURS)]
         ax.stairs(load, steps, fill=True, color=colour, alpha=0.85, zorder=3)
         ax.plot([k - 0.4, k + 0.4], [0.0, 0.0], color=colour, linewidth=1.0, zorder=3)
         if math.isfinite(capacity):

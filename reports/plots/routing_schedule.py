@@ -13,6 +13,7 @@ from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from . import PLOTS
 from .drawing import ALARM, COLOURS, INK, entitle, figures_of, legend_below, literal, new_axes, roomy
+from .maps import route_ranks
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
@@ -59,8 +60,9 @@ def plot_schedule(
     ends = max((float(row["finish"]) for row in rows), default=1.0)
     begins = min((float(row["departure"]) for row in rows), default=0.0)
     span = max(ends - begins, 1e-12)
+    ranks = route_ranks(problem, answer)
     for k, (route, row) in enumerate(zip(answer, rows, strict=True)):
-        _draw_row(ax, problem, route, row, k, COLOURS[k % len(COLOURS)], span, len(rows) > LABELLED_ROWS)
+        _draw_row(ax, problem, route, row, k, COLOURS[ranks[k] % len(COLOURS)], span, len(rows) > LABELLED_ROWS)
         last = -math.inf
         for i, site in enumerate(route.visits):
             at = (row["begin"][i] + row["leave"][i]) / 2.0

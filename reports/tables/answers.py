@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...formulations.problem import Problem
 from . import TABLES
 from .table import Column, Table, short
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SHOWN_ROWS = 20
 """Rows of an answer that are shown; a solution file holds them all."""
@@ -17,12 +20,11 @@ def answer_tables(problem: Problem, answer: Any) -> list[Table]:
     told = TABLES[problem.family].answer if problem.family in TABLES else None
     if told is not None:
         return told(problem, answer)
-    return [] if answer is None else [frame_table(problem, answer)]
+    return [] if answer is None else [frame_table(problem.answer_to_frame(answer))]
 
 
-def frame_table(problem: Problem, answer: Any) -> Table:
-    """The first rows of an answer, as its frame has them; nothing where it has nothing."""
-    frame = problem.answer_to_frame(answer)
+def frame_table(frame: pd.DataFrame) -> Table:
+    """The first rows of an answer's frame; nothing where it has nothing."""
     numeric = [frame[title].dtype.kind in "iuf" for title in frame.columns]
     columns = tuple(Column(str(title), right=right) for title, right in zip(frame.columns, numeric, strict=True))
     first = frame.head(SHOWN_ROWS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -13,7 +14,9 @@ from ...formulations.routing.reachability import unreachable
 from ...formulations.routing.routes import Routes
 from ...instances.printable import printable
 from ...instances.routing.features import RISKS
+from ...instances.routing.geography import Middle
 from . import TABLES, Tables
+from .answers import frame_table
 from .facts import plain_text
 from .table import Column, Row, Table, short
 
@@ -25,9 +28,10 @@ SHOWN_ID = 60
 
 
 def answer_tables(problem: RoutingProblem, answer: Routes | None) -> list[Table]:
-    """The routes, and the sites that they leave out, if any."""
+    """The routes, their visits where more is known of the sites than is computed with, and the sites that they leave out, if any."""
     left = unserved_sites(problem, answer)
-    return [*([] if answer is None else [routes_table(problem, answer)]), *([unserved_table(left)] if left else [])]
+    told = [] if answer is None else [routes_table(problem, answer), *([visits_table(problem, answer)] if problem.sites.attributes else [])]
+    return [*told, *([unserved_table(left)] if left else [])]
 
 
 def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
@@ -63,6 +67,13 @@ def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
     return Table("Routes", columns, tuple(rows), total)
 
 
+def visits_table(problem: RoutingProblem, answer: Routes) -> Table:
+    """The first visits: vehicle, site, when service begins, and what else is known of the site."""
+    frame = problem.answer_to_frame(answer)
+    kept = list(frame.columns[-len(problem.sites.attributes) :])
+    return replace(frame_table(frame[["vehicle", "site", "begin", *kept]]), title="Visits")
+
+
 def unserved_sites(problem: RoutingProblem, answer: Routes | None) -> dict[str, str]:
     """Sites that the answer does not visit (all that are unreachable without one), each with the reason."""
     if answer is None:
@@ -89,6 +100,10 @@ def _sites(sites: dict[str, Any]) -> list[Row]:
 
 def _spread(name: str, values: dict[str, float]) -> list[Row]:
     return [(name, "total {total:g}, {least:g} to {largest:g} a customer".format(**values))] if values["largest"] > 0 else []
+
+
+def _around(place: dict[str, float]) -> list[Row]:
+    return [("place", f"{Middle(**place)}, all within {place['within']:.3g} km of it")]
 
 
 def _windows(windows: dict[str, Any]) -> list[Row]:
@@ -137,7 +152,7 @@ TABLES.add(
     Tables(
         {
             "sites": _sites, "demand": partial(_spread, "demand"), "service": partial(_spread, "service"), "windows": _windows,
-            "travel": _travel, "fleet": _fleet, "min_vehicles": _least,
+            "around": _around, "travel": _travel, "fleet": _fleet, "min_vehicles": _least,
         },
         answer_tables,
     ),

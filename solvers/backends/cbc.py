@@ -71,6 +71,7 @@ PRICED = 1e-6
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _BOUND = re.compile(rf"best possible {_NUMBER}")
 _LOWER = re.compile(rf"Lower bound:\s+{_NUMBER}")
+_NODES = re.compile(r"After (\d+) nodes")
 _NONE = 1e49
 
 
@@ -120,6 +121,8 @@ class Log:
         found = _BOUND.search(line) or _LOWER.match(line)
         if found and abs(float(found[1])) < _NONE:
             self.bound = max(_weakened(float(found[1]), line), -math.inf if self.bound is None else self.bound)
+        if counted := _NODES.search(line):
+            self.nodes = int(counted[1])
         if "Exiting on" in line or "Exiting as" in line or (line.startswith("Result -") and not self.end):
             self.end = next((limit for words, limit in LIMITS if words in line), self.end)
         if "within gap tolerance" in line:
@@ -213,6 +216,8 @@ def _follow(process: subprocess.Popen[bytes], output: int, log: Log, options: Op
                 process.wait()
                 return why
             bound = log.feed(text)
+            if log.nodes is not None:
+                control.count(log.nodes)
             if bound is not None:
                 control.publish(bound=bound)
         now = time.perf_counter()

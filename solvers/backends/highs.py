@@ -170,10 +170,12 @@ def _watch(model: Any, program: Program, control: Control) -> None:
 
     kinds = cb.HighsCallbackType
     improving, interrupt = kinds.kCallbackMipImprovingSolution, kinds.kCallbackMipInterrupt
-    told, next_look = math.nan, 0.0
+    next_look = 0.0
 
     def hear(kind: Any, message: str, out: Any, into: Any, data: Any) -> None:
-        nonlocal told, next_look
+        nonlocal next_look
+        if kind in (improving, interrupt):
+            control.count(int(out.mip_node_count))
         if kind == improving:
             control.publish(np.array(out.mip_solution), float(out.objective_function_value))
         elif control.stopped:
@@ -181,9 +183,7 @@ def _watch(model: Any, program: Program, control: Control) -> None:
         elif kind == interrupt and time.perf_counter() >= next_look:
             next_look = time.perf_counter() + LOOK_EVERY
             bound = float(out.mip_dual_bound)
-            if math.isfinite(bound) and bound != told:
-                told = bound
-                control.publish(bound=bound)
+            control.publish(bound=bound if math.isfinite(bound) else None)
 
     model.setCallback(hear, None)
     wanted = [kinds.kCallbackSimplexInterrupt, kinds.kCallbackIpmInterrupt, *([improving, interrupt] if program.is_integer else [])]

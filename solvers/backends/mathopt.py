@@ -234,6 +234,8 @@ class _Run:
         """Publish incumbents and bounds."""
         from ortools.math_opt.python import mathopt
 
+        if data.mip_stats.explored_nodes > 0:  # CP-SAT tells none
+            self.control.count(int(data.mip_stats.explored_nodes))
         bound = data.mip_stats.dual_bound
         told = float(bound) if math.isfinite(bound) and abs(bound) < 1e20 else None
         if data.solution:

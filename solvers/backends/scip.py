@@ -125,6 +125,7 @@ class _Search:
                     self.model.dropEvent(kind, self)
 
             def eventexec(self, event: Any) -> None:
+                search.control.count(int(self.model.getNTotalNodes()))
                 if search.control.stopped:
                     self.model.interruptSolve()
                 elif event.getType() == SCIP_EVENTTYPE.BESTSOLFOUND:

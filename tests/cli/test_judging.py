@@ -110,6 +110,20 @@ def test_a_bound_is_told_with_its_source(run, strict_json, tmp_path):
     assert "verified:" in run("bound", "demo-tiny", "--bound-time", "1", "-q").stdout
 
 
+def test_each_level_of_an_objective_is_bounded(run, strict_json, tmp_path):
+    proof, answer = tmp_path / "b.json", tmp_path / "a.json"
+    asked = ("demo-tiny", "--objective", "vehicles then total-cost")
+    data = strict_json(run("bound", *asked, "--bound-time", "3", "--json", "-q", "--certificate", proof).stdout)
+    (level,) = data["levels"]
+    assert data["bound"] == [2.0, level["bound"]] and level["given"] == [2.0] and 300 < level["bound"] <= 384.7341402
+    assert data["bound_source"].endswith(f", then {level['source']}")
+    told = run("bound", *asked, "--bound-time", "1", "-q").stdout
+    assert "2 then " in told and "level 2: of solutions that are worth 2 before it" in told
+    assert run("solve", *asked, "--heuristic", "insertion", "--bound-time", "0", "--out", answer, "-q").exit_code == 0
+    checked = run("check", *asked, answer, "--certificate", proof)
+    assert checked.exit_code == 0 and "bound" in checked.stdout
+
+
 def test_bounding_what_has_no_solution_says_so_and_is_exit_3(run, strict_json):
     result = run("bound", "demo-tiny", "--set", "capacity=9", "--bound-time", "1", "-q")
     assert result.exit_code == 3

@@ -61,6 +61,14 @@ def test_the_live_line_shows_the_limit_of_the_phase(clock: Any) -> None:
         assert progress.line() == "solve 3.5 of 60 s, objective 12"
 
 
+def test_the_live_line_tells_nodes(clock: Any) -> None:
+    progress = Progress(quiet=True)
+    with progress:
+        clock(2.0)
+        told(progress, objective=12.0, nodes=345)
+        assert progress.line() == "solve 2.0 s, objective 12, 345 nodes"
+
+
 def test_what_is_told_later_replaces_what_was_and_none_does_not(clock: Any) -> None:
     progress = Progress(quiet=True)
     with progress:

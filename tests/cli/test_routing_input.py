@@ -119,3 +119,27 @@ def test_a_start_for_another_instance_is_refused(run, tmp_path):
     ):
         with pytest.raises(UsageError, match=message):
             wb.solve(problem, "highs", start=routes)
+
+
+SHOPS = """\
+name,lat,lon,demand,ready,due,service,phone
+Yard,45.81,15.98,,07:00,18:00,,-
+Graz,47.07,15.44,4,2026-05-04T08:00,12:30,20min,007
+Rijeka,45.33,14.44,2,,,1h 5min,005
+"""
+
+
+def test_a_table_as_people_have_it_is_solved_and_shown_with_what_it_keeps(run, strict_json, tmp_path):
+    path = tmp_path / "shops.csv"
+    path.write_text(SHOPS)
+    given = ("--set", "speed=70", "--set", "time-unit=min", "--set", "capacity=4")
+    data = strict_json(run("info", path, *given, "--json").stdout)
+    assert data["problem"] == "vrptw" and data["fleet"][0]["capacity"] == 4 and data["around"]["latitude"] == pytest.approx(46.07, abs=0.01)
+    assert "around 46.1 N, 15.3 E, all within 1" in run("info", path, *given).stdout
+    told = run("solve", path, *given, "--heuristic", "insertion", "--bound-time", "0", "-q").stdout
+    assert "Visits" in told and "007" in told and "2026-05-04 08:" in told
+    lacks = run("info", path, "--set", "speed=70")
+    assert lacks.exit_code == 2 and "expected --set time-unit=min, or s, h, d" in lacks.stderr
+    path.write_text(SHOPS.replace("lat,lon", "lon,lat").replace("45.81,15.98", "51.50,-0.10").replace("47.07,15.44", "51.52,-0.11").replace(
+        "45.33,14.44", "51.48,-0.12"))  # fmt: skip
+    assert "latitude and longitude may be swapped: most sites lie in the open sea" in run("info", path, *given).stderr

@@ -58,7 +58,7 @@ def solved() -> tuple[Any, Any, Any]:
     solution = wb.solve(problem, "cpsat", bound_time=0.0)
     evaluation = solution.evaluation
     first, second = vehicles_needed(problem), spanning_tree_bound(problem.given(evaluation.values[:1]))
-    found = best_level_bound(problem, evaluation, 1, [second])
+    found = best_level_bound(problem, evaluation.values[:1], evaluation, [second])
     return problem, evaluation, with_levels(certify(problem, evaluation, [first]), evaluation, [found])
 
 
@@ -112,11 +112,43 @@ def test_a_bound_that_contradicts_the_answer_is_an_error(solved: Any, monkeypatc
     lie = Evidence("lie", "a lie", 0.0, {})
     monkeypatch.setattr("waybound.formulations.certificate.verified_bound", lambda problem, evidence: 1e9)
     with pytest.raises(CheckFailedError, match="one of the two checks is wrong"):
-        best_level_bound(problem, evaluation, 1, [lie])
+        best_level_bound(problem, evaluation.values[:1], evaluation, [lie])
 
 
 def test_evidence_that_fails_is_told_and_costs_the_others_nothing(solved: Any) -> None:
     problem, evaluation, certificate = solved
     notes: list[str] = []
-    found = best_level_bound(problem, evaluation, 1, [Evidence("no-such", "nothing", 0.0, {}), certificate.levels[0].evidence], notes)
+    found = best_level_bound(
+        problem, evaluation.values[:1], evaluation, [Evidence("no-such", "nothing", 0.0, {}), certificate.levels[0].evidence], notes
+    )
     assert found is not None and found.bound == certificate.levels[0].bound and "nothing is no bound of level 2" in notes[0]
+
+
+def test_bounds_without_an_answer_are_given_the_bounds_before() -> None:
+    problem = replace(plane(1, 4, 10.0), objective=Objective.of(Vehicles().then(TotalCost())))
+    made = wb.bound(problem, bound_time=2.0)
+    (level,) = made.levels
+    best = best_values(problem)
+    assert level.given == (made.bound,) == (best[0],) and 0.0 < level.bound <= best[1] + 1e-9
+    told = repr(made)
+    assert f"then {level.source}" in told and f"level 2: of solutions that are worth {made.bound:g} before it" in told
+
+
+def test_a_certificate_of_bounds_alone_says_nothing_of_answers_that_are_worse_before(solved: Any) -> None:
+    problem, evaluation, certificate = solved
+    alone = replace(certify(problem, None, certificate.evidence), levels=certificate.levels).to_json(with_evidence=True)
+    assert check_certificate(problem, alone, evaluation).levels == certificate.levels
+    worse = problem.evaluate(wb.Routes.of([[k] for k in problem.customers.tolist()]))
+    assert worse.feasible and worse.values[0] > certificate.levels[0].given[0]
+    assert check_certificate(problem, alone, worse).levels == ()
+    alone["levels"][0]["bound"] *= 1.01
+    with pytest.raises(CheckFailedError, match="its evidence proves"):
+        check_certificate(problem, alone, worse)
+
+
+def test_that_no_answer_meets_the_bound_before_is_told_without_one(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, *_ = solved
+    monkeypatch.setattr("waybound.formulations.certificate.verified_bound", lambda problem, evidence: float("inf"))
+    notes: list[str] = []
+    assert best_level_bound(problem, (1.0,), None, [Evidence("some", "some proof", 0.0, {})], notes) is None
+    assert notes == ["no solution is worth 1 before level 2: some proof"]

@@ -212,6 +212,7 @@ BASES = {
     "edges": EDGES.split("\n"),
     "vrplib-op": OPLIB.split("\n"),
     "tsiligirides": TSILIGIRIDES.split("\n"),
+    "taillard": ["3", "0 40 40 0", "1 22 22 18", "2 36 26 26", "3 21 45 11", "2", "20 20 1.0 0 50", "30 35 1.1 0 2", ""],
     "chao": CHAO.split("\n"),
     "mtsp": MTSP.split("\n"),
     "cordeau": CORDEAU.split("\n"),

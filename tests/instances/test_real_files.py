@@ -92,6 +92,18 @@ def test_every_file_of_the_wheel_is_read(family: str, size: int, wheel: Path) ->
             assert len(m.notes) == 1
 
 
+def test_mixed_fleets_of_the_wheel_are_read(wheel: Path, differences: Callable[..., list[str]]) -> None:
+    """Golden's files with Taillard's costs, and those of Pessoa, Sadykov and Uchoa; the names tell the customers."""
+    files = [p for p in files_of(wheel / "HFVRP", "") if p.suffix in (".txt", ".vrp")]
+    made: list[Any] = [read_instance(path) for path in files]
+    assert {m.format: sum(m.format == o.format for o in made) for m in made} == {"taillard": 40, "vrplib": 22}
+    for path, m in zip(files, made, strict=True):
+        assert len(m.sites) == (int(m.name[1:].split("-")[0]) if m.format == "vrplib" else int(m.name[1:].split("_")[0]) + 1)
+        assert m.problem == "cvrp" and len(m.fleet) >= 3
+        if m.format == "taillard":
+            assert differences(m, FORMATS["taillard"].read(FORMATS["taillard"].write(m), path)) == []  # type: ignore[misc]
+
+
 def test_both_sources_hold_the_same_files(wheel: Path, benchmarks: Path, differences: Callable[..., list[str]]) -> None:
     ours = {p.stem: p for suffix in (".txt", ".vrp") for f in ("vrptw-solomon", "cvrp") for p in (benchmarks / f).rglob(f"*{suffix}")}
     shared = [p for f in ("CVRPTW", "CVRP") for p in (wheel / f).rglob("*") if p.is_file() and p.stem in ours]

@@ -22,7 +22,7 @@ def test_the_suffix_chooses_the_format(suffix: str, name: str) -> None:
 
 def test_an_unknown_suffix_lists_the_choices() -> None:
     with pytest.raises(
-        UsageError, match=r"a.xml: the suffix stands for no format of a routing instance; use one of .csv, .json, .mdvrp, .mtsp, "
+        UsageError, match=r"a.xml: the suffix stands for no format of a routing instance; use one of .csv, .hvrp, .json, .mdvrp, .mtsp, "
     ):
         format_of_suffix("a.xml")
 

@@ -1,8 +1,7 @@
 """Facility location on the data of submodlib's tutorial "Basic Usage": at least as good as what submodlib finds, with a verified bound.
 
 Source: ``tutorials/Basic Usage.ipynb`` of submodlib, which draws 500 points around ten centres and lets ``FacilityLocationFunction``
-choose ten of them by naive and by lazy greedy, 5 lines each beside the data. apricot's ``FacilityLocationSelection`` computes the same
-sets.
+choose ten of them by naive and by lazy greedy, 5 lines each beside the data.
 """
 
 from __future__ import annotations

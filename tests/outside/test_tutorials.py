@@ -241,11 +241,22 @@ def test_vrooms_example_with_skills_and_a_shipment(tmp_path: Path) -> None:
     assert solution.certificate.bound is not None
 
 
+LEGS = {(0, 1): 2328, (1, 2): 890, (2, 3): 1595, (3, 0): 1752, (0, 4): 2941, (4, 5): 3816, (5, 6): 1909, (6, 0): 3480}
+"""Seconds of the moves of the published plan, by its cumulated durations; the other moves of the road network are none of the data."""
+
+
 def test_vrooms_example_of_a_plan_that_breaks_its_limits(tmp_path: Path) -> None:
-    """Published: vehicle 1 is overloaded (7 of 4)."""
+    """Published: vehicle 1 is overloaded (7 of 4); vehicle 2, which leaves 800 s before its hours as the plan asks, is 1266 s late at its
+    last stop, and 1446 s at the depot."""
+    opens, closes = 1600416000, 1600426800
     amounts = {1: 2, 2: 2, 5: 3, 6: 1, 4: 1, 3: 1}
-    jobs = [stop(number, delivery=[amount]) for number, amount in amounts.items()]
-    problem = asked_of_vroom(tmp_path, {"vehicles": [depot(id=1), depot(id=2)], "jobs": jobs})
-    verdict = wb.check(problem, [["1", "2", "5"], ["6", "4", "3"]])
+    late = {"time_windows": [[opens, 1600423200]]}
+    jobs = [stop(number, delivery=[amount], **(late if number in (6, 4, 3) else {})) for number, amount in amounts.items()]
+    vehicles = [depot(id=1, time_window=[opens, closes]), depot(id=2, time_window=[opens - 800, closes])]
+    seconds = straight()
+    for (i, j), leg in LEGS.items():
+        seconds[i][j] = leg
+    problem = asked_of_vroom(tmp_path, {"matrices": {"car": {"durations": seconds}}, "vehicles": vehicles, "jobs": jobs})
+    verdict = wb.check(problem, wb.Routes((wb.Route((1, 2, 3), 0), wb.Route((4, 5, 6), 1))))
     assert verdict.feasible is False
-    assert [(v.check, v.amount) for v in verdict.violations] == [("load", 3)]
+    assert [(v.check, v.amount) for v in verdict.violations] == [("load", 3), ("time-windows", 1266), ("time-windows", 1446)]

@@ -108,3 +108,12 @@ def test_the_history_of_a_solution_ends_with_what_was_checked(problem: wb.Proble
     assert last["bound_kind"] == solution.bound_kind
     assert frame["seconds"].is_monotonic_increasing
     assert (frame["objective"].dropna().diff().dropna() <= 1e-6).all()
+
+
+@pytest.mark.parametrize("solver", ["highs", "scip"])
+def test_nodes_come_through_levels_and_reductions(solver: str) -> None:
+    problem = wb.read("demo-tiny", objective="vehicles then total-cost")
+    heard: list[dict[str, Any]] = []
+    wb.solve(problem, solver, bound_time=0.0, progress=heard.append)
+    nodes = [event["nodes"] for event in heard if event["phase"] == "solve" and event["nodes"] is not None]
+    assert nodes and all(isinstance(count, int) and count >= 0 for count in nodes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -32,8 +32,6 @@ from .options import (
 if TYPE_CHECKING:
     from ..formulations.answers import ReadAnswer
     from ..formulations.evaluation import Evaluation
-    from ..formulations.problem import Problem
-    from ..solvers.linear_programs import LinearPrograms
 
 STATED_TOLERANCE = 1e-6
 """Relative difference up to which a stated objective counts as the recomputed one."""
@@ -140,7 +138,7 @@ def bound(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """The best provable bound on the objective, with its source; verified from its evidence.
+    """The best provable bound on the objective, of each level in order of priority, with its source; verified from its evidence.
 
     Exit code 0 with a bound, 3 if it is proved that there is no solution, or no best one, 4 if nothing was proved.
     """
@@ -151,10 +149,9 @@ def bound(
     output_path("--certificate", certificate, (".json",), unlike=file)
 
     from ..formulations.answers import json_text
-    from ..formulations.certificate import certify
     from ..formulations.certificate_files import write_certificate
     from ..solvers.linear_programs import linear_programs
-    from ..solving.search import in_time
+    from ..solving.levels import bound_alone
     from .delivery import Delivery
     from .output import lines_text, stdout_is_ours
     from .progress import Progress
@@ -163,30 +160,32 @@ def bound(
     linear = linear_programs(lp_solver, seed, threads)
     interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
-        evidence, seconds = _bounded(asked, bound_time, linear, progress, unable)
-    made = in_time(lambda: certify(asked, None, evidence, unproved=unable), lambda: certify(asked, None))
+        made, evidence, seconds = bound_alone(asked, bound_time, linear, unable, progress)
     for line in unable:
         remark(line)
+    bounds = [made.bound, *(level.bound for level in made.levels)]
+    sources = [made.bound_source, *(level.source for level in made.levels)]
     figures = {
         "instance": asked.name,
         "instance_hash": made.instance_hash,
         "problem": made.problem,
         "sense": made.sense,
         "convention": made.convention,
-        "bound": made.bound,
+        "bound": bounds[0] if len(asked.senses) == 1 or bounds[0] is None else [*bounds, *[None] * (len(asked.senses) - len(bounds))],
         "bound_kind": None if made.bound is None else "verified",
-        "bound_source": made.bound_source,
+        "bound_source": ", then ".join(map(str, sources)) if made.levels else made.bound_source,
         "infeasible": made.infeasible,
         "unbounded": made.unbounded,
+        "levels": [level.to_json() for level in made.levels],
         "found": [{"source": e.source, "value": e.value} for e in evidence],
         "seconds": seconds,
     }
 
     def shown() -> str:
-        from ..formulations.certificate import bound_line
+        from ..formulations.certificate import bound_lines
         from ..formulations.rendering import Line
 
-        lines = [bound_line(made)]
+        lines = bound_lines(made)
         others = [e for e in evidence if e not in made.evidence]
         lines += [Line("also", f"{e.value:.10g}: {e.source}" if math.isfinite(e.value) else e.source, "quiet") for e in others]
         lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
@@ -196,20 +195,6 @@ def bound(
     delivery.file("--certificate", certificate, lambda path: write_certificate(made, path))
     delivery.show(lambda: json_text(figures) if json else shown(), lambda: json_text(figures))
     raise typer.Exit(delivery.code or (3 if made.infeasible or made.unbounded else 0 if made.bound is not None else _nothing()))
-
-
-def _bounded(problem: Problem, seconds: float, linear: LinearPrograms, progress: Any, unable: list[str]) -> tuple[list[Any], float]:
-    """Evidence found within ``seconds``; Ctrl-C keeps what was found."""
-    from ..solvers.backend import Control, RawResult
-    from ..solving.bounding import find_bounds
-    from ..solving.search import BOUND_OVERTIME, search
-
-    def find(control: Control) -> RawResult:
-        found = find_bounds(problem, seconds, control=control, progress=progress, unable=unable, linear=linear)
-        return RawResult("unknown", answer=found)
-
-    searched = search(find, Control(), seconds, overtime=BOUND_OVERTIME)
-    return searched.result.answer or [], searched.seconds
 
 
 def explain(

@@ -125,7 +125,7 @@ def read_both(
             raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
     if objective is not None:
         given["objective"] = objective
-    instance = read_source(file, format, problem)
+    instance = read_source(file, format, problem, given)
     return instance, problem_of(instance, problem, convention, given)
 
 

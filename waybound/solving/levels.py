@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
-from ..formulations.certificate import Certificate, better_bound
+from ..formulations.certificate import Certificate, better_bound, certify
 from ..formulations.evaluation import Evaluation
+from ..formulations.evidence import Evidence
 from ..formulations.levels import LevelBound, best_level_bound, with_levels
 from ..formulations.problem import Problem
 from ..formulations.solution import Value
@@ -15,13 +17,13 @@ from ..solvers.backend import Control, LevelClaim, RawResult
 from ..solvers.linear_programs import LinearPrograms
 from ..solvers.program_backend import EQUAL_TOLERANCE
 from .bounding import find_bounds
-from .recording import Recorder
-from .search import BOUND_OVERTIME, search
+from .recording import Progress
+from .search import BOUND_OVERTIME, Searched, in_time, search
 
 
 def further_levels(
-    problem: Problem, certificate: Certificate, evaluation: Evaluation, seconds: float, linear: LinearPrograms, record: Recorder,
-    notes: list[str],
+    problem: Problem, certificate: Certificate, evaluation: Evaluation | None, seconds: float, linear: LinearPrograms, notes: list[str],
+    begun: Callable[[str, float], Progress | None] = lambda phase, seconds: None,
 ) -> Certificate:  # fmt: skip
     """The certificate with verified bounds of the levels after the first, as long as verified bounds close all before.
 
@@ -30,15 +32,16 @@ def further_levels(
     problem : Problem
     certificate : Certificate
         With a bound of the first level.
-    evaluation : Evaluation
-        Of the answer: its values at the levels before are what a level's bound is given.
+    evaluation : Evaluation or None
+        Of the answer: its values at the levels before are what a level's bound is given. Without an answer these are the bounds of the
+        levels before, so that a bound is one of the answers that meet them, if there are any.
     seconds : float
         For all levels together.
     linear : LinearPrograms
-    record : Recorder
-        Hears of each level that is begun.
     notes : list of str
         Receives a line for each method or checker that fails.
+    begun : callable, optional
+        Hears of each level that is begun, and of its seconds; what it returns receives the events of bounding.
 
     Raises
     ------
@@ -46,26 +49,66 @@ def further_levels(
         If a bound that was verified contradicts the answer.
     """
     levels: list[LevelBound] = []
-    closed, ends = certificate.bound is not None and evaluation.same_at(0, certificate.bound), time.perf_counter() + seconds
-    while closed and len(levels) + 1 < len(problem.senses):
-        level, left = len(levels) + 1, ends - time.perf_counter()
-        part = problem.given(evaluation.values[:level])
+    before: tuple[float, ...] = ()
+    bound, ends, count = certificate.bound, time.perf_counter() + seconds, len(problem.senses)
+    while bound is not None and len(before) + 1 < count and (evaluation is None or evaluation.same_at(len(before), bound)):
+        before = (*before, bound) if evaluation is None else evaluation.values[: len(before) + 1]
+        level, part, left = len(before), problem.given(before), ends - time.perf_counter()
         if part is None or left <= 0.0:
             break
-        record.begin_phase(f"bound of level {level + 1}", round(left, 1))
-        target = evaluation.values[level]
-
-        def find(control: Control, part: Problem = part, left: float = left, target: float = target) -> RawResult:
-            found = find_bounds(part, left, target=target, control=control, unable=notes, linear=linear)
-            return RawResult("unknown", answer=found)
-
-        searched = search(find, Control(), left, overtime=BOUND_OVERTIME)
-        found = best_level_bound(problem, evaluation, level, searched.result.answer or (), notes)
+        target = None if evaluation is None else evaluation.values[level]
+        left = left if target is not None else left / (count - level)  # nothing ends the search for a bound but its time
+        searched = _searched(part, left, target, linear, notes, begun(f"bound of level {level + 1}", round(left, 1)))
+        found = best_level_bound(problem, before, evaluation, searched.result.answer or (), notes)
         if found is None:
             break
         levels.append(found)
-        closed = evaluation.same_at(level, found.bound) and not searched.interrupted
-    return with_levels(certificate, evaluation, levels) if levels else certificate
+        bound = None if searched.interrupted else found.bound
+    if not levels:
+        return certificate
+    return replace(certificate, levels=tuple(levels)) if evaluation is None else with_levels(certificate, evaluation, levels)
+
+
+def bound_alone(
+    problem: Problem, seconds: float, linear: LinearPrograms, notes: list[str], progress: Progress | None = None
+) -> tuple[Certificate, list[Evidence], float]:
+    """A certificate without an answer, with a bound of each level; all evidence that was found of the first, and the seconds spent.
+
+    Parameters
+    ----------
+    problem : Problem
+    seconds : float
+        For all methods and levels together. Ctrl-C keeps what was found.
+    linear : LinearPrograms
+    notes : list of str
+        Receives a line for each method or checker that fails.
+    progress : callable, optional
+        Receives the events of bounding.
+    """
+    began = time.perf_counter()
+
+    def begun(phase: str, seconds: float) -> Progress | None:
+        return None if progress is None else lambda event: progress({**event, "phase": phase})
+
+    searched = _searched(problem, seconds / len(problem.senses), None, linear, notes, progress)
+    evidence: list[Evidence] = searched.result.answer or []
+    made = in_time(lambda: certify(problem, None, evidence, unproved=notes), lambda: certify(problem, None))
+    left = seconds - (time.perf_counter() - began)
+    if left > 0.0 and not searched.interrupted:
+        made = further_levels(problem, made, None, left, linear, notes, begun)
+    return made, evidence, time.perf_counter() - began
+
+
+def _searched(
+    problem: Problem, seconds: float, target: float | None, linear: LinearPrograms, notes: list[str], progress: Progress | None
+) -> Searched:
+    """Evidence of the first level, as the answer of a search that Ctrl-C ends."""
+
+    def find(control: Control) -> RawResult:
+        found = find_bounds(problem, seconds, target=target, control=control, progress=progress, unable=notes, linear=linear)
+        return RawResult("unknown", answer=found)
+
+    return search(find, Control(), seconds, overtime=BOUND_OVERTIME)
 
 
 def bounds_of_levels(

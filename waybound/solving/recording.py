@@ -51,7 +51,7 @@ class Recorder:
 
         def hear(event: dict[str, Any]) -> None:
             value, bound = (event.get("objective") if answers else None), (event.get("bound") if bounds else None)
-            self._take("solve", value, bound, "claimed", who)
+            self._take("solve", value, bound, "claimed", who, event.get("nodes"))
 
         return hear
 
@@ -72,7 +72,7 @@ class Recorder:
             self.events.append(Event(self._seconds(), "check", values, bounds, solution.bound_kind, solution.solver))
             return tuple(self.events)
 
-    def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str) -> None:
+    def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str, nodes: int | None = None) -> None:
         news = False
         with self._lock:
             values = _levels(value)
@@ -88,7 +88,10 @@ class Recorder:
                 self.events.append(Event(seconds, phase, self._value, None if known is None else (known,), known_kind, who))
             best = self._value if self._value is None or len(self._value) > 1 else self._value[0]
             shown = list(best) if isinstance(best, tuple) else best
-            told = {"phase": phase, "seconds": seconds, "objective": shown, "bound": known, "bound_kind": known_kind, "found_by": who}
+            told = {
+                "phase": phase, "seconds": seconds, "objective": shown, "bound": known, "bound_kind": known_kind, "found_by": who,
+                "nodes": nodes,
+            }  # fmt: skip
         if news or phase == "solve":
             for listener in self._listeners:
                 listener(told)

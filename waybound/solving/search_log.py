@@ -117,7 +117,8 @@ class SearchLog:
             if self._pending and now - self._answered >= APART:
                 self._flush()
             elif now - self._said >= EVERY:
-                self._say(_PHASES.get(self._phase, self._phase))
+                nodes = self._event.get("nodes") if self._phase == "solve" else None
+                self._say(_PHASES.get(self._phase, self._phase) + ("" if nodes is None else f", {nodes} node{'s' if nodes != 1 else ''}"))
 
     def _run(self) -> None:
         while not self._done.wait(APART):

@@ -123,7 +123,8 @@ def solve(
         What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
         ``Solution``; the JSON of either; a solution file.
     progress : callable, optional
-        Receives ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}`` from a worker thread, the best known of each.
+        Receives ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by", "nodes"}`` from a worker thread, the best known of
+        each, and the nodes of branch and bound where the solver tells them.
     log : bool, path or SearchLog, optional
         True shows a line per improvement and per few seconds, and at the end what was proved: in the cell of a notebook, else on standard
         error. A path writes it to a file. ``Solution.history`` has the figures in any case.
@@ -428,7 +429,7 @@ def _certified(
     left = 0.0 if budget is None or record is None else budget - bound_seconds
     if record is not None and len(problem.senses) > 1 and evaluation is not None and left > 0.0 and not searched.interrupted:
         try:
-            certificate = further_levels(problem, certificate, evaluation, left, _linear(options), record, run.notes)
+            certificate = further_levels(problem, certificate, evaluation, left, _linear(options), run.notes, record.begin_phase)
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
     heard: list[tuple[str, RawResult]] = []

@@ -19,7 +19,7 @@ SET_X = re.compile(r"X-n\d+-k\d+\Z", re.I)
 FLEET_IN_NAME = re.compile(r"-k(\d{1,9})\Z", re.I)
 
 _HEADER = re.compile(r"([A-Za-z][A-Za-z0-9_]*)\s*:\s*(.*)\Z")
-_SECTION = re.compile(r"([A-Za-z][A-Za-z0-9_]*_SECTION)\s*:?\s*\Z")
+_SECTION = re.compile(r"([A-Za-z][A-Za-z0-9_]*_SECTION|CAPACITIES|FIXED_COSTS|VARIABLE_COSTS|NUMBER_OF_VEHICLES)\s*:?\s*\Z")
 
 
 @dataclass

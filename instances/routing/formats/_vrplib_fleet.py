@@ -2,9 +2,14 @@
 
 A quantity of vehicles is a header (the same for all) or a section with one row a vehicle: ``CAPACITY``, ``VEHICLES_MAX_DISTANCE``,
 ``VEHICLES_MAX_DURATION``, ``VEHICLES_FIXED_COST``, ``VEHICLES_UNIT_DISTANCE_COST``. ``VEHICLES_DEPOT_SECTION`` tells the depot of each,
-``PRIZE_SECTION`` what a visit is worth: a customer with a prize may be left out, and then it is missed.
+``PRIZE_SECTION`` what a visit is worth: a customer with a prize may be left out, and then it is missed. ``BACKHAUL_SECTION`` is what is
+picked up; in files of ``TYPE: VRPB`` after all deliveries of a route, of which there is at least one.
 
-Source: documentation of PyVRP, "supported VRPLIB fields".
+The mixed fleets of Pessoa, Sadykov and Uchoa have a header ``VEHICLE_KINDS`` and one line below each of ``CAPACITIES, FIXED_COSTS,
+VARIABLE_COSTS`` and ``NUMBER_OF_VEHICLES``, with one number a kind.
+
+Source: documentation of PyVRP, "supported VRPLIB fields"; Pessoa, Sadykov and Uchoa (2018), European Journal of Operational Research
+270(2).
 """
 
 from __future__ import annotations
@@ -17,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...text import number, refuse, whole
+from ...text import number, numbers, plain, refuse, whole
 from ..vehicle_type import VehicleType
 from ._tsplib import Specification, node_list, node_table
 
@@ -28,14 +33,16 @@ QUANTITIES = {
     "VEHICLES_MAX_DURATION": ("max_duration", math.inf), "VEHICLES_FIXED_COST": ("fixed_cost", 0.0),
     "VEHICLES_UNIT_DISTANCE_COST": ("unit_cost", 1.0),
 }  # fmt: skip
-DEPOTS, PRIZES = "VEHICLES_DEPOT_SECTION", "PRIZE_SECTION"
-RICH_HEADERS = frozenset(QUANTITIES) - {"CAPACITY"}
-RICH_SECTIONS = frozenset({DEPOTS, PRIZES, *(f"{key}_SECTION" for key in QUANTITIES)})
+DEPOTS, PRIZES, BACKHAULS = "VEHICLES_DEPOT_SECTION", "PRIZE_SECTION", "BACKHAUL_SECTION"
+KINDS = "VEHICLE_KINDS"
+BY_KIND = {"CAPACITIES": "capacity", "FIXED_COSTS": "fixed_cost", "VARIABLE_COSTS": "unit_cost", "NUMBER_OF_VEHICLES": "count"}
+RICH_HEADERS = frozenset({*QUANTITIES, KINDS}) - {"CAPACITY"}
+RICH_SECTIONS = frozenset({DEPOTS, PRIZES, BACKHAULS, *BY_KIND, *(f"{key}_SECTION" for key in QUANTITIES)})
 
 
 def is_rich(spec: Specification, depots: list[int]) -> bool:
     """Whether vehicles differ, or have what other files cannot say."""
-    return len(depots) > 1 or bool(spec.sections.keys() & RICH_SECTIONS - {PRIZES} or spec.headers.keys() & RICH_HEADERS)
+    return len(depots) > 1 or bool(spec.sections.keys() & RICH_SECTIONS - {PRIZES, BACKHAULS} or spec.headers.keys() & RICH_HEADERS)
 
 
 def depots_of(spec: Specification, n: int) -> list[int]:
@@ -50,6 +57,8 @@ def depots_of(spec: Specification, n: int) -> list[int]:
 
 def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> tuple[VehicleType, ...]:
     """Types of vehicles, those that are alike together; ``longest`` is the DISTANCE of the file."""
+    if KINDS in spec.headers or spec.sections.keys() & BY_KIND.keys():
+        return _kinds(spec, depots, longest)
     sections = [name for name in (DEPOTS, *(f"{key}_SECTION" for key in QUANTITIES)) if name in spec.sections]
     if "VEHICLES" in spec.headers:
         count = whole(spec.value("VEHICLES"), spec.line("VEHICLES"), "VEHICLES", least=1)
@@ -79,6 +88,30 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> 
     return tuple(made)
 
 
+def _kinds(spec: Specification, depots: list[int], longest: float) -> tuple[VehicleType, ...]:
+    """Types of vehicles as the file numbers them."""
+    count = whole(spec.value(KINDS), spec.line(KINDS), KINDS, least=1)
+    other = next((key for key in (*spec.headers, *spec.sections) if key.startswith(("VEHICLES", "CAPACITY"))), None)
+    if other is not None or len(depots) > 1:
+        raise InputError(f"{KINDS} has one depot and no {other or DEPOTS} beside it", line=spec.line(KINDS))
+    columns: dict[str, list[float]] = {}
+    for name, what in BY_KIND.items():
+        rows = spec.section(name).rows
+        line = rows[0][0] if rows else spec.section(name).line
+        values = [value for at, row in rows for value in numbers(row, at, name)]
+        if len(values) != count:
+            raise InputError(f"{name} has a wrong length", line=line, expected=f"{count} ({KINDS})", found=str(len(values)))
+        refuse(np.array(values) < 0, [line] * count, f"{name} holds a negative value", values, "0 or more")
+        columns[what] = values
+    line = spec.section("NUMBER_OF_VEHICLES").rows[0][0]
+    counts = [whole(plain(value), line, "NUMBER_OF_VEHICLES", least=1) for value in columns.pop("count")]
+    home = {"start": depots[0], "end": depots[0], "max_duration": longest}
+    return tuple(
+        VehicleType(many, **home, name=f"type {k + 1}", **{what: values[k] for what, values in columns.items()})  # type: ignore[arg-type]
+        for k, many in enumerate(counts)
+    )
+
+
 def _quantity(spec: Specification, key: str, count: int, default: float) -> Floats:
     """One value a vehicle."""
     section = f"{key}_SECTION"
@@ -98,10 +131,18 @@ def _quantity(spec: Specification, key: str, count: int, default: float) -> Floa
 
 def prizes_of(spec: Specification, n: int, depots: list[int]) -> Floats | None:
     """What each site is worth; None where the file has no prizes."""
-    if PRIZES not in spec.sections:
-        return None
-    table, lines = node_table(spec, PRIZES, n, ("prize",))
-    prizes = table[:, 0]
-    refuse(prizes < 0, lines, "prize is negative", prizes, "0 or more")
-    refuse(np.isin(np.arange(n), depots) & (prizes != 0), lines, "a depot has a prize", prizes, "0")
-    return prizes
+    return _column(spec, PRIZES, "prize", n, depots) if PRIZES in spec.sections else None
+
+
+def backhauls_of(spec: Specification, n: int, depots: list[int]) -> Floats:
+    """What is picked up at each site."""
+    return _column(spec, BACKHAULS, "backhaul", n, depots) if BACKHAULS in spec.sections else np.zeros(n)
+
+
+def _column(spec: Specification, section: str, what: str, n: int, depots: list[int]) -> Floats:
+    """One value a site, none at depots."""
+    table, lines = node_table(spec, section, n, (what,))
+    values = table[:, 0]
+    refuse(values < 0, lines, f"{what} is negative", values, "0 or more")
+    refuse(np.isin(np.arange(n), depots) & (values != 0), lines, f"a depot has a {what}", values, "0")
+    return values

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from ...suggestions import did_you_mean
 from ...text import shown
 from ..instance import RoutingInstance
 from ..json_vehicles import VEHICLE_KEYS
+from . import _frame_settings
 
 SETTINGS = (
     "name", "vehicles", "capacity", "max_duration", "max_distance", "fixed_cost", "speed", "fleet", "columns", "extra", "time_unit",
@@ -34,8 +36,8 @@ def recognises(text: str) -> bool:
     return text.lstrip().startswith("{") and _MARK.search(text) is not None
 
 
-def read(text: str, path: Path) -> RoutingInstance:
-    """The instance; see ``Format.read``."""
+def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> RoutingInstance:
+    """The instance; see ``Format.read``. ``settings`` go before those in the file."""
     import pandas as pd
 
     from ..frames import instance_from_frame
@@ -50,7 +52,11 @@ def read(text: str, path: Path) -> RoutingInstance:
     if not rows:
         raise InputError("holds no sites", expected="features with points")
     given: dict[str, Any] = {"name": path.stem} | {key: _setting(data[key], key) for key in SETTINGS if key in data}
-    return instance_from_frame(pd.DataFrame(rows), **given, source="geojson")
+    given |= _frame_settings.arguments(_frame_settings.of_set(settings or {}), path.parent, len(rows))
+    try:
+        return instance_from_frame(pd.DataFrame(rows), **given, source="geojson")
+    except InputError as error:
+        raise _frame_settings.in_file(error) from None
 
 
 def _setting(value: Any, key: str) -> Any:
@@ -118,5 +124,6 @@ FORMATS.add(
     Format(
         "geojson", "sites as GeoJSON points", recognises, read, None, (), "",
         ("vrptw", "cvrp", "tsp", "min-cost-vrp"), "exact", solutions=(".json", ".sol", ".tour", ".geojson"),
+        settings=_frame_settings.KEYS,
     ),
 )  # fmt: skip

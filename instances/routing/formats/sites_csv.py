@@ -1,4 +1,5 @@
-"""Sites from CSV: one row a site, with the fleet in comment lines at the top; documented in ``docs/formats.md``.
+"""Sites from CSV: a frame of sites as text, one row a site, with what it has no place for in comment lines at the top or in ``--set``;
+documented in ``docs/formats.md``.
 
 The delimiter is the one of ``, ; | tab`` that occurs most often in the line of titles. Without a column ``depot`` the first
 site is the depot. Solution files count customers from 1 in the file's order, depots left out.
@@ -7,7 +8,7 @@ site is the depot. Solution files count customers from 1 in the file's order, de
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,22 +16,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, UsageError
+from ...errors import InputError
 from ...formats import FORMATS, Format
-from ...formats.table import Settings, delimiter_of, settings_of, table_of, titles_of, written
-from ...text import label, number, numbers, plain, read_text, refuse, shown, whole
-from ..fleet import equal_fleet, with_problems
-from ..instance import RoutingInstance, Sites, VehicleType
+from ...formats.table import Table, settings_of, table_of, titles_of, written
+from ...text import is_number, number, plain, refuse, shown
+from ..fleet import equal_fleet
+from ..frame_columns import ALIASES, COLUMNS, columns_of, known, mapped
+from ..instance import RoutingInstance, VehicleType
 from ..reach import refuse_unreachable
-from ..travel import EXPLICIT, METRICS, Travel, convention_named
-from ._limits import refuse_inexpressible
+from ..travel import EXPLICIT, GEOGRAPHIC, convention_named
+from . import _cells, _frame_settings
+from ._limits import cannot, refuse_inexpressible
 
-COLUMNS = ("id", "x", "y", "demand", "ready", "due", "service", "reward", "required", "depot")
-DEFAULTS = {"demand": 0.0, "ready": 0.0, "due": math.inf, "service": 0.0, "reward": 0.0}
+WRITTEN = ("demand", "ready", "due", "service", "reward")
 LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance": "max_distance", "fixed-cost": "fixed_cost",
           "unit-cost": "unit_cost"}  # fmt: skip
-KEYS = ("name", "problem", "metric", "convention", "vehicles", "min-vehicles", *LIMITS, "matrix", "durations")
-FLAGS = {"1": True, "true": True, "yes": True, "0": False, "false": False, "no": False}
+NAMES = ("name", "problem", "convention")
+KEYS = (*NAMES, *_frame_settings.KEYS)
 EXPRESSIBLE = frozenset(
     {
         "capacity", "demands", "time-windows", "depot-windows", "service-times", "demand-or-service-of-depots", "rewards", "optional-sites",
@@ -41,47 +43,92 @@ EXPRESSIBLE = frozenset(
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds the titles ``x`` and ``y``, or ``id``, among others, and no roles."""
-    titles = titles_of(text)
-    return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles) and "role" not in titles
+    """Whether the first line that is no comment holds titles of coordinates, or ``id``, among others, and no roles."""
+    titles = {ALIASES.get(title, title) for title in titles_of(text)}
+    return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles or bool({"lat", "lon"} & titles)) and "role" not in titles
 
 
-def read(text: str, path: Path) -> RoutingInstance:
-    """The instance; see ``Format.read``."""
+def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> RoutingInstance:
+    """The instance; see ``Format.read``. ``settings`` go before those in the file."""
+    import pandas as pd
+
+    from ..frames import instance_from_frame
+
     keys, start = settings_of(text, KEYS, COLUMNS)
-    table = table_of(text, start, COLUMNS, "sites")
+    table = table_of(text, start, _title, "sites")
     at, n = table.at, len(table.rows)
-    if ("x" in table.titles) != ("y" in table.titles):
-        raise InputError("coordinates need two columns", line=start + 1, expected="x and y", found="one of them")
-    column = {title: [row[k] for row in table.rows] for k, title in enumerate(table.titles)}
-
-    def reals(title: str, default: float | None) -> NDArray[np.float64]:
-        cells = column.get(title, [""] * n)
-        values = [default if default is not None and not c else number(c, at[k], title) for k, c in enumerate(cells)]
-        return np.array(values, dtype=np.float64)
-
-    def marks(title: str) -> NDArray[np.bool_] | None:
-        return None if title not in column else np.array([_flag(c, at[k], title) for k, c in enumerate(column[title])])
-
-    data: dict[str, Any] = {title: reals(title, default) for title, default in DEFAULTS.items()}
-    for title in ("demand", "service", "reward"):
-        refuse(data[title] < 0, at, f"{title} is negative", data[title], "0 or more")
-    window = np.column_stack([data["ready"], data["due"]])
-    refuse(data["ready"] > data["due"], at, "time window closes before it opens", window, "ready <= due")
-    depot, required = marks("depot"), marks("required")
-    if depot is not None and not depot.any():
+    own = {key: value for key, value in keys.items() if key not in NAMES}
+    given = _frame_settings.arguments(own | _frame_settings.of_set(settings or {}), path.parent, n)
+    if "convention" in keys:
+        given["convention"] = _frame_settings.named(convention_named, *keys["convention"])
+    try:
+        meant = {theirs: title for title, theirs in mapped(table.titles, given.get("columns") or {}).items()}
+        columns = {title: _column(table, k, meant.get(title, ALIASES.get(title, title))) for k, title in enumerate(table.titles)}
+        frame = pd.DataFrame({title: pd.Series(column) for title, column in columns.items()}, index=pd.RangeIndex(n))
+        titles = columns_of(frame, given.get("columns"), given.get("extra", ())).titles
+        for pair in (("x", "y"), ("lat", "lon")):
+            if (pair[0] in titles) != (pair[1] in titles):
+                raise InputError("coordinates need two columns", expected=" and ".join(pair), found="one of them")
+    except InputError as error:
+        raise _frame_settings.in_file(error).at(line=start + 1) from None
+    if "depot" in titles and not frame[titles["depot"]].eq(True).any():
         raise InputError("no row is marked as depot", line=at[-1], expected="at least one true in the column depot")
-    xy = np.column_stack([reals("x", None), reals("y", None)]) if "x" in column else None
-    sites = Sites.of(_ids(column.get("id"), n, at), depot=depot, required=required, coordinates=xy, **data)
-    if n == len(sites.depots):
+    if n == (frame[titles["depot"]].eq(True).sum() if "depot" in titles else 1):
         raise InputError("there is no customer", line=at[-1], expected="a row that is no depot")
-    travel = _travel(keys, xy, n, path)
-    return _instance(keys, sites, travel, path, at)
+    try:
+        made = instance_from_frame(frame, **given, name=keys["name"][1] if "name" in keys else path.stem, source="csv")
+    except InputError as error:
+        raise _frame_settings.in_file(error) from None
+    if "problem" in keys:
+        line, problem = keys["problem"]
+        if problem not in made.problems:
+            raise InputError(f"the data do not allow the problem {shown(problem)}", line=line, expected=", ".join(made.problems))
+        made = replace(made, problem=problem)
+    refuse_unreachable(made, at)
+    return made
 
 
-def _ids(cells: list[str] | None, n: int, at: list[int]) -> list[str]:
-    if cells is None:
-        return [str(k) for k in range(n)]
+def _title(cell: str) -> str:
+    """A title as waybound writes it, whatever its case, or as it is."""
+    lower = cell.lower()
+    return lower if known(lower) or lower in ALIASES else cell
+
+
+def _column(table: Table, k: int, title: str) -> Any:
+    """What stands under the k-th title, read as ``title``: numbers, times, flags or texts, and what refuses to be any, with its line."""
+    cells, at = [row[k] for row in table.rows], table.at
+    if title in ("id", "node", "skills"):
+        return _ids(cells, at) if title == "id" else [cell or None for cell in cells]
+    if title in ("required", "depot"):
+        return np.array([_cells.flag(cell, line, title) for cell, line in zip(cells, at, strict=True)], dtype=object)
+    if title in ("ready", "due", "service"):
+        if all(is_number(cell) for cell in cells if cell):
+            times = np.array([float(cell) if cell else math.nan for cell in cells])
+            if title == "service":
+                refuse(times < 0, at, "service is negative", times, "0 or more")
+            elif title == "due" and "ready" in table.titles:
+                _refuse_closed(table, times)
+            return times
+        read = _cells.span if title == "service" else _cells.moment
+        return np.array([read(cell, line, title) for cell, line in zip(cells, at, strict=True)], dtype=object)
+    if title in ("x", "y", "lat", "lon"):
+        return np.array([number(cell, line, title) for cell, line in zip(cells, at, strict=True)])
+    if known(title):
+        values = np.array([number(cell, line, title) if cell else 0.0 for cell, line in zip(cells, at, strict=True)])
+        refuse(values < 0, at, f"{title} is negative", values, "0 or more")
+        return values
+    return _cells.kept(cells)
+
+
+def _refuse_closed(table: Table, due: NDArray[np.float64]) -> None:
+    """Raise InputError where a window in numbers closes before it opens."""
+    opens = table.column("ready") or []
+    ready = np.array([float(cell) if is_number(cell) else -math.inf for cell in opens])
+    window = np.column_stack([np.where(np.isfinite(ready), ready, 0.0), due])
+    refuse(window[:, 0] > due, table.at, "time window closes before it opens", window, "ready <= due")
+
+
+def _ids(cells: list[str], at: list[int]) -> list[str]:
     first: dict[str, int] = {}
     for k, cell in enumerate(cells):
         if not cell or not cell.isprintable():
@@ -92,120 +139,52 @@ def _ids(cells: list[str] | None, n: int, at: list[int]) -> list[str]:
     return cells
 
 
-def _flag(cell: str, line: int, title: str) -> bool:
-    if not cell:
-        return title == "required"
-    if cell.lower() not in FLAGS:
-        raise InputError(f"{title} must be true or false", line=line, expected=", ".join(FLAGS), found=shown(cell))
-    return FLAGS[cell.lower()]
-
-
-def _travel(keys: Settings, xy: NDArray[np.float64] | None, n: int, path: Path) -> Travel:
-    convention = ""
-    if "convention" in keys:
-        try:
-            convention = convention_named(keys["convention"][1])
-        except UsageError as error:
-            raise InputError(str(error), line=keys["convention"][0]) from None
-    durations = _matrix(path, keys["durations"], n) if "durations" in keys else None
-    if "matrix" in keys:
-        if "metric" in keys:
-            raise InputError("metric stands beside a matrix", line=keys["metric"][0], expected="one of them")
-        return Travel(EXPLICIT, matrix=_matrix(path, keys["matrix"], n), duration_matrix=durations, convention=convention)
-    metric = keys["metric"][1] if "metric" in keys else "euclidean"
-    if metric not in METRICS:
-        raise InputError(f"metric {shown(metric)} is unknown", line=keys["metric"][0], expected=", ".join(METRICS))
-    if xy is None:
-        raise InputError("there are neither coordinates nor a matrix", expected="columns x and y, or a line `# matrix: file.csv`")
-    return Travel(metric, coordinates=xy, duration_matrix=durations, convention=convention)
-
-
-def _matrix(path: Path, setting: tuple[int, str], n: int) -> NDArray[np.float64]:
-    """A square table of numbers from a file of its own, named relative to ``path``."""
-    line, name = setting
-    file = path.parent / name
-    try:
-        if file.exists() and not file.is_file():  # a file must not make the reader wait at a pipe
-            raise InputError("is no plain file", file=file)
-        lines = [(k, row) for k, row in enumerate(read_text(file).split("\n"), start=1) if row.strip()]
-    except InputError as error:
-        raise InputError(f"matrix {shown(name)} {error.message}", line=line, found=error.found) from None
-    if len(lines) != n:
-        raise InputError("matrix has a wrong number of rows", file=file, line=lines[min(n, len(lines) - 1)][0], expected=str(n),
-                         found=str(len(lines)))  # fmt: skip
-    made = np.empty((n, n))
-    delimiter = delimiter_of(lines[0][1])
-    for k, (at, row) in enumerate(lines):
-        cells = row.split(delimiter) if delimiter in row else row.split()
-        try:
-            values = numbers(" ".join(c if c.strip() else "?" for c in cells), at, "matrix")
-            if len(values) != n:
-                raise InputError("row of the matrix has a wrong length", line=at, expected=str(n), found=str(len(values)))
-            made[k] = values
-            refuse((made[k] < 0) & (np.arange(n) != k), [at] * n, "distance is negative", made[k], "0 or more")
-        except InputError as error:
-            raise error.at(file=file) from None
-    return made
-
-
-def _instance(keys: Settings, sites: Sites, travel: Travel, path: Path, at: list[int]) -> RoutingInstance:
-    limits: dict[str, float] = {}
-    for key, attribute in LIMITS.items():
-        if key in keys:
-            line, value = keys[key]
-            limits[attribute] = number(value, line, key)
-            if limits[attribute] < 0:
-                raise InputError(f"{key} is negative", line=line, expected="0 or more", found=value)
-            if limits[attribute] == 0 and attribute == "capacity":
-                raise InputError("capacity must be positive", line=line, expected="more than 0", found=value)
-    count = None
-    if "vehicles" in keys and keys["vehicles"][1].lower() != "unlimited":
-        count = whole(keys["vehicles"][1], keys["vehicles"][0], "vehicles", least=1)
-    least = whole(keys["min-vehicles"][1], keys["min-vehicles"][0], "min-vehicles", least=0) if "min-vehicles" in keys else 0
-    fleet = equal_fleet(sites, count=count, **limits)
-    notes = (f"{'any number of' if count is None else count} vehicles at each of {len(fleet)} depots",) if len(fleet) > 1 else ()
-    name = label(keys["name"][1] if "name" in keys else path.stem)
-    made = with_problems(RoutingInstance(name, "csv", sites, travel, fleet, min_vehicles=least, notes=notes))
-    if "problem" in keys:
-        line, problem = keys["problem"]
-        if problem not in made.problems:
-            raise InputError(f"the data do not allow the problem {shown(problem)}", line=line, expected=", ".join(made.problems))
-        made = replace(made, problem=problem)
-    refuse_unreachable(made, at)
-    return made
-
-
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``. Matrices would need a file of their own, and are refused."""
     refuse_inexpressible(instance, "csv", EXPRESSIBLE)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     limits = {attribute: getattr(vehicle, attribute) for attribute in LIMITS.values()}
     if vehicle.capacity == 0:
-        raise UsageError(f"{instance.name} cannot be written as csv, which has no place for a capacity of 0; use json")
+        raise cannot(instance, "csv", "it has no place for a capacity of 0")
     if instance.fleet != equal_fleet(sites, count=vehicle.count, **limits):
-        raise UsageError(f"{instance.name} cannot be written as csv, which has no place for vehicles that differ; use json")
+        raise cannot(instance, "csv", "it has no place for vehicles that differ")
     if travel.metric == EXPLICIT or not np.array_equal(travel.coordinates, sites.coordinates):  # type: ignore[arg-type]
-        raise UsageError(f"{instance.name} cannot be written as csv: its distances do not follow from its coordinates; use json")
+        raise cannot(instance, "csv", "its distances do not follow from its coordinates")
+    if sites.geographic != (travel.metric in GEOGRAPHIC):
+        raise cannot(instance, "csv", f"its distances are {travel.metric}, and its coordinates {'' if sites.geographic else 'no '}angles")
+    if instance.clock is not None and instance.clock.origin:
+        raise cannot(instance, "csv", "its times are those of a calendar")
+    places = ("lon", "lat") if sites.geographic else ("x", "y")
+    titles = ("id", *places, *WRITTEN, "required", "depot", *sites.attributes)
+    if len(set(map(_title, titles))) < len(titles):
+        raise cannot(instance, "csv", "it keeps a column that is called as one that counts")
     settings: list[tuple[str, str]] = [("name", instance.name), ("problem", instance.problem), ("metric", travel.metric)]
     settings += [("convention", travel.convention), ("vehicles", "unlimited" if vehicle.count is None else str(vehicle.count))]
     usual = VehicleType()
     settings += [(key, plain(limits[a])) for key, a in LIMITS.items() if limits[a] != getattr(usual, a)]
     if instance.min_vehicles:
         settings.append(("min-vehicles", str(instance.min_vehicles)))
-    real: Callable[[float], str] = lambda v: "" if math.isinf(v) else plain(v)  # noqa: E731
+    if instance.clock is not None:
+        settings.append(("time-unit", instance.clock.unit))
+    if sites.attributes:
+        settings.append(("extra", "true"))
     assert sites.coordinates is not None
     reals = [*sites.coordinates.T, sites.demand, sites.ready, sites.due, sites.service, sites.reward]
     rows = (
-        [site, *(real(float(values[k])) for values in reals), *("true" if flags[k] else "false" for flags in (sites.required, sites.depot))]
+        [
+            site, *("" if math.isinf(v) else plain(v) for v in (float(values[k]) for values in reals)),
+            *("true" if flags[k] else "false" for flags in (sites.required, sites.depot)),
+            *("" if values[k] is None else str(values[k]) for values in sites.attributes.values()),
+        ]
         for k, site in enumerate(sites.ids)
-    )
-    return written(settings, COLUMNS, rows)
+    )  # fmt: skip
+    return written(settings, titles, rows)
 
 
 FORMATS.add(
     "csv",
     Format(
         "csv", "sites from CSV, one row each", recognises, read, write, (".csv",), "",
-        ("vrptw", "cvrp", "tsp", "min-cost-vrp"), "exact",
+        ("vrptw", "cvrp", "tsp", "min-cost-vrp"), "exact", settings=_frame_settings.KEYS,
     ),
 )  # fmt: skip

@@ -42,13 +42,14 @@ from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, METRICS, Travel
 from ._tsplib import FLEET_IN_NAME, SET_X, Specification, edge_weights, node_list, node_table, scan
 from ._tsplib_writer import EXACT_2D, always_open, write
-from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, depots_of, fleet_of, is_rich, prizes_of
+from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, backhauls_of, depots_of, fleet_of, is_rich, prizes_of
 
 Floats = NDArray[np.float64]
 
 SIMULTANEOUS = ("VRPSPD", "VRPMPD", "MVRPB", "VRPSPDTW", "VRPMPDTW")
-RICH = ("MDVRP", "MDVRPTW", "HFVRP", "PCVRP", "PCVRPTW")
-"""Types of other collections for several depots, mixed fleets and prizes."""
+BACKHAULS = "VRPB"
+RICH = ("MDVRP", "MDVRPTW", "HFVRP", "PCVRP", "PCVRPTW", BACKHAULS)
+"""Types of other collections for several depots, mixed fleets, prizes and backhauls."""
 PICKUPS = "PICKUP_AND_DELIVERY_SECTION"
 PROBLEMS = {
     "TSP": ("tsp", "min-cost-vrp"),
@@ -88,6 +89,8 @@ def recognises(text: str) -> bool:
 def read(text: str, path: Path) -> RoutingInstance:
     """The instance; see ``Format.read``."""
     spec = scan(text)
+    if "LINEHAUL_SECTION" in spec.sections and "DEMAND_SECTION" not in spec.sections:
+        spec.sections["DEMAND_SECTION"] = spec.sections.pop("LINEHAUL_SECTION")
     if "NODE_SEQUENCE_SECTION" in spec.sections:
         raise InputError("is a solution file, not an instance", line=spec.sections["NODE_SEQUENCE_SECTION"].line)
     kind = spec.value("TYPE").upper().split()[0] if "TYPE" in spec.headers else _meant(spec)
@@ -108,6 +111,9 @@ def read(text: str, path: Path) -> RoutingInstance:
     if kind == "OP":
         return _orienteering(spec, name, Sites.of(ids, depot=flags, reward=_scores(spec, n), required=False, coordinates=xy), travel, depot)
     notes: list[str] = [] if "TYPE" in spec.headers else [f"the file has no TYPE, and is read as {kind} by what it holds"]
+    if travel.metric == "GEO" and (found := _no_minutes(travel.coordinates)) is not None:
+        notes.append(f"GEO coordinates are degrees and minutes (DDD.MM), and {found:g} has 60 minutes or more: decimal degrees belong into "
+                     "the columns lat and lon of a CSV file")  # fmt: skip
     pickup: Floats = np.zeros(n)
     lines: list[int] | None
     if kind in SIMULTANEOUS:
@@ -116,11 +122,12 @@ def read(text: str, path: Path) -> RoutingInstance:
             notes.append("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited")
     else:
         demand, service, ready, due, lines = _sites(spec, flags, kind)
+        pickup = backhauls_of(spec, n, depots)
     prizes = prizes_of(spec, n, depots)
     worth: dict[str, Any] = {} if prizes is None else {"penalty": prizes, "required": prizes == 0.0}
     sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy, **worth)
     if is_rich(spec, depots) or prizes is not None or kind in RICH:
-        return _rich(spec, name, sites, travel, depots, notes, lines)
+        return _rich(spec, name, sites, travel, depots, notes, lines, kind == BACKHAULS)
     count = _fleet(spec, name, label(path.stem), notes) if not is_tsp or "VEHICLES" in spec.headers else 1
     capacity, longest = _limit(spec, "CAPACITY"), _limit(spec, "DISTANCE")
     if math.isfinite(longest):
@@ -152,16 +159,21 @@ def _meant(spec: Specification) -> str:
 
 
 def _rich(
-    spec: Specification, name: str, sites: Sites, travel: Travel, depots: list[int], notes: list[str], lines: list[int] | None
+    spec: Specification, name: str, sites: Sites, travel: Travel, depots: list[int], notes: list[str], lines: list[int] | None, late: bool
 ) -> RoutingInstance:
-    """Vehicles of several kinds or depots, and sites that are worth a prize."""
+    """Vehicles of several kinds or depots, sites that are worth a prize, and backhauls that come ``late``: after the deliveries."""
     longest = _limit(spec, "DISTANCE")
     fleet = fleet_of(spec, len(sites), depots, longest)
     objective: tuple[str, ...] = ()
     if sites.penalty.any():
         notes.append("a customer with a prize may be left out, and its prize is then a cost")
         objective = ("total-cost + penalties",)
-    made = with_problems(RoutingInstance(name, "vrplib", sites, travel, fleet, objective=objective, notes=tuple(notes)))
+    moves = None
+    if late:
+        notes.append("no route goes from the depot to a backhaul, or from one to a delivery")
+        moves = np.outer(sites.depot, sites.pickup > 0) | np.outer(sites.pickup > 0, sites.demand > 0)
+        np.fill_diagonal(moves, False)
+    made = with_problems(RoutingInstance(name, "vrplib", sites, travel, fleet, objective=objective, notes=tuple(notes), forbidden=moves))
     refuse_unreachable(made, lines)
     return made
 
@@ -197,6 +209,13 @@ def _travel(spec: Specification, n: int, kind: str) -> tuple[Floats | None, Trav
         refuse((np.abs(own) > (90, 180)).any(axis=1), where, "latitude or longitude out of range", own, "within 90 and 180 degrees")
         coordinates = own[:, ::-1]  # a map has the longitude on its x axis
     return coordinates, Travel("euclidean" if metric == EXACT_2D else metric, coordinates=own)
+
+
+def _no_minutes(coordinates: Floats | None) -> float | None:
+    """The first number that is no angle in degrees and minutes."""
+    assert coordinates is not None
+    beyond = np.round(100.0 * np.abs(coordinates - np.trunc(coordinates)), 6) >= 60.0
+    return float(coordinates[beyond][0]) if beyond.any() else None
 
 
 def _scores(spec: Specification, n: int) -> Floats:
@@ -235,7 +254,7 @@ def _sites(spec: Specification, at_depot: NDArray[np.bool_], kind: str) -> tuple
         demand = table[:, 0]
         refuse(demand < 0, lines, "demand is negative", demand, "0 or more")
         refuse(at_depot & (demand != 0), lines, "the depot has a demand", demand, "0")
-        if "CAPACITY_SECTION" not in spec.sections and kind not in RICH:
+        if not spec.sections.keys() & {"CAPACITY_SECTION", "CAPACITIES"} and kind not in RICH:
             spec.value("CAPACITY")
     if "SERVICE_TIME" in spec.headers:
         if "SERVICE_TIME_SECTION" in spec.sections:

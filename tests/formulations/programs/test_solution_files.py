@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import subprocess
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
 import numpy as np
 import pytest
-from exported import everything
+from exported import everything, rows_of
 
+from waybound.formulations.programs.export import write_program
 from waybound.formulations.programs.names import column_names
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.programs.solution_files import SolverFile, is_solver_json, solver_file, vector_of
@@ -105,11 +111,83 @@ def test_a_solution_of_another_model_is_refused(text: str, message: str) -> None
         (FILES["Gurobi"] + "x 1 2\n", "line 7: line is not understood"),
         ("termination {\n  reason: TERMINATION_REASON_INFEASIBLE\n}\n", "the result of MathOpt holds no solution"),
         ("termination {\n  reason: NO_SUCH\n}\n", "is no result of MathOpt"),
+        ("s mip 1 2 o 3\nj 1 1\nj 2 1\n", "is cut off; expected e o f"),
+        ("s mip 1 2 u 3\ne o f\n", "line 1: holds no solution"),
+        ("s mip 1 2 o 3\nj 1 x\n", "line 2: value of 'x0' must be a finite number"),
+        ("2 1 : Number of columns and rows\nT Primal\nF\nF\nColumns\n1\n", "is cut off; expected 2 variables; found 1"),
+        ("Problem: m\nRows: 1\nColumns: 2\nNo. Column name Activity\n--\n 1 a 3 0 1\n", "is cut off; expected 2 variables; found 1"),
     ],
 )
 def test_a_broken_file_or_one_without_a_solution_is_refused_with_its_line(text: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         read(text)
+
+
+# -- files that the solvers themselves write -----------------------------------------------------------------------------
+
+
+def knapsack(least: float) -> Program:
+    """Choose whole numbers of three things, at least ``least`` of weight, at most 6 of each: with 40 there is no answer."""
+    block = Variables("take", (np.arange(3),), (("apple", "pear-and-a-very-long-name", "fig"),), np.zeros(3), np.full(3, 6.0),
+                      np.array([2.0, 3.0, 1.5]), integer=True)  # fmt: skip
+    return Program("sack", "min", (block,), (rows_of("weight", [[2, 4, 1]], [least], [np.inf]),))
+
+
+def write_highs(model: Path, out: Path, style: int) -> None:
+    highs = pytest.importorskip("highspy").Highs()
+    highs.silent()
+    highs.readModel(str(model))
+    highs.run()
+    highs.writeSolution(str(out), style)
+
+
+def write_scip(model: Path, out: Path, zeros: bool) -> None:
+    made = pytest.importorskip("pyscipopt").Model()
+    made.hideOutput()
+    made.readProblem(str(model))
+    made.optimize()
+    made.writeBestSol(str(out), write_zeros=zeros)
+
+
+def write_cbc(model: Path, out: Path, *options: str) -> None:
+    cbc = pytest.importorskip("pulp").PULP_CBC_CMD()
+    if not cbc.available():
+        pytest.skip("PuLP has no CBC here")
+    subprocess.run([cbc.path, str(model), *options, "solution", str(out)], capture_output=True, check=True)
+
+
+WRITERS: dict[str, Callable[[Path, Path], None]] = {
+    **{f"HiGHS, style {style}": partial(write_highs, style=style) for style in range(-1, 5)},
+    "SCIP": partial(write_scip, zeros=False),
+    "SCIP, zeros": partial(write_scip, zeros=True),
+    "CBC": lambda model, out: write_cbc(model, out, "solve"),
+    "CBC, all": lambda model, out: write_cbc(model, out, "solve", "printingOptions", "all"),
+}
+
+
+@pytest.mark.filterwarnings("ignore:PULP_CBC_CMD")
+@pytest.mark.parametrize("suffix", [".mps", ".lp"])
+@pytest.mark.parametrize("name", WRITERS)
+def test_what_solvers_write_of_an_exported_model_is_read(name: str, suffix: str, tmp_path: Path) -> None:
+    made = knapsack(29.0)
+    write_program(made, tmp_path / f"m{suffix}")
+    WRITERS[name](tmp_path / f"m{suffix}", tmp_path / "s.sol")
+    x = vector_of(made, read((tmp_path / "s.sol").read_text()))
+    assert made.value(x) == 23.5 and x @ [2.0, 4.0, 1.0] >= 29.0
+
+
+@pytest.mark.filterwarnings("ignore:PULP_CBC_CMD")
+@pytest.mark.parametrize("name", sorted(WRITERS.keys() - {"HiGHS, style -1"}))  # which is empty then
+def test_what_solvers_write_where_there_is_no_solution_is_none(name: str, tmp_path: Path) -> None:
+    write_program(knapsack(50.0), tmp_path / "m.mps")
+    WRITERS[name](tmp_path / "m.mps", tmp_path / "s.sol")
+    with pytest.raises(InputError, match="holds no solution"):
+        vector_of(knapsack(50.0), read((tmp_path / "s.sol").read_text()))
+
+
+def test_a_relaxation_that_cbc_writes_for_want_of_a_solution_is_none() -> None:
+    with pytest.raises(InputError, match="line 1: holds no solution"):
+        read("Stopped on time (no integer solution - continuous used) - objective value 3.5\n      0 a 0.5 1\n")
 
 
 def test_other_texts_are_none() -> None:

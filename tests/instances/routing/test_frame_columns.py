@@ -97,3 +97,12 @@ def test_words_have_commas_between() -> None:
     )
     with pytest.raises(InputError, match="must hold words"):
         words_of(3, "skills")
+
+
+@pytest.mark.parametrize("other", ["demands", "Demand", "DEMANDS"])
+def test_two_columns_that_mean_the_same_are_refused_unless_one_is_granted(other: str) -> None:
+    frame = SITES.assign(**{other: 1})
+    with pytest.raises(InputError, match=f"columns 'demand' and '{other}' both tell demand; expected one of them, or extra="):
+        columns_of(frame, None, ())
+    assert columns_of(frame, None, [other]).extra == (other,)
+    assert columns_of(frame, {"demand": other}, ()).titles["demand"] == other

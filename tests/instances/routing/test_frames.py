@@ -219,6 +219,13 @@ def test_a_metric_may_be_named_and_a_unit_of_distance() -> None:
     assert metres == pytest.approx(1000 * km)
 
 
+def test_a_speed_of_one_is_a_speed() -> None:
+    made = instance_from_frame(SHOPS.iloc[:, :3].assign(service=5.0), speed=1.0, time_unit="h")
+    assert made.travel.duration(0, 1) == made.travel.distance(0, 1)
+    with pytest.raises(InputError, match="speeds are told twice"):
+        instance_from_frame(SHOPS, speed=1.0, time_unit="h", fleet=[{"speed": 40}])
+
+
 def test_infinite_distances_are_moves_that_cannot_be_made() -> None:
     made = instance_from_frame(SITES, travel=[[0, 1, 2], [math.inf, 0, 3], [1, 1, 0]])
     assert made.forbidden is not None and np.argwhere(made.forbidden).tolist() == [[1, 0]]

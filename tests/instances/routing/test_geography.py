@@ -12,10 +12,10 @@ import pytest
 import waybound as wb
 from waybound.instances.errors import InputError
 from waybound.instances.routing.frame_columns import columns_of
-from waybound.instances.routing.geography import coordinates_of, warn_of_swapped
+from waybound.instances.routing.geography import coordinates_of, middle, warn_of_swapped
 from waybound.instances.routing.travel import Travel
 
-BERLIN, SYDNEY, NEW_YORK, QUITO = (52.52, 13.40), (-33.87, 151.21), (40.71, -74.01), (-0.18, -78.47)
+BERLIN, SYDNEY, NEW_YORK, QUITO, ZAGREB = (52.52, 13.40), (-33.87, 151.21), (40.71, -74.01), (-0.18, -78.47), (45.81, 15.98)
 
 
 def around(place: tuple[float, float], seed: int, count: int = 40) -> np.ndarray:
@@ -46,10 +46,35 @@ def test_no_warning_where_the_columns_are_right(place: tuple[float, float], seed
         warn_of_swapped(around(place, seed))
 
 
-@pytest.mark.parametrize(("place", "why"), [(BERLIN, "as widely from west to east"), (NEW_YORK, "polar")])
+@pytest.mark.parametrize(("place", "why"), [(ZAGREB, "as widely from west to east"), (NEW_YORK, "polar"), (BERLIN, "open sea")])
 def test_swapped_columns_are_seen_by_the_spread_or_the_latitude(place: tuple[float, float], why: str) -> None:
     with pytest.warns(UserWarning, match=f"may be swapped: .*{why}"):
         warn_of_swapped(around(place, 1, 200)[:, ::-1])
+
+
+@pytest.mark.parametrize("place", [(51.5, -0.1), (48.9, 2.35), (6.5, 3.4), (-23.5, -46.6), (-26.2, 28.0), (44.6, -63.6), (59.3, 18.0)])
+def test_a_few_sites_that_only_the_exchange_brings_ashore_are_enough(place: tuple[float, float]) -> None:
+    """London, Paris, Lagos, Sao Paulo, Johannesburg, Halifax, Stockholm."""
+    xy = around(place, 1, 3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_swapped(xy)
+    told = f"open sea \\({middle(xy[:, ::-1])}\\), and all on land with the columns exchanged \\({middle(xy)}\\)"
+    with pytest.warns(UserWarning, match=told):
+        warn_of_swapped(xy[:, ::-1])
+
+
+def test_ships_at_sea_are_not_warned_of() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_swapped(around((40.0, -30.0), 1, 20))
+
+
+def test_the_middle_is_a_place_on_the_globe() -> None:
+    quarter = math.pi / 2 * 6371.0088
+    across = middle(np.array([[179.0, 0.0], [-179.0, 0.0]]))
+    assert abs(across.longitude) == pytest.approx(180.0) and across.within == pytest.approx(quarter / 90.0)
+    assert str(middle(np.array([[-46.6, -23.5]]))) == "around 23.5 S, 46.6 W"
 
 
 def test_the_warning_reaches_who_makes_the_problem() -> None:

@@ -8,6 +8,7 @@ import pytest
 from waybound import run
 from waybound.reports.missions.animation import Film
 from waybound.reports.missions.film_picture import TRAIL, Picture
+from waybound.reports.missions.mission import MISSIONS
 from waybound.reports.missions.tracking import Tracking
 
 SMALL = {"robots": 3, "targets": 6, "width": 60.0, "height": 60.0}
@@ -66,3 +67,16 @@ def test_several_films_have_a_map_and_a_curve_each(film: Film) -> None:
     assert [stage.film for stage in picture.stages] == [film, film]
     assert [curve.get_xdata()[-1] for curve in picture.past] == [2, 2]
     assert [ax.get_title() for ax in picture.figure.axes] == ["one", "two", ""]
+
+
+def test_only_a_headline_that_counts_points_is_told_of_how_many(film: Film) -> None:
+    counted = Picture({"": film})
+    assert counted.counts and counted.title.get_text().endswith(" of 6")
+    way = Film(MISSIONS["uncertain-graph"]())
+    run(way.mission, steps=TRAIL, seed=1, policy="greedy", watch=way, vertices=12)
+    picture = Picture({"": way})
+    picture.show(TRAIL)
+    assert not picture.counts and " of " not in picture.title.get_text()
+    assert "all" not in [text.get_text() for axes in picture.figure.axes for text in axes.texts]
+    (trail,) = picture.stages[0].trails.get_segments()
+    assert len({tuple(at) for at in trail.tolist()}) == len({tuple(scene.agents[0]) for scene, _ in way.shots}) > 2

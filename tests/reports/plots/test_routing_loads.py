@@ -51,3 +51,14 @@ def test_without_capacity_there_is_no_line(solution: wb.Solution) -> None:
 def test_other_dimensions_than_there_are_are_refused(solution: wb.Solution) -> None:
     with pytest.raises(wb.UsageError, match="dimension must be from 1 to 1"):
         solution.plot(view="loads", dimension=2)
+
+
+def test_a_route_has_one_colour_in_every_picture() -> None:
+    from matplotlib.colors import to_hex
+
+    solution = wb.solve(wb.read("demo-r25"), heuristic="insertion", bound_time=0)
+    on_map = {int(line.get_gid()): to_hex(line.get_color()) for line in solution.plot().lines if (line.get_gid() or "").isdigit()}
+    on_loads = dict(enumerate(to_hex(patch.get_facecolor()) for patch in stairs(solution.plot(view="loads"))))
+    ends = [line for line in solution.plot(view="schedule").lines if line.get_marker() == "|" and line.get_markersize() == 9]
+    on_schedule = {int(line.get_ydata()[0]): to_hex(line.get_color()) for line in ends}
+    assert len(on_map) == len(solution.answer) > 2 and on_map == on_loads == on_schedule

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,12 +10,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
+from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats.sites_csv import read, recognises, write
-from waybound.instances.routing.instance import VehicleType
+from waybound.instances.routing.frames import instance_from_frame
+from waybound.instances.routing.instance import Clock, VehicleType
 from waybound.instances.routing.travel import Travel
 
 GOOD = """\
@@ -162,7 +166,7 @@ def test_a_fault_is_refused_with_its_line(old: str, new: str, message: str, line
     [
         ("id,x,y\n", "holds no sites"),
         ("id,x,y\nd,0,0\n", "there is no customer"),
-        ("id,demand\nd,0\na,1\n", "neither coordinates nor a matrix"),
+        ("id,demand\nd,0\na,1\n", "neither coordinates nor distances"),
         ("id,x,y,depot\nd,0,0,no\na,1,1,no\n", "no row is marked as depot"),
         ("id,x,y,depot\nd,0,0,maybe\na,1,1,no\n", "depot must be true or false"),
     ],
@@ -171,10 +175,92 @@ def test_a_table_that_is_no_instance_is_refused(text: str, message: str, refusal
     assert message in refusal(text).message
 
 
+PEOPLE = """\
+Name,Latitude,longitude,crates,ready,due,service,phone,stars
+Yard,45.81,15.98,,07:00,18:00,,-,
+Graz,47.07,15.44,4,2026-05-04T08:00,2026-05-04 12:30:00,0 days 00:20:00,007,4
+Rijeka,45.33,14.44,2,,,1h 5min,,5
+"""
+
+
+def test_a_table_as_people_have_it_is_read_as_a_frame_is(read_text_as: Callable[..., Any], differences: Callable[..., list[str]]) -> None:
+    """The same sites as a pandas frame, given to ``from_frame``, and as text with ``--set``."""
+    day = pd.Timestamp("2026-05-04")
+    frame = pd.DataFrame(
+        {
+            "Name": ["Yard", "Graz", "Rijeka"], "Latitude": [45.81, 47.07, 45.33], "longitude": [15.98, 15.44, 14.44], "crates": [0, 4, 2],
+            "ready": [day + pd.Timedelta("7h"), day + pd.Timedelta("8h"), pd.NaT], "service": pd.to_timedelta([0, 20, 65], unit="min"),
+            "due": [day + pd.Timedelta("18h"), day + pd.Timedelta("12.5h"), pd.NaT], "phone": ["-", "007", None], "stars": [None, 4, 5],
+        }
+    )  # fmt: skip
+    given = {"columns": {"demand": "crates"}, "capacity": 5, "vehicles": 2, "speed": 70, "time_unit": "min", "distance_unit": "mi"}
+    meant = instance_from_frame(frame, **given, max_duration=pd.Timedelta("9h"), name="people", source="csv")
+    texts = {"columns": "demand=crates", "capacity": 5, "vehicles": 2, "speed": 70, "time-unit": "min", "distance-unit": "mi"}
+    made = read_text_as(PEOPLE, "people.csv", settings={**texts, "max-duration": "9h"})
+    assert differences(made, meant) == [] and made.clock == meant.clock
+    assert dict(made.sites.attributes) == {"phone": ("-", "007", None), "stars": (None, 4, 5)}
+    lines = "".join(f"# {key}: {value}\n" for key, value in {**texts, "max-duration": "09:00:00"}.items())
+    assert differences(read_text_as(lines + PEOPLE, "people.csv"), meant) == []
+
+
+def test_settings_of_the_caller_go_before_those_of_the_file_and_are_taken(read_text_as: Callable[..., Any]) -> None:
+    settings = {"vehicles": 7, "customers": 1}
+    assert read_text_as(GOOD, settings=settings).fleet == (VehicleType(7, 10.0),) and settings == {"customers": 1}
+
+
+def test_a_fleet_and_a_table_of_a_service_come_from_files(tmp_path: Path, read_text_as: Callable[..., Any]) -> None:
+    (tmp_path / "fleet.csv").write_text(
+        "name,count,capacity,shift_start,shift_end,max_duration,skills\nvan,2,6,08:00,16:00,6h,\ntruck,,14,,,,cold\n"
+    )
+    table = {"code": "Ok", "distances": [[0, 5200], [5300, 0]], "durations": [[0, 480], [500, 0]]}
+    (tmp_path / "t.json").write_text(json.dumps(table))
+    made = read_text_as("# fleet: fleet.csv\n# matrix: t.json\n# time-unit: min\nid,service\nhub,\nnorth,15\n")
+    van, truck = made.fleet
+    assert (van.count, van.capacity, van.shift, van.max_duration) == (2, 6, (480, 960), 360)
+    assert (truck.name, truck.count, truck.capacity, truck.skills) == ("truck", None, 14, {"cold"})
+    assert (made.travel.distance(0, 1), made.travel.duration(0, 1)) == (5.2, 8)
+    with pytest.raises(InputError, match="fleet tells the vehicles already"):
+        read_text_as("# fleet: fleet.csv\n# capacity: 3\nid,x,y\nhub,0,0\na,1,1\n")
+
+
+def test_inf_in_a_matrix_is_a_move_that_cannot_be_made(tmp_path: Path, read_text_as: Callable[..., Any]) -> None:
+    (tmp_path / "m.csv").write_text("0,1,2\ninf,0,4\n5,6,0\n")
+    made = read_text_as("# matrix: m.csv\nid,demand\nd,0\na,1\nb,1\n")
+    assert np.argwhere(made.forbidden).tolist() == [[1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "settings", "message"),
+    [
+        (PEOPLE, {}, "did you mean|column ready holds time"),
+        (PEOPLE, {"time-unit": "min"}, "expected --set speed=50 (an hour), or --set durations=FILE"),
+        (PEOPLE, {"speed": 50}, "expected --set time-unit=min"),
+        (PEOPLE, {"speed": "fast"}, "speed must be a finite number"),
+        (PEOPLE, {"time-unit": "fortnight"}, "unknown unit of time 'fortnight'"),
+        (PEOPLE, {"columns": "crates"}, "columns must pair titles"),
+        (PEOPLE, {"columns": "demand=boxes"}, "columns maps 'demand' to the column 'boxes', which is not there"),
+        (PEOPLE.replace("08:00,", "8 o'clock,"), {"time-unit": "min"}, "ready must be a number or a moment; expected 480, 08:00"),
+        (PEOPLE.replace("1h 5min", "1h 5 fur"), {"time-unit": "min"}, "service must be a number or a length of time; expected 20, 20min"),
+        (PEOPLE.replace("crates", "demnd"), {}, "expected --set columns=demand=demnd to use it, --set extra=demnd to keep it only"),
+        (PEOPLE.replace("crates", "demand").replace("stars", "demands"), {}, "columns 'demand' and 'demands' both tell demand"),
+        (PEOPLE.replace("45.81", "145.81"), {"time-unit": "min", "speed": 9}, "latitude of site Yard is out of range"),
+        (GOOD, {"fleet": "no.csv"}, "no.csv: no such file"),
+        (GOOD, {"matrix": "no.csv"}, "matrix 'no.csv' no such file"),
+        (GOOD.replace("service", ""), {}, "column 7 has no title"),
+    ],
+)  # fmt: skip
+def test_what_a_table_of_people_lacks_is_told_with_the_cure(text: str, settings: dict[str, Any], message: str, tmp_path: Path) -> None:
+    (tmp_path / "s.csv").write_text(text)
+    with pytest.raises((InputError, UsageError)) as caught:
+        read_instance(tmp_path / "s.csv", settings=dict(settings))
+    assert any(part in str(caught.value) for part in message.split("|")) and "\n" not in str(caught.value)
+
+
 def test_recognition_looks_at_the_titles() -> None:
     assert recognises(GOOD)
     assert recognises("X;Y;Demand\n")
     assert recognises('"id"\t"x"\n')
+    assert recognises("name,lat,lng\n") and recognises("name,lat\n")
     assert not recognises("id\n1\n")
     assert not recognises("a,b,c\n")
     assert not recognises("# only: comments\n")
@@ -185,9 +271,13 @@ def written(made: Any) -> Any:
 
 
 def test_what_is_written_reads_back_the_same(read_text_as: Callable[..., Any], differences: Callable[..., list[str]]) -> None:
-    for text in (GOOD, "# vehicles: 2\n# unit-cost: 0\nid,x,y,depot,required\nd,0,0,1,\na,0.1,1e-7,0,no\ne,2,2,1,\n"):
-        made = read_text_as(text)
-        assert differences(made, written(made)) == []
+    for text in (
+        GOOD,
+        "# vehicles: 2\n# unit-cost: 0\nid,x,y,depot,required\nd,0,0,1,\na,0.1,1e-7,0,no\ne,2,2,1,\n",
+        "# time-unit: h\n# distance-unit: mi\nname,lat,lon,demands of all,skill,code\nd,45,15,,,\na,46,16,3.5,some,007\n",
+    ):
+        made = read_text_as(text, settings={"extra": True})
+        assert differences(made, written(made)) == [] and written(made).clock == made.clock
 
 
 @pytest.mark.parametrize(
@@ -206,6 +296,9 @@ def test_generated_instances_read_back_the_same(kind: str, settings: dict[str, A
         (lambda i: replace(i, objective=("vehicles",)), "no place for objective"),
         (lambda i: replace(i, travel=replace(i.travel, variances=np.ones((3, 3)))), "no place for uncertain-durations"),
         (lambda i: replace(i, team_risk=0.1), "no place for team-risk"),
+        (lambda i: replace(i, clock=Clock("min", "2026-05-04T00:00:00")), "its times are those of a calendar"),
+        (lambda i: replace(i, sites=replace(i.sites, geographic=True)), "its distances are euclidean, and its coordinates angles"),
+        (lambda i: replace(i, sites=replace(i.sites, attributes={"Demand": (1, 2, 3)})), "called as one that counts"),
         (lambda i: replace(i, sites=replace(i.sites, pickup=np.array([0.0, 1.0, 0.0]))), "no place for pickups"),
     ],
 )

@@ -289,7 +289,9 @@ def test_a_geographical_map_has_the_longitude_on_its_x_axis(read_text_as: Callab
     text = head + "NODE_COORD_SECTION\n1 38.24 20.42\n2 39.57 26.15\nEOF\n"
     made = read_text_as(text)
     assert made.travel.distance(0, 1) == 509
-    assert made.sites.coordinates.tolist()[0] == [20.42, 38.24]
+    assert made.sites.coordinates.tolist()[0] == [20.42, 38.24] and made.notes == ()
+    (told,) = read_text_as(text.replace("38.24", "45.81")).notes
+    assert "45.81 has 60 minutes or more" in told
 
 
 FAULTS = [

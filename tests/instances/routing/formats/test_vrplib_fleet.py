@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import waybound as wb
@@ -42,6 +43,13 @@ PRIZES = "PRIZE_SECTION\n1 0\n2 0\n3 0\n4 0\n5 1\n6 30\n"
 MIXED = (HEAD.replace("CAPACITY : 10\n", "VEHICLES_UNIT_DISTANCE_COST : 2\n") + PLACES
          + "CAPACITY_SECTION\n1 10\n2 4\n3 8\nVEHICLES_FIXED_COST_SECTION\n1 7\n2 1\n3 1\n")  # fmt: skip
 
+SERVED = (HEAD + PLACES.split("DEPOT_SECTION")[0].replace("2 0\n3 4", "2 3\n3 4").replace("6 4\n", "6 0\n") + "DEPOT_SECTION\n1\n-1\n"
+          "BACKHAUL_SECTION\n1 0\n2 0\n3 0\n4 0\n5 0\n6 7\n")  # fmt: skip
+BACKHAULS = "TYPE : VRPB\n" + SERVED.replace("5 4\n6 0\nDEPOT", "5 0\n6 0\nDEPOT").replace("5 0\n6 7", "5 6\n6 7")
+FLEET = "CAPACITIES\n10 15\nFIXED_COSTS\n3 5\nVARIABLE_COSTS\n1.0 1.5\nNUMBER_OF_VEHICLES\n2 1\n"
+KINDS = (HEAD.replace("CAPACITY : 10\n", "TYPE : HFVRP\nVEHICLE_KINDS : 2\n" + FLEET)
+         + PLACES.split("DEPOT_SECTION")[0] + "DEPOT_SECTION\n1\n-1\nEOF\n")  # fmt: skip
+
 
 def read(tmp_path: Path, text: str) -> wb.RoutingProblem:
     path = tmp_path / "tiny.vrp"
@@ -51,7 +59,7 @@ def read(tmp_path: Path, text: str) -> wb.RoutingProblem:
     return made
 
 
-@pytest.mark.parametrize("text", [HEAD + PLACES, HEAD + PLACES + PRIZES, MIXED, "TYPE : MDVRP\n" + HEAD + PLACES])
+@pytest.mark.parametrize("text", [HEAD + PLACES, HEAD + PLACES + PRIZES, MIXED, "TYPE : MDVRP\n" + HEAD + PLACES, SERVED, BACKHAULS])
 def test_the_optimum_is_what_pyvrp_finds_in_its_own_reading(tmp_path: Path, text: str) -> None:
     import pyvrp
 
@@ -110,8 +118,46 @@ def test_several_salesmen(tmp_path: Path) -> None:
         ("VEHICLES_DEPOT", "CAPACITY_SECTION\n1 1\n2 1\n3 1\nVEHICLES_DEPOT", "CAPACITY stands beside a CAPACITY_SECTION"),
         ("VEHICLES_DEPOT", "PRIZE_SECTION\n1 1\n2 0\n3 0\n4 0\n5 0\n6 0\nVEHICLES_DEPOT", "a depot has a prize"),
         ("VEHICLES_DEPOT", "PRIZE_SECTION\n1 0\n2 0\n3 -4\n4 0\n5 0\n6 0\nVEHICLES_DEPOT", "prize is negative"),
-        ("VEHICLES_DEPOT", "BACKHAUL_SECTION\n1 0\nVEHICLES_DEPOT", "BACKHAUL_SECTION is not supported"),
+        ("VEHICLES_DEPOT", "RELEASE_TIME_SECTION\n1 0\nVEHICLES_DEPOT", "RELEASE_TIME_SECTION is not supported"),
     ],
 )
 def test_a_fault_is_refused(refusal: Callable[..., InputError], old: str, new: str, message: str) -> None:
     assert message in str(refusal((HEAD + PLACES).replace(old, new)))
+
+
+def test_backhauls_are_pickups_and_come_last_where_the_type_says_so(tmp_path: Path) -> None:
+    mixed, late = read(tmp_path, SERVED), read(tmp_path, BACKHAULS)
+    assert mixed.sites.pickup.tolist() == [0, 0, 0, 0, 0, 7] and mixed.forbidden is None
+    assert late.sites.pickup.tolist() == [0, 0, 0, 0, 6, 7] and late.forbidden is not None
+    assert [tuple(move) for move in np.argwhere(late.forbidden).tolist()] == [
+        (0, 4), (0, 5), (4, 1), (4, 2), (4, 3), (5, 1), (5, 2), (5, 3),
+    ]  # fmt: skip
+    assert any("from the depot to a backhaul" in note for note in late.notes)
+    same = read(tmp_path, BACKHAULS.replace("DEMAND_SECTION", "LINEHAUL_SECTION"))
+    assert same.digest() == late.digest()
+
+
+def test_mixed_fleets_by_kind(tmp_path: Path) -> None:
+    made = read(tmp_path, KINDS)
+    told = [(v.name, v.count, v.capacity, v.fixed_cost, v.unit_cost) for v in made.fleet]
+    assert told == [("type 1", 2, 10, 3, 1), ("type 2", 1, 15, 5, 1.5)] and made.travel.metric == "EUC_2D"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (KINDS.replace("10 15", "10"), "CAPACITIES has a wrong length; expected 2 (VEHICLE_KINDS); found 1"),
+        (KINDS.replace("3 5\n", "3 -5\n"), "FIXED_COSTS holds a negative value"),
+        (KINDS.replace("2 1\nNODE", "2 0\nNODE"), "NUMBER_OF_VEHICLES must be a whole number"),
+        (KINDS.replace("VEHICLE_KINDS : 2\n", ""), "header VEHICLE_KINDS is missing"),
+        (KINDS.replace("VARIABLE_COSTS\n1.0 1.5\n", ""), "VARIABLE_COSTS is missing"),
+        (KINDS.replace("VEHICLE_KINDS", "VEHICLES : 3\nVEHICLE_KINDS"), "VEHICLE_KINDS has one depot and no VEHICLES beside it"),
+        (BACKHAULS.replace("5 6\n", "5 -6\n"), "backhaul is negative"),
+        (BACKHAULS.replace("SECTION\n1 0\n2 0\n3 0\n4 0\n5 6", "SECTION\n1 2\n2 0\n3 0\n4 0\n5 6"), "a depot has a backhaul"),
+        (SERVED.replace("BACKHAUL_", "RELEASE_TIME_"), "RELEASE_TIME_SECTION is not supported"),
+    ],
+)
+def test_a_fault_of_kinds_and_backhauls_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, text)
+    assert message in str(caught.value)

@@ -1,0 +1,76 @@
+"""Settings of tables, as text, for ``instance_from_frame``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.routing.formats._frame_settings import KEYS, arguments, in_file, of_set
+
+
+def test_every_key_is_an_argument(tmp_path: Path) -> None:
+    (tmp_path / "fleet.csv").write_text("name\nvan\n")
+    (tmp_path / "m.txt").write_text("0 1\n2 0\n")
+    texts = {
+        "vehicles": "2", "min-vehicles": "1", "capacity": "5, 9", "max-duration": "2h", "max-distance": "80", "fixed-cost": "7",
+        "unit-cost": "0.5", "fleet": "fleet.csv", "speed": "50", "time-unit": "minutes", "distance-unit": "m", "matrix": "m.txt",
+        "durations": "m.txt", "columns": "demand=crates, id = shop", "extra": "note, demands",
+    }  # fmt: skip
+    assert {*texts, "metric"} == set(KEYS)
+    made = arguments({key: (1, text) for key, text in texts.items()}, tmp_path, 2)
+    assert made.pop("travel").tolist() == made.pop("durations").tolist() == [[0, 1], [2, 0]]
+    assert made.pop("fleet")["name"].tolist() == ["van"]
+    assert made == {
+        "vehicles": 2, "min_vehicles": 1, "capacity": [5, 9], "max_duration": pd.Timedelta("2h"), "max_distance": 80, "fixed_cost": 7,
+        "unit_cost": 0.5, "speed": 50, "time_unit": "min", "distance_unit": "m", "columns": {"demand": "crates", "id": "shop"},
+        "extra": ["note", "demands"],
+    }  # fmt: skip
+    assert arguments({"metric": (1, "manhattan"), "extra": (2, "TRUE")}, tmp_path, 2) == {"travel": "manhattan", "extra": True}
+
+
+def test_what_comes_from_python_is_handed_on() -> None:
+    frame = pd.DataFrame({"name": ["van"]})
+    given = {"fleet": frame, "vehicles": None, "capacity": 5, "max-duration": pd.Timedelta("2h"), "extra": ["note"]}
+    made = arguments(of_set(given), Path(), 2)
+    assert made.pop("fleet") is frame and made == {"capacity": 5, "max_duration": pd.Timedelta("2h"), "extra": ["note"]}
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "message"),
+    [
+        ("speed", "nan", "line 4: speed must be a finite number"),
+        ("max-duration", "-1", "line 4: max-duration is negative"),
+        ("time-unit", "week", "line 4: unknown unit of time 'week'"),
+        ("distance-unit", "league", "line 4: unknown unit of distance 'league'"),
+        ("fleet", ".", "line 4: fleet '.' is no plain file"),
+        ("columns", "a=b=c", "line 4: columns must pair titles"),
+    ],
+)
+def test_a_setting_that_makes_no_sense_is_refused_with_its_line(key: str, text: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        arguments({key: (4, text)}, tmp_path, 2)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_unit_of_the_command_line_has_no_line() -> None:
+    with pytest.raises(UsageError, match="unknown unit of time 'week'"):
+        arguments(of_set({"time-unit": "week"}), Path(), 2)
+
+
+@pytest.mark.parametrize(
+    ("python", "command"),
+    [
+        ("speed=50 (an hour), or durations=matrix", "--set speed=50 (an hour), or --set durations=FILE"),
+        ("time_unit='min', or s, h, d", "--set time-unit=min, or s, h, d"),
+        ("columns={'demand': 'dmand'} to use it, extra=['dmand']", "--set columns=demand=dmand to use it, --set extra=dmand"),
+        ("columns x and y, lat and lon, or travel=matrix", "columns x and y, lat and lon, or --set matrix=FILE"),
+        ("at least 1", "at least 1"),
+    ],
+)  # fmt: skip
+def test_a_cure_is_told_as_the_command_line_writes_it(python: Any, command: str) -> None:
+    assert in_file(InputError("wrong", expected=python, line=3)).expected == command
+    assert in_file(InputError("wrong")).expected is None
