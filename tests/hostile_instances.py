@@ -470,6 +470,9 @@ FAMILIES: dict[str, Callable[[Rng, Units], Problem]] = {
 }
 """By name, a problem drawn from a generator in the given units."""
 
+AT_RISK: dict[str, Callable[[Rng, Units], Problem]] = {"routing-at-risk": routing_at_risk}
+"""Routes whose durations are uncertain; what counts in whole numbers may refuse their squares in one unit alone."""
+
 UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
     "uncertain-path": uncertain_path,
     "risky-path": risky_path,

@@ -20,7 +20,7 @@ from ...formulations.forms import FORMS
 from ...formulations.programs.exactness import Exactness
 from ...formulations.routing.overrun import quantile, route_overrun
 from ...formulations.routing.schedule import schedule
-from ...instances.errors import UnsupportedError, UsageError
+from ...instances.errors import InputError, UnsupportedError, UsageError
 from ...instances.routing.features import RISKS
 from ...solvers.backend import Control, Engine, Options, solver_named
 from ...solvers.engines.pyvrp import PyVRP
@@ -85,7 +85,7 @@ def safety_margins(
     seed, done, resplit = int(context.rng.integers(2**31)), 0, 0
     while done < rounds:
         done += 1
-        answer = _found(made, certain(problem, search.slope, search.share), steps, seed, stop)
+        answer = search.found(made, certain(problem, search.slope, search.share), steps, seed, stop)
         if search.settled(answer) or stop.reached():
             break
     if search.slope:  # otherwise the answer for the means keeps all limits
@@ -95,14 +95,15 @@ def safety_margins(
             if parts is None or made.missing(parts.problem):
                 break
             resplit += 1
-            answer = _found(made, parts.problem, steps, seed + resplit, stop, parts.start)
+            answer = search.found(made, parts.problem, steps, seed + resplit, stop, parts.start)
             if answer is not None:
                 search.judge(parts.back(answer))
             search.recombine(stop, seed)
             if search.rank == before:
                 break
     cut = stop.reached()
-    message = CUT_SHORT if cut else "" if search.best is not None else "no routes were found that keep the limits"
+    none = f"{engine} refuses durations with margins: {search.refused}" if search.refused else "no routes were found that keep the limits"
+    message = CUT_SHORT if cut else "" if search.best is not None else none
     told = {"rounds": done, "splits": resplit, "slope": search.slope, "routes": len(search.pool.routes)}
     return Outcome(search.best, statistics=told, message=message, limit=cut or "none")
 
@@ -119,6 +120,17 @@ class _Search:
         self._low = self._high = 0.0 if problem.team_risk is None else problem.team_risk
         self._vain = 0
         self.pool = Pool(problem)
+        self.refused = ""
+
+    def found(
+        self, engine: Engine, problem: RoutingProblem, steps: int, seed: int, stop: Stop, start: Routes | None = None
+    ) -> Routes | None:
+        """What the engine finds; nothing, and why, where it cannot count the numbers: that costs no answer from before."""
+        try:
+            return _found(engine, problem, steps, seed, stop, start)
+        except InputError as fault:
+            self.refused = str(fault)
+            return None
 
     def judge(self, answer: Routes) -> bool:
         """Whether it keeps all limits; it is kept if it is the best of these."""

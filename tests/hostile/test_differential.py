@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from exact_truth import Truth, truth
-from hostile_instances import FAMILIES, Units
+from hostile_instances import AT_RISK, Units
+from hostile_instances import FAMILIES as CERTAIN
 from hostile_judging import ENDED, away, of_bound, of_samples, of_solution
 
 import waybound as wb
@@ -22,6 +23,7 @@ from waybound.solvers.backend import BACKENDS
 from waybound.solving.bounding import find_bounds
 
 SEED = 81
+FAMILIES = CERTAIN | AT_RISK
 
 
 def own_methods(problem: Problem) -> list[dict[str, str]]:

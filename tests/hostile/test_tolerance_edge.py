@@ -11,19 +11,23 @@ from typing import Any
 import numpy as np
 import pytest
 from exact_truth import truth
-from hostile_instances import FAMILIES, Rng, Units, numbers, shaken, style
+from hostile_instances import FAMILIES, Rng, Units, numbers, risk_allocation, routing_at_risk, shaken, style
 from hostile_judging import VANISHING
 
 from waybound.formulations.certificate import certify, verified_bound
 from waybound.formulations.problem import Problem
+from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.routing.judge import schedule
+from waybound.formulations.routing.overrun import joint_overrun, route_overrun
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.selection.selections import Selection
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.formulations.stop import Stop
 from waybound.instances.errors import CheckFailedError, InputError
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy
 from waybound.instances.selection.constraints import Knapsack
+from waybound.solvers.engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
 from waybound.solving.bounding import find_bounds
 
 SEED = 82
@@ -105,6 +109,35 @@ def routes(rng: Rng) -> tuple[Problem, list[Any]]:
     return problem, [every[k] for k in rng.permutation(len(every))[:MOST_ROUTES].tolist()]
 
 
+def late(rng: Rng) -> tuple[Problem, list[Any]]:
+    """Ways to visit all sites whose durations are uncertain, one risk a hair below that of one route, or of all of them."""
+    drawn = routing_at_risk(rng, Units.drawn(rng))
+    every = [Routes(tuple(Route(r) for r in parts)) for parts in _partitions(drawn.customers.tolist())]
+    chosen = [every[k] for k in rng.permutation(len(every))[:MOST_ROUTES].tolist()]
+    (vehicle,) = drawn.fleet
+    overruns = [route_overrun(vehicle, schedule(drawn, route)) for route in chosen[0].routes]
+    team = vehicle.risk is None
+    risk = (joint_overrun(overruns) if team else max(overruns)) * (1.0 - hair(rng))
+    if not 0.0 < risk <= 0.5:
+        return drawn, chosen
+    return replace(drawn, team_risk=risk) if team else replace(drawn, fleet=(replace(vehicle, risk=risk),)), chosen
+
+
+def allocations(rng: Rng) -> tuple[Problem, list[Any]]:
+    """Decisions near the best allocation: rows, bounds, limits and risks outside by a hair, and parts of the total given twice."""
+    problem = risk_allocation(rng, Units.drawn(rng))
+    part = problem.by_allocation() if problem.risk.kind == "joint" else problem
+    found = SuccessiveTangents(part).run(Stop(10.0), 0.0).answer
+    if found is None:
+        return problem, []
+    x, unit, made = found.decision, float(np.abs(found.decision).max(initial=0.0)) or 1.0, []
+    for _ in range(20):
+        moved = x + unit * hair(rng, len(x)) * rng.choice([-1.0, 0.0, 1.0], len(x))
+        risks = problem.risks(moved) * (1.0 + hair(rng) * rng.choice([-1.0, 0.0, 1.0], len(problem.names)))
+        made += [Allocation(moved), Allocation(moved, risks)] if problem.risk.kind == "allocated" else [Allocation(moved)]
+    return problem, made
+
+
 def _partitions(rest: list[int]) -> Iterator[tuple[tuple[int, ...], ...]]:
     """All ways to put sites into routes, in any order."""
     if not rest:
@@ -119,7 +152,9 @@ def _partitions(rest: list[int]) -> Iterator[tuple[tuple[int, ...], ...]]:
                     yield (order, *more)
 
 
-DRAWS: dict[str, Callable[[Rng], tuple[Problem, list[Any]]]] = {"shares": shares, "vectors": vectors, "choices": choices, "routes": routes}
+DRAWS: dict[str, Callable[[Rng], tuple[Problem, list[Any]]]] = {
+    "shares": shares, "vectors": vectors, "choices": choices, "routes": routes, "late": late, "allocations": allocations,
+}  # fmt: skip
 
 
 def gains_of(name: str, case: int) -> tuple[int, int, list[str]]:
@@ -138,7 +173,7 @@ def gains_of(name: str, case: int) -> tuple[int, int, list[str]]:
         value = evaluation.values[0]
         for bound, e in bounds:
             beaten = sign * (bound - value) > ROUNDING * max(abs(value), abs(bound) if math.isfinite(bound) else 0.0) + VANISHING
-            if name == "vectors":  # what a broken row is worth is conceded where bound and answer meet
+            if name in ("vectors", "allocations"):  # what a broken row is worth is conceded where bound and answer meet
                 beaten = _contradicts(problem, evaluation, e)
             if beaten:
                 found.append(
@@ -157,7 +192,15 @@ def _contradicts(problem: Problem, evaluation: Any, evidence: Any) -> bool:
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize(
-    ("name", "few", "full"), [("shares", 350, 40_000), ("vectors", 250, 20_000), ("choices", 200, 20_000), ("routes", 200, 24_000)]
+    ("name", "few", "full"),
+    [
+        ("shares", 350, 40_000),
+        ("vectors", 250, 20_000),
+        ("choices", 200, 20_000),
+        ("routes", 200, 24_000),
+        ("late", 100, 3_000),
+        ("allocations", 100, 10_000),
+    ],
 )
 def test_no_accepted_answer_beats_a_bound(name: str, few: int, full: int, share: Callable[[int, int], int], tally: Any) -> None:
     goal, case, beaten = share(few, full), 0, []

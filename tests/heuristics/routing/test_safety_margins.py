@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,8 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.heuristics.routing import safety_margins
+from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
@@ -115,3 +117,25 @@ def test_asked_to_stop_it_returns_what_it_has() -> None:
     found = HEURISTICS[NAME].run(line(None, 0.15), context)
     assert found.limit == "interrupt" and found.answer is not None
     assert HEURISTICS[NAME].run(line(0.05), replace(context, start=None, stop=NEVER)).message == "no routes were found that keep the limits"
+
+
+def test_an_engine_that_cannot_count_the_margins_costs_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, calls = safety_margins._found, list[float]()
+
+    def only(*, first: bool) -> None:
+        def found(*args: Any) -> Routes | None:
+            calls.append(1.0)
+            if first and len(calls) == 1:
+                return whole(*args)
+            raise InputError("the largest duration is too large")
+
+        calls.clear()
+        monkeypatch.setattr(safety_margins, "_found", found)
+
+    only(first=True)
+    late = line(0.06)
+    start = Routes.of([[1], [2], [3, 4]]) if late.evaluate(Routes.of([[1], [2], [3, 4]])).feasible else Routes.of([[1, 3], [2], [4]])
+    assert solve(late, heuristic=NAME, start=start, bound_time=0).answer is not None and len(calls) > 1
+    only(first=False)
+    refused = solve(late, heuristic=NAME, bound_time=0)
+    assert refused.answer is None and "pyvrp refuses durations with margins: the largest duration is too large" in refused.message
