@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
@@ -22,7 +23,7 @@ MANY_PAIRS = 12
 _COLUMN = (1 << 32) - 1
 
 
-def remembered(rows, lines):  # type: ignore[no-untyped-def]
+def remembered(rows: int, lines: int) -> NDArray[np.int64]:
     """Memory of rows that never looked, for ``remembering_phase``; it begins where a line does."""
     words = np.empty(8 * (rows * lines + 1), np.int64)
     first = -(words.ctypes.data // 8) % 8
