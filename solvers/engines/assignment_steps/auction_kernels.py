@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
@@ -21,15 +20,6 @@ MANY_PAIRS = 12
 """Pairs of a row, in the mean, from which on remembering is worth it."""
 
 _COLUMN = (1 << 32) - 1
-
-
-def remembered(rows: int, lines: int) -> NDArray[np.int64]:
-    """Memory of rows that never looked, for ``remembering_phase``; it begins where a line does."""
-    words = np.empty(8 * (rows * lines + 1), np.int64)
-    first = -(words.ctypes.data // 8) % 8
-    memory = words[first : first + 8 * rows * lines].reshape(rows, lines, 8)
-    memory[:, 0, 0] = -1
-    return memory
 
 
 @kernel()
@@ -55,7 +45,7 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
     most : int
         Bids, all phases together.
     memory : array of shape (rows, lines, 8)
-        Of ``remembered``. A line: its limit, -1 where the row never looked; costs; columns, two a word.
+        Of ``auction.remembered``. A line: its limit, -1 where the row never looked; costs; columns, two a word.
     counts : array of shape (2,)
         Bids, and looks at a whole row.
 
