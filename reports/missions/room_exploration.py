@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ...formulations.auctions.room_exploration import RoomExploration
 from ...formulations.problem import Problem
-from ...heuristics.auctions.exploration_steps.beliefs import TARGET, Sensors, after_target, after_type, prior
+from ...heuristics.auctions.exploration_steps.beliefs import TARGET, Rewards, Sensors, after_target, after_type, prior
+from ...heuristics.auctions.exploration_steps.explorers_and_relays import explorers_and_relays
 from ...instances.auctions.exploration_map import ExplorationMap
 from ...instances.auctions.generators.exploration_map import TIMES, expected_gains
 from ...instances.errors import UsageError
@@ -55,6 +57,7 @@ class RoomsExplored(Mission):
         self._beliefs = [prior(np.full(types, 1.0 / types), TARGETS) for _ in range(made.building.num_rooms)]
         self._heard = 0
         self._plan: Sequence[Sequence[tuple[int, int]]] | None = None
+        self._teams: dict[int, tuple[int, ...]] = {}
         return made
 
     def problem(self, observation: ExplorationObservation) -> Problem | None:
@@ -80,6 +83,27 @@ class RoomsExplored(Mission):
         if self._plan is None:
             return {robot: (room, GO) for robot, room in enumerate(observation.robots.tolist())}
         return {robot: deeds[observation.time % self.values["round"]] for robot, deeds in enumerate(self._plan)}
+
+    def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
+        """``alone`` and ``relays`` decide anew in each step, by what all read so far: see ``explorers_and_relays``."""
+        return {"alone": partial(self._by_rule, False), "relays": partial(self._by_rule, True)}
+
+    def _by_rule(self, relays: bool, o: ExplorationObservation) -> Actions:
+        self._learn(o.readings)
+        rewards = Rewards(tuple(self.values[key] for key in WEIGHTS), decay=self.values["decay"])
+
+        def worth(room: int, action: int, others: int) -> float:
+            if action == GO:
+                return rewards.explore(int(o.visits[room]) + others)
+            read = rewards.map if action == MAP else rewards.search
+            return 0.0 if others else read(self._beliefs[room], self._sensors)
+
+        given = o.building
+        deeds, self._teams = explorers_and_relays(
+            given.adjacent, given.linked, given.base, o.robots.tolist(), o.silent.tolist(), given.silence, worth, self._teams,
+            relays=relays,
+        )  # fmt: skip
+        return deeds
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
         """``types_known`` and ``targets_known``: the mean probability that all readings so far give to what is true of a room."""

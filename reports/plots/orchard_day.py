@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from ...formulations.auctions.orchard_day import OrchardDay
 from . import PLOTS
-from .drawing import COLOURS, INK, entitled, new_axes
+from .drawing import COLOURS, INK, entitled, legend_below, new_axes
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
+
+PARTS = {"home with a bin": (0, 1.0), "out with a new bin": (1, 0.35), "out without one": (2, 0.35)}
+"""Colour and opacity of what robots do; waiting for a bin is part of the way out."""
 
 NAMED = 60
 """Up to so many bins are named."""
@@ -37,14 +40,20 @@ def plot_orchard_day(
     """
     ax = new_axes() if ax is None else ax
     jobs, home = problem.jobs, problem.timetable(answer)
+
+    def bar(robot: int, begin: int, end: int, part: str) -> None:
+        colour, alpha = PARTS[part]
+        drawn[part] = ax.barh(robot + 1, end - begin, left=begin, height=0.6, color=COLOURS[colour], alpha=alpha)
+
+    drawn: dict[str, Any] = {}
     for robot, trips in enumerate(answer):
         before = int(jobs.robot_free[robot])
         for bring, fetch in trips:
             if fetch < 0:
                 continue
             loaded = int(home[fetch] - jobs.home[fetch])
-            ax.barh(robot + 1, loaded - before, left=before, height=0.6, color=COLOURS[1 if bring >= 0 else 2], alpha=0.35)
-            ax.barh(robot + 1, int(jobs.home[fetch]), left=loaded, height=0.6, color=COLOURS[0])
+            bar(robot, before, loaded, "out with a new bin" if bring >= 0 else "out without one")
+            bar(robot, loaded, int(home[fetch]), "home with a bin")
             if jobs.num_bins <= NAMED:
                 ax.text(loaded + jobs.home[fetch] / 2, robot + 1, str(fetch + 1), ha="center", va="center", fontsize=8, color="white")
             before = int(home[fetch])
@@ -52,6 +61,9 @@ def plot_orchard_day(
     ax.invert_yaxis()
     ax.set_xlabel("step", fontsize=9, color=INK)
     ax.set_ylabel("robot", fontsize=9, color=INK)
+    if drawn:
+        told = [part for part in PARTS if part in drawn]
+        legend_below(ax, [drawn[part] for part in told], told, len(told))
     return entitled(ax, problem, answer, solution, title, "bins on their way home, and the trips to them")
 
 

@@ -28,9 +28,12 @@ def _optimum(problem: Any) -> float:
 
 def _within(part: float) -> Configuration:
     """An epsilon so large that n epsilon is 1 / ``part`` of the optimum."""
+
+    def options(problem: Any, rng: np.random.Generator) -> dict[str, Any]:
+        return {"epsilon": _optimum(problem) / (part * max(problem.num_robots, problem.num_bins))}
+
     return Configuration(
-        f"n epsilon = OPT / {part:g}", "bertsekas", lambda problem: part / (part - 1.0),
-        lambda problem, rng: {"epsilon": _optimum(problem) / (part * max(problem.num_robots, problem.num_bins))},
+        f"n epsilon = OPT / {part:g}", "bertsekas", lambda problem: part / (part - 1.0), options,
         takes=lambda problem: _optimum(problem) > 0.0,
     )  # fmt: skip
 

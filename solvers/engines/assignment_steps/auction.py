@@ -172,7 +172,7 @@ def _phases(
     price, owner = np.zeros(m, np.int64), np.full(m, -1, np.int64)
     span, counts = int(cost.max(initial=0)), np.zeros(2, np.int64)
     lines = 0 if len(part.columns) <= kernels.MANY_PAIRS * n else kernels.LINES if part.complete else kernels.LINES_SPARSE
-    memory = kernels.remembered(n, lines) if lines else None
+    memory = remembered(n, lines) if lines else None
     pairs = part.indptr, part.columns, cost, price, owner
     ended, waiting = 0, 0
     while True:
@@ -200,6 +200,15 @@ def _phases(
     column, held = np.full(n, -1, np.int64), owner >= 0
     column[owner[held]] = np.nonzero(held)[0]
     return int(ended), column, price
+
+
+def remembered(rows: int, lines: int) -> Wholes:
+    """Memory of rows that never looked, shape (rows, lines, 8), for ``remembering_phase``; it begins where a processor's line does."""
+    words = np.empty(8 * (rows * lines + 1), np.int64)
+    first = -(words.ctypes.data // 8) % 8
+    memory = words[first : first + 8 * rows * lines].reshape(rows, lines, 8)
+    memory[:, 0, 0] = -1
+    return memory
 
 
 def _outbid(price: Wholes, owner: Wholes, epsilon: int) -> bool:

@@ -22,15 +22,6 @@ MANY_PAIRS = 12
 _COLUMN = (1 << 32) - 1
 
 
-def remembered(rows, lines):  # type: ignore[no-untyped-def]
-    """Memory of rows that never looked, for ``remembering_phase``; it begins where a line does."""
-    words = np.empty(8 * (rows * lines + 1), np.int64)
-    first = -(words.ctypes.data // 8) % 8
-    memory = words[first : first + 8 * rows * lines].reshape(rows, lines, 8)
-    memory[:, 0, 0] = -1
-    return memory
-
-
 @kernel()
 def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Rows without a column bid in turn until none is left; who is outbid takes the turn of who outbids.
@@ -54,7 +45,7 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
     most : int
         Bids, all phases together.
     memory : array of shape (rows, lines, 8)
-        Of ``remembered``. A line: its limit, -1 where the row never looked; costs; columns, two a word.
+        Of ``auction.remembered``. A line: its limit, -1 where the row never looked; costs; columns, two a word.
     counts : array of shape (2,)
         Bids, and looks at a whole row.
 

@@ -15,6 +15,20 @@ from waybound.reports.ratios.judging import run_heuristic
 SMALL = {"rooms": 9, "round": 4}
 
 
+@pytest.mark.parametrize("policy", ["alone", "relays"])
+def test_policies_decide_step_by_step_and_are_heard_in_time(policy):
+    for silence in (0, 2):
+        log = wb.run("room-exploration", policy=policy, steps=30, seed=2, silence=silence, robots=3, rooms=9)
+        assert log["silent"].max() <= silence
+        assert log["readings"].iloc[-1] > 5
+
+
+def test_relays_lead_further_than_a_robot_goes_alone():
+    entered = {policy: wb.run("room-exploration", policy=policy, steps=60, seed=1, silence=0, robots=3, explore=0.9, map=0.05, search=0.05)
+               for policy in ("alone", "relays")}  # fmt: skip
+    assert entered["relays"]["entered"].iloc[-1] > entered["alone"]["entered"].iloc[-1]
+
+
 def test_a_round_is_planned_where_all_have_contact_and_what_was_read_changes_the_next():
     mission = RoomsExplored()
     world = mission.world(3, **SMALL, silence=2)

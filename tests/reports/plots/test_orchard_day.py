@@ -15,3 +15,5 @@ def test_every_bin_is_a_bar_and_named():
     ends = {round(bar.get_x() + bar.get_width()) for bar in ax.patches}
     assert set(home.tolist()) <= ends
     assert {str(k + 1) for k in range(8)} <= {text.get_text() for text in ax.texts}
+    told = {text.get_text() for text in ax.get_legend().get_texts()}
+    assert told == {"home with a bin", "out with a new bin", "out without one"}

@@ -55,7 +55,7 @@ def test_rows_remember_their_cheapest_pairs_line_by_line(largest: int) -> None:
 
     rng = np.random.default_rng(largest)
     for lines in (kernels.LINES, kernels.LINES_SPARSE):
-        memory = kernels.remembered(7, lines)
+        memory = auctions.remembered(7, lines)
         assert memory.shape == (7, lines, 8) and not memory.ctypes.data % 64 and (memory[:, 0, 0] == -1).all()
     for _ in range(draws(60)):
         n = 40

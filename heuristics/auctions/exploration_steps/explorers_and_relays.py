@@ -1,0 +1,134 @@
+"""One step of a team that explores: who acts by itself, and who passes on what another reads further out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.auctions.room_exploration import GO, MAP, SEARCH
+from .communication import allowed, steps_to_contact
+
+Deed = tuple[int, int]
+"""Room, and what is done there."""
+
+Teams = Mapping[int, tuple[int, ...]]
+"""Relays of each explorer that has any."""
+
+Worth = Callable[[int, int, int], float]
+"""Of doing something in a room that so many others chose in this step: room, action, others."""
+
+
+def explorers_and_relays(
+    adjacent: NDArray[np.bool_],
+    linked: NDArray[np.bool_],
+    base: int,
+    here: Sequence[int],
+    silent: Sequence[int],
+    longest: int,
+    worth: Worth,
+    teams: Teams | None = None,
+    *,
+    relays: bool = True,
+) -> tuple[dict[int, Deed], dict[int, tuple[int, ...]]]:
+    """What each robot does next, explorers in the order of their numbers, each what is worth most to the team.
+
+    Parameters
+    ----------
+    adjacent, linked : arrays of shape (rooms, rooms)
+        Where one step leads; which rooms hear each other, themselves included.
+    base : int
+    here, silent : sequences, one entry a robot
+        Rooms, and steps in a row without contact so far.
+    longest : int
+        Steps in a row that a robot may be without contact.
+    worth : callable
+    teams : mapping, optional
+        What the step before returned.
+    relays : bool
+        Whether robots may give up what they would do to pass on contact; without, each keeps to what it can do alone.
+
+    Returns
+    -------
+    (dict of deeds, dict of relays)
+        Of every robot; of each explorer that has any.
+
+    Notes
+    -----
+    A robot by itself may do what leaves it time to come to a room that hears the base. Where it may not, others offer to stand where they
+    join it to the base, for what they give up by that; an offer is taken if the explorer gains more by it. Relays stay with their explorer,
+    as they could all stay in place, until each can do without. Source: Zhang (2015), algorithm 4, of which ten lines are printed, with
+    decisions that fail left out and offers compared by the gain of all; docs/missions.md#room-exploration.
+    """
+    teams = {} if teams is None else teams
+    near = linked[base]
+    back, hops = steps_to_contact(adjacent, near), steps_to_contact(linked, near)
+    sites = [[here[u], *np.nonzero(adjacent[here[u]])[0].tolist()] for u in range(len(here))]
+    bound = {u: e for e, own in teams.items() for u in own}
+    chosen: dict[Deed, int] = {}
+    deeds: dict[int, Deed] = {}
+    kept: dict[int, tuple[int, ...]] = {}
+
+    def gain(robot: int, deed: Deed) -> float:
+        return 0.0 if deed == (here[robot], GO) else worth(*deed, chosen.get(deed, 0))
+
+    def options(robot: int) -> list[Deed]:
+        at = here[robot]
+        return [(at, MAP), (at, SEARCH), *((room, GO) for room in sites[robot])]
+
+    def alone(robot: int, room: int) -> bool:
+        return allowed(0 if near[room] else silent[robot] + 1, int(back[room]), longest)
+
+    def best_alone(robot: int) -> float | None:
+        return max((gain(robot, deed) for deed in options(robot) if alone(robot, deed[0])), default=None)
+
+    def take(robot: int, deed: Deed) -> None:
+        deeds[robot] = deed
+        chosen[deed] = chosen.get(deed, 0) + 1
+
+    def chain(room: int, given_up: Mapping[int, float], used: tuple[int, ...] = ()) -> tuple[float, int, tuple[Deed, ...]] | None:
+        """The cheapest relays that join a room to the base: what they give up, how many, and (robot, site) of each."""
+        best: tuple[float, int, tuple[Deed, ...]] | None = None
+        left = [u for u in given_up if u not in used]
+        for u in left:
+            for site in sites[u]:
+                if not linked[room, site] or not 0 <= hops[site] < len(left):
+                    continue
+                rest = (0.0, 0, ()) if near[site] else chain(site, given_up, (*used, u))
+                if rest is not None:
+                    made = given_up[u] + rest[0], 1 + rest[1], ((u, site), *rest[2])
+                    best = made if best is None else min(best, made)
+        return best
+
+    def released(own: tuple[int, ...], taken: tuple[Deed, ...]) -> bool:
+        """Whether all relays that are not taken again can do without."""
+        return all(best_alone(u) is not None for u in own if u not in dict(taken))
+
+    while len(deeds) < len(here):
+        explorer = next(u for u in range(len(here)) if u not in deeds and u not in bound)
+        own = teams.get(explorer, ())
+        given_up = dict.fromkeys(own, 0.0)
+        for u in range(len(here)) if relays else ():
+            if u != explorer and u not in deeds and u not in bound and not teams.get(u):
+                given_up[u] = best_alone(u) or 0.0
+        best: tuple[tuple[float, bool, int], Deed, tuple[Deed, ...]] | None = None
+        for number, deed in enumerate(options(explorer)):
+            by_itself = alone(explorer, deed[0]) and released(own, ())
+            found = (0.0, 0, ()) if by_itself else chain(deed[0], given_up)
+            if found is None or not released(own, found[2]):
+                continue
+            rank = gain(explorer, deed) - found[0], not found[2], -number
+            if best is None or rank > best[0]:
+                best = rank, deed, found[2]
+        if best is None:  # as they are, they stay in contact
+            best = (0.0, False, 0), (here[explorer], GO), tuple((u, here[u]) for u in own)
+        for u in own:
+            del bound[u]
+        take(explorer, best[1])
+        for u, site in best[2]:
+            bound[u] = explorer
+            take(u, (site, GO))
+        if best[2]:
+            kept[explorer] = tuple(u for u, _ in best[2])
+    return deeds, kept
