@@ -5,7 +5,8 @@ most that fits its capacity. Whoever does the jobs,
 
     cost  >=  sum_j u_j - sum_i K_i             profit  <=  sum_j u_j + sum_i K_i     (u >= 0)
 
-where K_i is exact for whole consumption of moderate size (Bellman 1957), and elsewhere that of jobs done in part (Dantzig 1957).
+where K_i is exact for whole consumption of moderate size, in whichever power of two it is counted (Bellman 1957), and elsewhere that of
+jobs done in part (Dantzig 1957).
 
 With a weight y_i >= 0 an agent, there is no way to do all jobs if sum_j min_i y_i a_ij > sum_i y_i b_i.
 """
@@ -30,7 +31,7 @@ MOST_STEPS = 2e8
 """Jobs x capacity of all agents up to which knapsacks are solved exactly: a second."""
 
 _EPS = float(np.finfo(np.float64).eps)
-_LARGEST, _TINY = 1e300, 1e-290
+_LARGEST, _TINY, _WHOLE = 1e300, 1e-290, 2.0**53
 
 
 @CHECKERS.register("job-prices")
@@ -62,15 +63,15 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
     if not costs:
         prices = np.maximum(prices, 0.0)
     rooms = [room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)]
-    exact = given.num_jobs * math.fsum(rooms) <= MOST_STEPS
-    gains = []
+    gains, steps = [], MOST_STEPS
     for values, used, most in zip(given.values, given.consumption, rooms, strict=True):
         fits = np.nonzero(np.isfinite(values) & (used <= most))[0]
         gain = prices[fits] - values[fits] if costs else values[fits] - prices[fits]
         kept = gain > 0.0
         gain, part = np.nextafter(gain[kept], math.inf), used[fits][kept]  # no less than the exact difference
-        whole = exact and bool((np.floor(part) == part).all())
-        gains.append(_knapsack(gain, part.astype(np.int64), math.floor(most)) if whole else _in_part(gain, part, most))
+        whole, size = _whole(part, most)
+        steps -= len(part) * size
+        gains.append(_in_part(gain, part, most) if whole is None or steps < 0.0 else _knapsack(gain, whole, int(size)))
     with np.errstate(over="ignore"):
         gains = [gain * (1.0 + (2 * given.num_jobs + 16) * _EPS) for gain in gains]
     values = given.values[np.isfinite(given.values)]
@@ -83,9 +84,20 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
     return lift(bound, problem.sense, grain(values)) if math.isfinite(bound) else -sign * math.inf
 
 
+def _whole(used: Floats, most: float) -> tuple[NDArray[np.int64] | None, float]:
+    """Consumption, and the most that there is of use, in the largest power of two of which all are multiples; None for too many."""
+    mantissa, exponent = np.frexp(used[used > 0.0])
+    digits = np.ldexp(mantissa, 53).astype(np.int64)
+    unit = int((exponent - 53 + np.log2(digits & -digits).astype(np.int64)).min(initial=2000))
+    with np.errstate(over="ignore", under="ignore"):
+        counts = np.ldexp(used, -unit)
+        size = float(np.floor(min(np.ldexp(most, -unit), counts.sum())))
+    return (counts.astype(np.int64), size) if size * max(len(used), 10) <= MOST_STEPS and counts.sum() < _WHOLE else (None, 0.0)
+
+
 def _knapsack(gain: Floats, used: NDArray[np.int64], most: int) -> float:
     """The most gain of jobs that take no more than ``most``, all whole."""
-    best = np.zeros(min(most, int(used.sum())) + 1)
+    best = np.zeros(most + 1)
     for each, part in zip(gain.tolist(), used.tolist(), strict=True):
         if part == 0:
             best += each

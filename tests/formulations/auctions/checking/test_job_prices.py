@@ -39,6 +39,14 @@ def test_any_prices_prove_no_more_than_what_holds(scale: float) -> None:
     assert proved
 
 
+@pytest.mark.parametrize("unit", [1.0, 2.0**-46, 2.0**-1000, 2.0**46, 0.75])
+def test_what_is_packed_exactly_is_in_any_unit(unit: float) -> None:
+    """One agent, room for 9, jobs of 5 and one of nothing: values of sqrt(2) have no step to which the bound in parts could be rounded."""
+    values = math.sqrt(2.0) * np.array([[1.0, 2.0, 3.0, 1.0]])
+    problem = GeneralisedAssignment.from_arrays(values, np.array([[5.0, 5.0, 5.0, 0.0]]) * unit, [9.0 * unit], "profit")
+    assert check_job_prices(problem, {"prices": [0.0] * 4}) == pytest.approx(4.0 * math.sqrt(2.0), rel=1e-12)
+
+
 def test_whole_consumption_is_packed_exactly_and_other_in_part(monkeypatch: pytest.MonkeyPatch) -> None:
     """One agent, room for 9, jobs of 5: one is done; in parts nine fifths of one would be."""
     problem = GeneralisedAssignment.from_arrays(np.ones((1, 3)), np.full((1, 3), 5.0), [9.0], "profit")
