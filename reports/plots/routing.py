@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
+from ...instances.errors import UsageError
 from ...instances.routing.travel import EXPLICIT
+from ...instances.suggestions import did_you_mean
 from . import PLOTS
 from .drawing import COLOURS, entitle, figures_of, literal, new_axes
 from .maps import MOST_ARROWS, arrows, geographic, legend_of_routes, map_axes, route_ranks, scale_bar, site_positions
@@ -35,7 +37,13 @@ CONVENTIONS = {
 
 
 def plot_routes(
-    problem: RoutingProblem, answer: Routes, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+    problem: RoutingProblem,
+    answer: Routes,
+    *,
+    ax: Any = None,
+    solution: Solution | None = None,
+    title: str | None = None,
+    labels: str = "",
 ) -> Any:
     """Map of an answer: depots as squares, customers as dots, one colour and line style a route, arrows that say which way it goes.
 
@@ -49,6 +57,8 @@ def plot_routes(
         For objective, bound and gap in the title.
     title : str, optional
         Instead of the one made.
+    labels : str
+        A column of the sites that is only kept: what it holds is written below their ids, on maps of few sites.
 
     Returns
     -------
@@ -64,17 +74,17 @@ def plot_routes(
     ranks = route_ranks(problem, answer, where)
     for k in np.argsort(ranks).tolist():
         _draw_route(ax, problem, answer, where, ranks[k], k, names[k])
-    _draw_sites(ax, problem, answer, where)
+    _draw_sites(ax, problem, answer, where, labels)
     globe = geographic(problem)
     map_axes(ax, where, globe)
     if not placed:
         scale_bar(ax, where, globe)
     entitle(ax, *(_title(problem, answer, solution, placed) if title is None else (title, "")))
     if len(answer) > 1:
-        handles, labels = ax.get_legend_handles_labels()
+        handles, names = ax.get_legend_handles_labels()
         order = np.argsort([int(h.get_gid() or 0) for h in handles], kind="stable")
-        legend_of_routes(ax, [handles[k] for k in order], [labels[k] for k in order])
-        literal(ax)
+        legend_of_routes(ax, [handles[k] for k in order], [names[k] for k in order])
+    literal(ax)
     return ax
 
 
@@ -113,13 +123,13 @@ def _dot_sizes(problem: RoutingProblem, visits: list[int]) -> Any:
     return base if largest <= 0 else base * (0.55 + 0.9 * problem.sites.demand[visits] / largest)
 
 
-def _draw_sites(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats) -> None:
+def _draw_sites(ax: Any, problem: RoutingProblem, answer: Routes, where: Floats, labels: str) -> None:
     depots = where[problem.sites.depots]
     ax.scatter(depots[:, 0], depots[:, 1], marker="s", s=85, color="#111111", edgecolors="white", linewidths=1.2, zorder=5)
     if left := _left_out(problem, answer):
         ax.scatter(where[left, 0], where[left, 1], s=26, facecolors="white", edgecolors="#888888", linewidths=1.0, zorder=3)
     if len(problem.sites) <= LABELLED_SITES:
-        _label_sites(ax, problem, where)
+        _label_sites(ax, problem, where, labels)
 
 
 def _left_out(problem: RoutingProblem, answer: Routes) -> list[int]:
@@ -127,14 +137,19 @@ def _left_out(problem: RoutingProblem, answer: Routes) -> list[int]:
     return [int(i) for i in problem.customers if int(i) not in visited]
 
 
-def _label_sites(ax: Any, problem: RoutingProblem, where: Floats) -> None:
-    """Ids beside the sites, without those that would be written over others."""
+def _label_sites(ax: Any, problem: RoutingProblem, where: Floats, labels: str) -> None:
+    """Ids beside the sites, and what is kept of them, without those that would be written over others."""
+    kept = problem.sites.attributes
+    if labels and labels not in kept:
+        known = f"; choose from {', '.join(kept)}{did_you_mean(labels, kept)}" if kept else ": the sites have no columns that are only kept"
+        raise UsageError(f"labels name the column {labels!r}, which is not kept{known}")
+    told = [f"\n{value}" if value is not None else "" for value in kept[labels]] if labels else [""] * len(problem.sites)
     extent = float(np.ptp(where, axis=0).max()) or 1.0
     written: list[Floats] = []
     for k, site in enumerate(problem.sites.ids):
         # A label is wider than high.
         if all(abs(where[k] - other) @ np.array([1.0, 1.6]) > 0.045 * extent for other in written):
-            ax.annotate(site, where[k], xytext=(5, 4), textcoords="offset points", fontsize=7.5, color="#444444", zorder=6)
+            ax.annotate(site + told[k], where[k], xytext=(5, 4), textcoords="offset points", fontsize=7.5, color="#444444", zorder=6)
             written.append(where[k])
 
 

@@ -45,13 +45,16 @@ def test_a_line_an_improvement_and_a_sign_of_life_every_few_seconds(clock: Any) 
 def test_a_sign_of_life_tells_nodes_where_the_solver_does(clock: Any) -> None:
     lines: list[str] = []
     log = SearchLog(lines.append)
+    log({**told(12.0, None, None, "highs"), "nodes": 0})
     log({**told(12.0, None, None, "highs"), "nodes": 1})
     clock(EVERY)
     log.tick()
-    log({**told(12.0, None, None, "highs"), "nodes": 1234})
+    log({**told(12.0, 9.0, "claimed", "highs"), "nodes": 1234})
     clock(2 * EVERY)
     log.tick()
-    assert lines[1].endswith("searching, 1 node") and lines[2].endswith("searching, 1234 nodes") and len(lines) == 3
+    assert [line.split("  ")[-1] for line in lines] == [
+        "answer by highs, not checked yet", "searching, 1 node", "bound by highs, its own figure; 1234 nodes", "searching, 1234 nodes",
+    ]  # fmt: skip
 
 
 def test_of_a_flood_of_answers_the_last_is_told(clock: Any) -> None:

@@ -102,7 +102,7 @@ class Progress:
         gap = open_gap(e["objective"], e["bound"])
         if gap is not None:
             parts.append(f"gap {percent(gap)}")
-        if e.get("nodes") is not None and e["phase"] == "solve":
+        if e.get("nodes") and e["phase"] == "solve":
             parts.append(f"{e['nodes']} node{'s' if e['nodes'] != 1 else ''}")
         return ", ".join(parts)
 

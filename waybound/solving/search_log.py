@@ -88,6 +88,7 @@ class SearchLog:
             else:
                 answer = f"answer by {who}, {'checked' if event['phase'] == 'check' else 'not checked yet'}" if better else ""
                 news = ", and ".join(part for part in (answer, f"bound by {who}, {_KINDS[event['bound_kind']]}" if raised else "") if part)
+            news += self._nodes("; ")
             if not raised and time.perf_counter() - self._answered < APART:
                 self._pending = news
                 return
@@ -117,8 +118,12 @@ class SearchLog:
             if self._pending and now - self._answered >= APART:
                 self._flush()
             elif now - self._said >= EVERY:
-                nodes = self._event.get("nodes") if self._phase == "solve" else None
-                self._say(_PHASES.get(self._phase, self._phase) + ("" if nodes is None else f", {nodes} node{'s' if nodes != 1 else ''}"))
+                self._say(_PHASES.get(self._phase, self._phase) + self._nodes(", "))
+
+    def _nodes(self, between: str) -> str:
+        """The nodes of branch and bound, once there are any and as long as they are searched."""
+        nodes = self._event.get("nodes") if self._phase == "solve" else None
+        return f"{between}{nodes} node{'s' if nodes != 1 else ''}" if nodes else ""
 
     def _run(self) -> None:
         while not self._done.wait(APART):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import re
 from typing import Any
@@ -46,13 +47,14 @@ def span(cell: str, line: int | None, what: str) -> Any:
         return None
     if is_number(cell):
         return float(cell)
-    if found := _SPAN.match(cell):
-        days, hours, minutes, seconds = int(found[1] or 0), int(found[2]), int(found[3]), float(found[4])
-        return datetime.timedelta(days=days, hours=hours, minutes=minutes, seconds=seconds)
-    parts = _PARTS.findall(cell.lower())
-    units = [ALIASES.get(unit, unit) for _, unit in parts]
-    if parts and not _PARTS.sub("", cell.lower()).strip() and set(units) <= SECONDS.keys():
-        return datetime.timedelta(seconds=sum(float(size) * SECONDS[unit] for (size, _), unit in zip(parts, units, strict=True)))
+    with contextlib.suppress(OverflowError):  # longer than any calendar
+        if found := _SPAN.match(cell):
+            days, hours, minutes, seconds = int(found[1] or 0), int(found[2]), int(found[3]), float(found[4])
+            return datetime.timedelta(days=days, hours=hours, minutes=minutes, seconds=seconds)
+        parts = _PARTS.findall(cell.lower())
+        units = [ALIASES.get(unit, unit) for _, unit in parts]
+        if parts and not _PARTS.sub("", cell.lower()).strip() and set(units) <= SECONDS.keys():
+            return datetime.timedelta(seconds=sum(float(size) * SECONDS[unit] for (size, _), unit in zip(parts, units, strict=True)))
     raise InputError(
         f"{what} must be a number or a length of time", line=line, expected="20, 20min, 1h 30min or 00:20:00", found=shown(cell)
     )

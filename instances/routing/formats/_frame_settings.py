@@ -47,7 +47,12 @@ def arguments(given: Given, folder: Path, n: int) -> dict[str, Any]:
     """
     made: dict[str, Any] = {}
     for key, (line, value) in given.items():
-        made.update(_argument(key, line, value, folder, n))
+        try:
+            made.update(_argument(key, line, value, folder, n))
+        except InputError as error:
+            if error.line or error.file is not None:
+                raise
+            raise InputError(f"--set {error.message}", expected=error.expected, found=error.found) from None
     if "matrix" in given and "metric" in given:
         raise InputError("metric stands beside a matrix", line=given["metric"][0], expected="one of them")
     return made

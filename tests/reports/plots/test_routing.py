@@ -5,12 +5,14 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pandas as pd
 import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import waybound as wb
+from waybound.instances.errors import UsageError
 from waybound.reports.plots import routing as plots
 from waybound.reports.plots import save_plot
 from waybound.reports.plots.maps import scaled_positions
@@ -125,3 +127,14 @@ def test_vehicles_are_numbered_within_their_type_as_everywhere(solution):
     legend = plot_routes(mixed, answer).get_legend()
     assert [text.get_text() for text in legend.get_texts()] == ["old 1: 2 visits", "new 1: 1 visits", "old 2: 2 visits"]
     assert list(dict.fromkeys(mixed.answer_to_frame(answer)["vehicle"])) == mixed.vehicle_names(answer)
+
+
+def test_what_is_kept_of_sites_is_written_below_their_ids_where_it_is_asked_for():
+    frame = pd.DataFrame({"id": ["yard", "a", "b"], "x": [0, 3, 9], "y": [0, 4, 0], "price": ["$1", None, "2$"], "note": "-"})
+    problem = wb.RoutingProblem.from_frame(frame, vehicles=1)
+    texts = plot_routes(problem, problem.answer_of([["a", "b"]]), labels="price").texts
+    assert {"yard\n$1", "a", "b\n2$"} <= {text.get_text() for text in texts} and not any(text.get_parse_math() for text in texts)
+    with pytest.raises(UsageError, match="labels name the column 'prise', which is not kept; choose from price, note; did you"):
+        plot_routes(problem, problem.answer_of([["a", "b"]]), labels="prise")
+    with pytest.raises(UsageError, match="the sites have no columns that are only kept"):
+        plot_routes(wb.read("demo-tiny"), wb.Routes.of([[1]]), labels="price")

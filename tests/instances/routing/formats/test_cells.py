@@ -42,7 +42,9 @@ def test_what_is_no_moment_is_refused(cell: str) -> None:
         moment(cell, 3, "ready")
 
 
-@pytest.mark.parametrize("cell", ["00:20", "20 fortnights", "min", "1h and 5min", "2026-05-04", "-20min"])
+@pytest.mark.parametrize(
+    "cell", ["00:20", "20 fortnights", "min", "1h and 5min", "2026-05-04", "-20min", "999999999999h", "9" * 400 + "min"]
+)
 def test_what_is_no_length_of_time_is_refused(cell: str) -> None:
     """Hours and minutes with a colon may be minutes and seconds as well."""
     with pytest.raises(InputError, match="line 3: service must be a number or a length of time"):

@@ -56,6 +56,13 @@ def test_a_setting_that_makes_no_sense_is_refused_with_its_line(key: str, text: 
     assert str(caught.value).startswith(message)
 
 
+@pytest.mark.parametrize("given", [{"speed": "fast"}, {"vehicles": 0}, {"capacity": -1}, {"columns": "crates"}, {"matrix": "no.csv"}])
+def test_a_setting_of_the_command_line_has_no_line(given: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=f"^--set {next(iter(given))}") as caught:
+        arguments(of_set(given), Path(), 2)
+    assert caught.value.line is None
+
+
 def test_a_unit_of_the_command_line_has_no_line() -> None:
     with pytest.raises(UsageError, match="unknown unit of time 'week'"):
         arguments(of_set({"time-unit": "week"}), Path(), 2)
