@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,10 +55,10 @@ def completed(problem: BinAssignment, taken: NDArray[np.int64], stop: Stop) -> t
     return answer, int((np.array(answer) != taken).sum())
 
 
-def cut_short(problem: BinAssignment, stop: Stop, statistics: dict[str, float] | None = None) -> Outcome:
+def cut_short(problem: BinAssignment, stop: Stop, statistics: Mapping[str, float] = MappingProxyType({})) -> Outcome:
     """What is left of an auction that was stopped: its own pairs may be fewer than asked for."""
     message = "cut short: the answer is any of the most pairs"
-    return Outcome(problem.answer_at_hand(), statistics=statistics or {}, message=message, limit=stop.reached() or "time")
+    return Outcome(problem.answer_at_hand(), statistics=dict(statistics), message=message, limit=stop.reached() or "time")
 
 
 def told(changed: int) -> str:
