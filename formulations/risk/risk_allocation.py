@@ -192,7 +192,10 @@ class RiskAllocation(Problem):
             r = matrix @ x + constant
             size = {"absolute": np.abs(r).sum(), "norm": np.linalg.norm(r), "square": r @ r}[kind]
             parts.append(self.sign * weight * float(size))
-        return math.fsum(parts), math.fsum(map(abs, parts))
+        try:
+            return math.fsum(parts), math.fsum(map(abs, parts))
+        except (OverflowError, ValueError):  # beyond the range of numbers
+            return sum(parts), sum(map(abs, parts))
 
     def risks(self, x: Floats) -> Floats:
         """For each constraint the risk of its safest row at the decision x."""

@@ -15,6 +15,7 @@ from ...formulations.risk.normal import ndtr, ndtri
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.convex_allocation_steps.session import open_session
+from ...solvers.engines.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 Floats = NDArray[np.float64]
@@ -65,7 +66,8 @@ def iterative(
     """
     if not (0.0 < alpha < 1.0 and 0.0 < decay <= 1.0 and epsilon >= 0.0 and rounds >= 1):
         raise UsageError("iterative: alpha must lie between 0 and 1, decay above 0 up to 1, epsilon at 0 or more, rounds at 1 or more")
-    stop, p = context.begin(), problem
+    stop, units = context.begin(), Units.of(problem)
+    p = units.problem
     risks, budget = uniform_risks(p), _shared(p)
     program = fixed_margins_program(p, "fixed-risks", margins(p, -ndtri(risks)))
     session, first = open_session(program, context.linear.seed), sum(block.size for block in program.rows[:-1])
@@ -89,7 +91,7 @@ def iterative(
             end = "small gain"
             break
         values.append(value)
-        answer = Allocation(decision, risks.copy())
+        answer = Allocation(np.clip(decision * units.columns, problem.lower, problem.upper), risks.copy())
         context.publish(answer)
         if len(values) > 1 and values[-2] - value < epsilon * abs(value):
             end = "small gain"
@@ -104,7 +106,7 @@ def iterative(
         risks[active] += max(0.0, budget - math.fsum(risks.tolist())) / np.count_nonzero(active)
         risks = np.minimum(risks, p.risk.each)
         keep *= decay
-    statistics: dict[str, Any] = {"rounds": len(values), "end": end, "values": [p.sign * v for v in values[:10]]}
+    statistics: dict[str, Any] = {"rounds": len(values), "end": end, "values": [p.sign * v / units.cost for v in values[:10]]}
     return Outcome(answer, statistics=statistics, message=_said(end), limit=stop.reached() or "none")
 
 

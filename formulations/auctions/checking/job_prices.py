@@ -80,7 +80,7 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
         total = math.fsum([*(sign * prices).tolist(), *(-gain for gain in gains)])
     except (OverflowError, ValueError):
         total = -math.inf
-    bound = sign * math.nextafter(total, -math.inf)
+    bound = sign * math.nextafter(total, -math.inf) if total else 0.0  # a sum of doubles that is 0 is so exactly
     return lift(bound, problem.sense, grain(values)) if math.isfinite(bound) else -sign * math.inf
 
 
