@@ -14,7 +14,7 @@ from ...formulations.risk.allocations import Allocation
 from ...formulations.risk.forms._fixed_risks import fixed_margins_program, margins
 from ...formulations.risk.joint_normal import gradient
 from ...formulations.risk.risk_allocation import RiskAllocation
-from ...formulations.stop import Stop
+from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
 
@@ -65,28 +65,28 @@ class ExactJoint(Engine):
         self.converted(options)
         stop = Stop(options.time_limit)
         control.on_stop(stop.ask)
-        return _Planes(problem, options, control).run(stop)
+        return _Planes(problem, options, control, stop).run()
 
 
 class _Planes:
     """The search."""
 
-    def __init__(self, problem: RiskAllocation, options: Options, control: Control) -> None:
+    def __init__(self, problem: RiskAllocation, options: Options, control: Control, stop: Stop) -> None:
         from scipy.special import ndtri
 
         from .convex_allocation_steps.session import open_session
         from .convex_allocation_steps.units import Units
 
-        self.problem, self.options, self.control, self.units = problem, options, control, Units.of(problem)
+        self.problem, self.options, self.control, self.stop, self.units = problem, options, control, stop, Units.of(problem)
         inner = self.units.problem
         program = fixed_margins_program(inner, "planes", margins(inner, -ndtri(problem.caps)))
         self.session = open_session(program, options.seed)
         self.bound, self.value, self.planes = -math.inf, math.inf, 0
         self.answer: Allocation | None = None
 
-    def run(self, stop: Stop) -> RawResult:
+    def run(self) -> RawResult:
         """Planes until plan and bound meet."""
-        p, inside = self.problem, self._start(stop)
+        p, stop, inside = self.problem, self.stop, self._start(self.stop)
         if inside is None:
             return RawResult("unknown", stop.reached() or "none", message="there is no plan with allocated risks, from which it starts")
         aim, most, limit = max(self.options.gap, CLOSED), min(self.options.iterations or MOST_PLANES, MOST_PLANES), "none"
@@ -103,14 +103,15 @@ class _Planes:
             if self.planes >= most:
                 limit = "iterations"
                 break
-            edge = self._edge(inside, outside)
-            self._take(edge)
-            if not self._support(edge, outside):
-                break
-            self.planes += 1
-            if stop.reached():
+            try:
+                edge = self._edge(inside, outside)
+                self._take(edge)
+                if not self._support(edge, outside):
+                    break
+            except Stopped:
                 limit = stop.reached()
                 break
+            self.planes += 1
         closed = self.value - self.bound <= aim * max(abs(self.value), 1e-300)
         statistics: dict[str, Any] = {"planes": self.planes, "joint_risk": next(iter(p.joint_risk(self.answer.decision).values())).value}  # type: ignore[union-attr]
         if self.options.start is not None:
@@ -129,6 +130,7 @@ class _Planes:
 
     def _excess(self, x: Floats) -> float:
         """By which part the upper limits of the probabilities exceed a budget at most."""
+        self.stop.check()  # one takes up to some tenths of a second
         found = self.problem.joint_risk(x)
         return max(found[b.name].high / b.risk - 1.0 for b in self.problem.budgets)
 
@@ -158,6 +160,7 @@ class _Planes:
         p, laid = self.problem, False
         slack = p.limits - p.chance @ edge
         for budget in p.budgets:
+            self.stop.check()
             at = np.nonzero(np.isin(p.constraint, budget.constraints) & (p.deviation > 0.0))[0]
             found = p.joint_risk(edge)[budget.name]
             holds = 1.0 - found.value

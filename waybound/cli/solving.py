@@ -164,7 +164,7 @@ def exit_code(solution: Solution) -> int:
         return 0
     if solution.status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
         return 3
-    if solution.limit == "interrupt":
+    if solution.limit == "interrupt" or interrupts.received:  # also where the search had ended without an answer before
         return interrupts.exit_code()
     return 1 if solution.status == "error" else 4
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
-from ....formulations.stop import NEVER, Stop
+from ....formulations.stop import NEVER, Stop, Stopped
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .arcs import Arcs, arc_costs, lacks_arc_costs
@@ -50,15 +50,19 @@ def assignment_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linear
     arcs = arc_costs(problem, stop)
     if arcs is None or arcs.fewest > arcs.most or (len(arcs.customers) + arcs.most) ** 3 > STEPS_PER_SECOND * stop.seconds_left:
         return None
-    made = [Evidence("arc-multipliers", "assignment", -math.inf, data) for data in _multipliers(arcs, len(problem.sites))]
-    values = [verified_bound(problem, evidence) for evidence in made]
-    if not values:
-        return None
-    best = int(np.argmax(values))
-    return Evidence("arc-multipliers", "assignment", values[best], made[best].data)
+    best: Evidence | None = None
+    try:
+        for data in _multipliers(arcs, len(problem.sites), stop):
+            value = verified_bound(problem, Evidence("arc-multipliers", "assignment", -math.inf, data))
+            if best is None or value > best.value:
+                best = Evidence("arc-multipliers", "assignment", value, data)
+            stop.check()
+    except Stopped:
+        pass
+    return best
 
 
-def _multipliers(arcs: Arcs, sites: int) -> Iterator[dict[str, object]]:
+def _multipliers(arcs: Arcs, sites: int, stop: Stop) -> Iterator[dict[str, object]]:
     """Those of the assignment, with the price of a route that its depots have, or those of them that may stay idle."""
     from scipy.optimize import linear_sum_assignment
 
@@ -71,7 +75,7 @@ def _multipliers(arcs: Arcs, sites: int) -> Iterator[dict[str, object]]:
         successor = linear_sum_assignment(cost)[1]
     except ValueError:  # no assignment is finite
         return
-    rows, columns = _prices(cost, successor)
+    rows, columns = _prices(cost, successor, stop)
 
     def listed(values: Floats) -> list[float]:
         spread = np.zeros(sites)
@@ -85,13 +89,14 @@ def _multipliers(arcs: Arcs, sites: int) -> Iterator[dict[str, object]]:
             yield {"out": out, "in": into, "fleet": leaving + entering}
 
 
-def _prices(cost: Floats, successor: NDArray[np.integer]) -> tuple[Floats, Floats]:
+def _prices(cost: Floats, successor: NDArray[np.integer], stop: Stop = NEVER) -> tuple[Floats, Floats]:
     """Prices of rows and columns that no cost is below, and that chosen costs equal: shortest ways between columns (Bellman-Ford)."""
     chosen = np.take_along_axis(cost, successor[:, None], axis=1)
     dearer = np.empty_like(cost)
     dearer[successor] = cost - chosen
     columns, enough = np.zeros(len(cost)), STALLED * float(np.abs(chosen).max())
     for _ in range(len(cost)):
+        stop.check()
         lower = np.minimum(columns, (columns[:, None] + dearer).min(axis=0))
         if (columns - lower).max() <= enough:
             break
