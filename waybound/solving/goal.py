@@ -62,12 +62,6 @@ class Goal:
         self.infeasible, self.first_level, self.source = bool(certificate.infeasible), certificate.bound, str(certificate.bound_source)
         self.bound = certificate.bound if isinstance(certificate.bound, float) and len(self.problem.senses) == 1 else None
 
-    @property
-    def why_none(self) -> str:
-        """Why there is no answer, where its evidence proves that, in the problem's words."""
-        given = (e for e in self.first if self.infeasible and str(e.source) == self.source)
-        return next((self.problem.why_none(e.kind, e.data) for e in given), "")
-
     def told(self) -> dict[str, Any]:
         """The event of the best bound that was checked so far."""
         worst = math.inf if self.problem.sense == "min" else -math.inf

@@ -225,8 +225,7 @@ def _answered(
                 record.of_bounds(goal.told())
             control.goal = goal
             if goal is not None and goal.infeasible:
-                message = "; ".join(filter(None, ("proved before the search", goal.why_none)))
-                run, budget = replace(run, go=lambda control: RawResult("unknown", message=message)), 0.0
+                run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
             elif goal is not None and budget > SECONDS and free_core(options.threads):
                 beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began

@@ -102,7 +102,7 @@ def test_a_goal_out_of_reach_is_told_with_proof(risks, arcs, why):
     assert CHECKERS["move-potentials"](problem, unreachable(problem).data) == math.inf
     solution = wb.solve(problem)
     assert solution.status == "infeasible" and solution.certificate.infeasible
-    assert solution.message == f"proved before the search; {reason.message}"
+    assert solution.message == f"{reason.message}; proved before the search"
     assert unreachable(cases.ring()) is None
 
 
