@@ -15,6 +15,7 @@ from ...formulations.risk.forms._blocks import Blocks, dense_rows
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.convex_allocation_steps.session import open_session
+from ...solvers.engines.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .scenario import only_total, root
 
@@ -59,17 +60,17 @@ def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> O
     if samples < 10 or 3 * samples * max(1, len(noisy)) > MOST_ENTRIES:
         raise UsageError(f"cvar: samples must lie between 10 and {MOST_ENTRIES // (3 * max(1, len(noisy)))} here, not {samples}")
     assert problem.risk.total is not None
-    stop = context.begin()
+    stop, units = context.begin(), Units.of(problem)
     drawn = (context.rng.standard_normal((samples, len(problem.limits))) @ root(problem.covariance).T)[:, noisy] / problem.deviation[noisy]
     level = problem.risk.total
     statistics: dict[str, Any] = {"samples": samples}
     for _ in range(TRIES):
-        made = open_session(_program(problem, drawn, noisy, level), context.linear.seed).solve(stop)
+        made = open_session(_program(units.problem, drawn, noisy, level), context.linear.seed).solve(stop)
         statistics["level"] = level
         if made.status != "optimal":
             message = f"the program of {samples} samples is {made.status}"
             return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
-        decision = np.clip(made.x[: problem.size], problem.lower, problem.upper)
+        decision = np.clip(made.x[: problem.size] * units.columns, problem.lower, problem.upper)
         high = next(iter(problem.joint_risk(decision).values())).high
         statistics["joint_risk_high"] = high
         if high <= problem.risk.total:

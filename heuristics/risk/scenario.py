@@ -13,6 +13,7 @@ from ...formulations.risk.forms._fixed_risks import fixed_margins_program
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.convex_allocation_steps.session import open_session
+from ...solvers.engines.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 Floats = NDArray[np.float64]
@@ -87,7 +88,7 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
     if many is None or many > MOST_SAMPLES:
         told = "more samples are" if many is None else f"{many} samples are"
         raise UsageError(f"scenario: {told} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
-    stop, noise = context.begin(), root(problem.covariance)
+    stop, noise, units = context.begin(), root(problem.covariance), Units.of(problem)
     worst = np.full(len(problem.limits), -math.inf)
     portion = max(1, PORTION // max(1, len(worst)))
     for begin in range(0, many, portion):
@@ -95,13 +96,13 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
             return Outcome(None, message="its samples were not drawn in time", limit=stop.reached())
         drawn = context.rng.standard_normal((min(portion, many - begin), len(worst))) @ noise.T
         worst = np.maximum(worst, drawn.max(axis=0))
-    made = open_session(fixed_margins_program(problem, "scenario", worst), context.linear.seed).solve(stop)
+    made = open_session(fixed_margins_program(units.problem, "scenario", worst * units.chance), context.linear.seed).solve(stop)
     known = confidence if needed is not None and many >= needed else math.nan
     statistics: dict[str, Any] = {"samples": many, "confidence": known, "support": support}
     if made.status != "optimal":
         message = f"the program of {many} samples is {made.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
-    return Outcome(Allocation(np.clip(made.x[: problem.size], problem.lower, problem.upper)), statistics=statistics)
+    return Outcome(Allocation(np.clip(made.x[: problem.size] * units.columns, problem.lower, problem.upper)), statistics=statistics)
 
 
 def only_total(problem: RiskAllocation) -> frozenset[str]:
