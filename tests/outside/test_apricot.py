@@ -1,6 +1,6 @@
 """What apricot's own tests publish for facility location and coverage: the same data, at least its values, with a verified bound.
 
-Source: jmschrei/apricot, ``test_facility_location among its tests of functions`` and ``test_max_coverage.py``: gains of its greedy rankings of
+Source: jmschrei/apricot, its tests of facility location and of maximum coverage: gains of its greedy rankings of
 the 1,797 handwritten digits of scikit-learn, and of 300 drawn sets; 3 lines each there beside the data, 1 here.
 """
 
