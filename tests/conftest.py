@@ -58,6 +58,15 @@ ORDER = ("hostile", "cli", "conformance", "docs", "formulations", "instances", "
 """Folders in the order of their tests: of two workers one begins with the loops that are compiled, the other where few are needed."""
 
 
+def pytest_collection() -> None:
+    """Little of what collecting makes is garbage: the collector would look through all of it time and again."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    gc.enable()
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Of hostile tests those of all loops come first."""
     root = Path(__file__).parent

@@ -334,6 +334,8 @@ def __getattr__(name: str) -> Any:
         return value
     if name in _TABLES:
         return importlib.import_module(f"waybound.{name}")
+    if name.startswith("__"):  # asked for by whoever inspects a module
+        raise AttributeError(f"module 'waybound' has no attribute {name!r}")
     from .instances.suggestions import did_you_mean
 
     raise AttributeError(f"module 'waybound' has no attribute {name!r}{did_you_mean(name, __all__)}")

@@ -111,7 +111,7 @@ def made(number: str, body: str, more: str, *arguments: str) -> subprocess.Compl
     return done
 
 
-@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", pytest.param("SIGHUP", marks=pytest.mark.long)])
+@pytest.mark.parametrize("number", ["SIGTERM", *(pytest.param(name, marks=pytest.mark.long) for name in ("SIGINT", "SIGHUP"))])
 def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
     done = made(number, WAITS, "", *SOLVE)
     assert done.returncode == CODES[number], done.stderr

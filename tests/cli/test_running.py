@@ -125,7 +125,7 @@ def test_two_methods_are_filmed_side_by_side(run, tmp_path):
 def test_days_of_different_lengths_are_filmed_side_by_side_to_their_ends(run, tmp_path):
     from PIL import Image
 
-    settings = [text for setting in ("rows=3", "columns=5", "robots=1", "groups=2") for text in ("--set", setting)]
+    settings = [text for setting in ("rows=2", "columns=4", "robots=1", "groups=2", "fill=3", "pickers=3") for text in ("--set", setting)]
     lengths = []
     for policy in ("greedy", "auction"):
         result = run("run", "orchard", "--policy", policy, *settings, "--json", "-q")

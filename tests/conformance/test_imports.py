@@ -121,6 +121,7 @@ def test_all_packages_live_in_one_process_in_the_other_order() -> None:
     live_together(*reversed(PACKAGES))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("pair", RISKY, ids="-".join)
 def test_pairs_that_have_pushed_each_other_out(pair: tuple[str, str]) -> None:
     live_together(*pair)

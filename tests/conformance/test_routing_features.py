@@ -170,7 +170,7 @@ def cover(features, missing: Callable[..., frozenset[str]], solved: Callable[...
         assert any(done(problem) for problem in narrow(feature, features)), feature
 
 
-FEW = {"three-index", "set-partitioning", "circuit"}
+FEW = {"set-partitioning", "circuit"}
 """Forms that every solver is tried on in the fast suite: what it makes of one program it makes of others; HiGHS alone is tried on all."""
 
 

@@ -288,7 +288,7 @@ def test_no_mutated_file_does_harm(part: int, share: Callable[[int, int], int], 
             read(kind, base, path)
     path = tmp_path / "mutated"
     with bounded_memory():
-        for number in range(share(60, 25_000)):
+        for number in range(share(40, 25_000)):
             kind = ("instance", "instance", "solution", "certificate")[number % 4]
             base, text = rng.choice(kinds[kind])
             path.write_bytes(mutated(text, kinds[rng.choice(list(kinds))], rng))

@@ -401,7 +401,7 @@ def test_no_tampered_certificate_is_accepted_with_anything_false(share: Callable
     cases = pool()
     tally["certificates that are tampered with"] = len(cases)
     rng = random.Random(20)
-    for number in range(share(120, 50_000)):
+    for number in range(share(60, 50_000)):
         case = cases[number % len(cases)]
         data = tampered(case, cases, rng)
         if number % 5 == 0:

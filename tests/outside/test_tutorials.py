@@ -145,10 +145,9 @@ CASES = {
         Case(reloads, 5728, 20, 4060, {"solver": "pyvrp", "iterations": 1500, "bound_time": 10}),
     )
 }
-QUICK = {"alternatives"}
 
-
-@pytest.mark.parametrize("name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.long) for n in CASES])
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
 def test_a_tutorial_is_answered_as_well_as_published_with_a_verified_bound(name: str) -> None:
     case = CASES[name]
     solution = wb.solve(case.make(), seed=1, **case.how)

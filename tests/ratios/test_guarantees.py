@@ -12,8 +12,6 @@ from waybound.reports.ratios.guarantees import GuaranteePlan
 from waybound.reports.ratios.study import STUDIES, Report, StudySetting
 from waybound.reports.ratios.violations import write_faults
 
-SHORT = {"stochastic-greedy": 4}
-"""Instances of each family where they are not 2."""
 FULL = {"stochastic-greedy": 1000, "local": 10_000}
 
 GUARANTEES = [study.name for study in STUDIES.values() if isinstance(study.plan, GuaranteePlan)]
@@ -38,7 +36,7 @@ def test_there_is_a_study_for_every_heuristic_of_routes_or_with_a_guarantee():
 
 @pytest.mark.parametrize("name", GUARANTEES)
 def test_no_stated_guarantee_is_broken(name, tmp_path):
-    report = STUDIES[name](StudySetting(SHORT.get(name, 2), seed=11))
+    report = STUDIES[name](StudySetting(2, seed=11))
     assert not report.num_faults, complaint(report, tmp_path)
     plan = STUDIES[name].plan
     assert {row["heuristic"] for row in report.rows} == {c.label for c in plan.configurations}
