@@ -146,6 +146,7 @@ CASES = {
     )
 }
 
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_a_tutorial_is_answered_as_well_as_published_with_a_verified_bound(name: str) -> None:
