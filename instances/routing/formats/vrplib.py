@@ -42,7 +42,7 @@ from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, METRICS, Travel
 from ._tsplib import FLEET_IN_NAME, SET_X, Specification, edge_weights, node_list, node_table, scan
 from ._tsplib_writer import EXACT_2D, always_open, write
-from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, backhauls_of, depots_of, fleet_of, is_rich, prizes_of
+from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, backhauls_of, depots_of, fleet_of, groups_of, is_rich, prizes_of, skills_of
 
 Floats = NDArray[np.float64]
 
@@ -124,7 +124,10 @@ def read(text: str, path: Path) -> RoutingInstance:
         demand, service, ready, due, lines = _sites(spec, flags, kind)
         pickup = backhauls_of(spec, n, depots)
     prizes = prizes_of(spec, n, depots)
-    worth: dict[str, Any] = {} if prizes is None else {"penalty": prizes, "required": prizes == 0.0}
+    groups = groups_of(spec, n, depots)
+    free = np.isin(np.arange(n), [site for group in groups for site in group.sites])
+    worth: dict[str, Any] = {} if prizes is None else {"penalty": prizes, "required": (prizes == 0.0) & ~free}
+    worth |= {"groups": groups, "skills": skills_of(spec, n, depots)}
     sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy, **worth)
     if is_rich(spec, depots) or prizes is not None or kind in RICH:
         return _rich(spec, name, sites, travel, depots, notes, lines, kind == BACKHAULS)
