@@ -77,6 +77,8 @@ def test_tables_beside_a_csv_of_sites_say_what_python_says_with_lists(run, refus
     )
     assert wb.read(tmp_path / "made.json").digest() == asked.digest()
     assert {"several-windows", "shipments", "groups"} <= asked.features()
+    assert "unknown setting window; " in (told := refused("info", tmp_path / "s.csv", "--set", "window=w.csv"))
+    assert "did you mean 'windows'?" in told
     (tmp_path / "p.csv").write_text("pickup,delivery\na,bb\n")
     assert "shipments name the unknown site 'bb'; expected the id of a site" in refused("info", tmp_path / "s.csv", *beside)
 
