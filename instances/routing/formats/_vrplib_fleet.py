@@ -82,7 +82,8 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> 
         homes = (table[:, 0] - 1).astype(np.int64)
     columns = {name: _quantity(spec, key, count, default) for key, (name, default) in QUANTITIES.items()}
     columns["max_duration"] = np.minimum(columns["max_duration"], longest)
-    able = [frozenset(word for word, vehicles in _allowed(spec, n, depots).values() if k in vehicles) for k in range(count)]
+    words = set(_allowed(spec, n, depots, count).values())
+    able = [frozenset(word for word, vehicles in words if k in vehicles) for k in range(count)]
     kinds: dict[tuple[Any, ...], int] = {}
     for row in zip(homes.tolist(), _reloads(spec, n, depots, count), able, *(c.tolist() for c in columns.values()), strict=True):
         kinds[row] = kinds.get(row, 0) + 1
@@ -144,11 +145,11 @@ def skills_of(spec: Specification, n: int, depots: list[int]) -> dict[int, list[
     return {site: [word] for site, (word, _) in _allowed(spec, n, depots).items()}
 
 
-def _allowed(spec: Specification, n: int, depots: list[int]) -> dict[int, tuple[str, frozenset[int]]]:
+def _allowed(spec: Specification, n: int, depots: list[int], count: int | None = None) -> dict[int, tuple[str, frozenset[int]]]:
     """Of such customers the word, and the vehicles that have it."""
     if ALLOWED not in spec.sections:
         return {}
-    rows, _ = _node_rows(spec, ALLOWED, n, excluded=depots)
+    rows, _ = _node_rows(spec, ALLOWED, n, count, depots)
     words: dict[frozenset[int], str] = {}
     made = {}
     for site in (k for k in range(n) if k not in depots):

@@ -59,6 +59,8 @@ def test_each_package_hands_its_solution_back_under_the_names_of_the_export(mode
         verdict = wb.judge(problem, model.answer(way))
         best = verdict.objective if best is None else best
         assert verdict.feasible and verdict.objective == pytest.approx(best), type(way)
+    begun = wb.solve(problem, "pyvrp", start=pulp_model, iterations=1, bound_time=0)
+    assert begun.objective <= best * (1 + 1e-9) and begun.statistics["start"] == "used"
     for made in models:  # the problem finds the form, or is told it
         for form in (None, "two-index-load-flow"):
             assert wb.judge(problem, made, form=form).objective == pytest.approx(best), type(made)

@@ -165,6 +165,7 @@ def test_reloads_allowed_clients_and_groups_are_those_that_pyvrp_reads(tmp_path:
     [
         ("1 1 2\n2 1", "1 1 3\n2 1", "VEHICLES_RELOAD_DEPOT_SECTION names a node that is no depot; expected 1, 2; found 3"),
         ("1 1 2\n2 1 2\n3\n", "1 1 2\n2\n", "VEHICLES_RELOAD_DEPOT_SECTION has a wrong number of rows; expected 3; found 2"),
+        ("3 5 6\nM", "M", "VEHICLES_ALLOWED_CLIENTS_SECTION has a wrong number of rows; expected 3; found 2"),
         ("3 5 6\nM", "4 5 6\nM", "VEHICLES_ALLOWED_CLIENTS_SECTION has a row of a wrong number; expected each of 1 to 3 once; found 4"),
         ("3 5 6\nM", "3 5 9\nM", "VEHICLES_ALLOWED_CLIENTS_SECTION names a node that does not exist; found 9"),
         ("1 3 5\n2 4", "1 3 1\n2 4", "MUTUALLY_EXCLUSIVE_GROUP_SECTION names a node that is a depot; found 1"),
