@@ -10,7 +10,7 @@ from .programs.solution_files import SolverFile, vector_of
 
 
 def answer_of_solver(problem: Problem, read: SolverFile, form: str | None = None) -> tuple[Any, str]:
-    """The answer in a solver's solution file, and the form whose solution it is.
+    """The answer in a solver's solution, and the form whose solution it is.
 
     Parameters
     ----------

@@ -148,7 +148,10 @@ class _Child:
         if message.kind == "searching":
             self.searching = time.perf_counter()
         elif message.kind == "incumbent":
-            self.control.publish(*message.value)
+            *found, nodes = message.value
+            if nodes is not None:
+                self.control.count(nodes)
+            self.control.publish(*found)
         elif message.kind == "done":
             result = message.value
             assert isinstance(result, RawResult)
@@ -225,7 +228,7 @@ class _Relay(Control):
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
     ) -> None:
         super().publish(answer, objective, bound, evidence)
-        self.send("incumbent", (answer, objective, bound, evidence))
+        self.send("incumbent", (answer, objective, bound, evidence, self.nodes))
 
     def listen(self) -> None:
         """Wait for the parent's wish to stop, or for its end."""

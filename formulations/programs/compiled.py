@@ -90,7 +90,7 @@ class Compiled:
         ----------
         solution : path, mapping, array or model
             A solver's solution file (HiGHS, SCIP, CBC, GLPK, Gurobi, MathOpt); values by name, names as exported; the vector of shape
-            (variables,); or what ``to_highs``, ``to_pulp`` or ``to_cvxpy`` made, solved, or MathOpt's result.
+            (variables,); or what ``to_highs``, ``to_pulp`` or ``to_cvxpy`` made, solved, a model of PySCIPOpt, or MathOpt's result.
 
         Raises
         ------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from os import PathLike
 from typing import Any
@@ -10,30 +11,51 @@ import numpy as np
 
 from ...instances.errors import InputError, UsageError
 from ...instances.text import read_text
+from .names import in_block
 from .program import Floats, Program
-from .solution_files import SolverFile, of_mathopt, solver_file, vector_of
+from .solution_files import MADE_UP, SolverFile, of_mathopt, solver_file, vector_of
 
 
 def vector_from(program: Program, solution: Any) -> Floats:
     """The vector of shape (variables,) that ``solution`` stands for; see ``Compiled.answer``."""
     if isinstance(solution, str | PathLike):
         return vector_in_file(program, solution)
-    module = type(solution).__module__.partition(".")[0]
-    if module == "highspy" and hasattr(solution, "getSolution"):
-        found = solution.getSolution()
-        return _vector(program, found.col_value if found.value_valid else [], "the model")
-    if module == "pulp":
-        return vector_of(program, SolverFile("PuLP", _valued({v.name: v.value() for v in solution.variables() if v.name != "__dummy"})))
-    if module == "cvxpy":
-        from .export.cvxpy import vector_of as values_of
+    read = solved_model(solution)
+    if read is None and isinstance(solution, Mapping):
+        read = SolverFile("the values", _valued({str(k): v for k, v in solution.items()}))
+    return _vector(program, solution) if read is None else vector_of(program, read)
 
-        made = values_of(program, solution)
-        return _vector(program, [] if made is None else made, "the model")
-    if module == "ortools" and hasattr(solution, "to_proto"):
-        return vector_of(program, of_mathopt(solution.to_proto()))
-    if isinstance(solution, Mapping):
-        return vector_of(program, SolverFile("the values", _valued({str(k): v for k, v in solution.items()})))
-    return _vector(program, solution, "the vector")
+
+def solved_model(model: Any) -> SolverFile | None:
+    """The values in a model of HiGHS, PuLP, CVXPY or PySCIPOpt, or in MathOpt's result; None for what is none of these.
+
+    Raises
+    ------
+    InputError
+        For a model that was not solved, or has no solution.
+    """
+    module = type(model).__module__.partition(".")[0]
+    given: dict[str, Any]
+    if module == "highspy" and hasattr(model, "getSolution"):
+        found, names = model.getSolution(), model.getLp().col_names_
+        values = list(found.col_value) if found.value_valid else [None] * model.getNumCol()
+        numbered = not all(names) or len(set(names)) < len(values)
+        given = dict(zip([f"x{k}" for k in range(len(values))] if numbered else names, values, strict=True))
+        return SolverFile("HiGHS", _valued(given), columns=len(values), numbered=numbered)
+    if module == "pulp" and hasattr(model, "variables"):
+        given = {v.name: v.value() for v in model.variables() if v.name != "__dummy"}
+        return SolverFile("PuLP", _valued(given), columns=len(given))
+    if module == "cvxpy" and hasattr(model, "var_dict"):
+        parts = {name: [None] * v.size if v.value is None else np.ravel(v.value).tolist() for name, v in model.var_dict.items()}
+        given = {in_block(name, k): v for name, part in parts.items() for k, v in enumerate(part)}
+        return SolverFile("CVXPY", _valued(given), columns=len(given))
+    if module == "ortools" and hasattr(model, "to_proto"):
+        return of_mathopt(model.to_proto())
+    if module == "pyscipopt" and hasattr(model, "getBestSol"):
+        best = model.getBestSol() if model.getNSols() else None
+        given = {v.name: None if best is None else model.getSolVal(best, v) for v in model.getVars()}
+        return SolverFile("SCIP", _valued(given), columns=sum(name.casefold() not in MADE_UP for name in given))
+    return None
 
 
 def vector_in_file(program: Program, path: str | PathLike[str]) -> Floats:
@@ -52,18 +74,20 @@ def vector_in_file(program: Program, path: str | PathLike[str]) -> Floats:
 def _valued(values: Mapping[str, Any]) -> dict[str, float]:
     unknown = next((name for name, value in values.items() if value is None), None)
     if unknown is not None:
-        raise InputError("the model holds no solution", expected="one that was solved", found=f"variable {unknown} without a value")
+        raise InputError("the model holds no solution; was it solved?", found=f"variable {unknown} without a value")
+    strange = next((name for name, value in values.items() if not math.isfinite(value)), None)
+    if strange is not None:
+        raise InputError(f"the value of variable {strange} is not finite", found=str(values[strange]))
     return {name: float(value) for name, value in values.items()}
 
 
-def _vector(program: Program, values: Any, whose: str) -> Floats:
+def _vector(program: Program, values: Any) -> Floats:
     try:
         x = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise UsageError(f"a solution is a file, values by name, a vector or a solved model, not {type(values).__name__}") from None
     if x.shape != (program.num_variables,):
-        empty = "; was it solved?" if x.size == 0 else ""
-        raise InputError(f"{whose} has another size than the model{empty}", expected=f"({program.num_variables},)", found=str(x.shape))
+        raise InputError("the vector has another size than the model", expected=f"({program.num_variables},)", found=str(x.shape))
     if not np.isfinite(x).all():
-        raise InputError(f"{whose} holds a value that is not finite")
+        raise InputError("the vector holds a value that is not finite")
     return x

@@ -34,6 +34,22 @@ def row_names(program: Program) -> list[str]:
     return readable_names(program.num_rows, program.row_name, "r")
 
 
+def block_names(program: Program) -> list[str]:
+    """The name of each block of variables: a name that occurs again gets a number."""
+    seen: dict[str, int] = {}
+    names = []
+    for block in program.variables:
+        if block.size:
+            seen[block.name] = seen.get(block.name, 0) + 1
+        names.append(block.name if seen.get(block.name, 0) <= 1 else f"{block.name}.{seen[block.name]}")
+    return names
+
+
+def in_block(name: str, k: int) -> str:
+    """The k-th variable of a block, where only vectors have names."""
+    return f"{name}#{k}"
+
+
 def readable_names(count: int, name: Callable[[int], str], prefix: str) -> list[str]:
     """Different names made from ``name(k)``: ``time[17,4,2]`` becomes ``time(17,4,2)``.
 

@@ -20,11 +20,11 @@ from ...instances.document import parse_json
 from ...instances.errors import InputError
 from ...instances.suggestions import did_you_mean
 from ...instances.text import is_number, lines_of, shown
-from .names import column_names
+from .names import block_names, column_names, in_block
 from .program import Floats, Program
 
 _POSITION = re.compile(r"(?:x|c|col|var)_?0*([0-9]+)\Z", re.IGNORECASE)
-_MADE_UP = frozenset({"objoffset", "objconstant", "constant", "const"})
+MADE_UP = frozenset({"objoffset", "objconstant", "constant", "const"})
 """Variables that readers add for the constant of an objective."""
 
 SAME = 1e-5
@@ -327,7 +327,7 @@ def vector_of(program: Program, read: SolverFile) -> Floats:
 
 def _named(program: Program, read: SolverFile) -> Mapping[int, float]:
     """Values by column."""
-    n, given = program.num_variables, {name: v for name, v in read.values.items() if name.casefold() not in _MADE_UP}
+    n, given = program.num_variables, {name: v for name, v in read.values.items() if name.casefold() not in MADE_UP}
     columns = {name: k for k, name in enumerate(column_names(program))}
     if not read.numbered:
         if all(name in columns for name in given):
@@ -335,6 +335,10 @@ def _named(program: Program, read: SolverFile) -> Mapping[int, float]:
         own = {program.variable_name(k): k for k in range(n)}
         if all(name in own for name in given):
             return {own[name]: value for name, value in given.items()}
+        blocks = zip(block_names(program), program.variables, strict=True)
+        places = {name: k for k, name in enumerate(in_block(name, k) for name, block in blocks for k in range(block.size))}
+        if given.keys() == places.keys():
+            return {places[name]: value for name, value in given.items()}
     places = {name: int(found[1]) for name in given if (found := _POSITION.match(name))}
     if len(places) == len(given) and all(k < n for k in places.values()):
         if len(set(places.values())) < len(places):

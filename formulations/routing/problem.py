@@ -134,9 +134,9 @@ class RoutingProblem(Problem):
         name: str = "frame",
         closing: Any = None,
         min_vehicles: int = 0,
-        windows: Mapping[Any, Sequence[tuple[Any, Any]]] | None = None,
-        shipments: Iterable[Sequence[Any]] = (),
-        groups: Iterable[Any] = (),
+        windows: Mapping[Any, Sequence[tuple[Any, Any]]] | pd.DataFrame | None = None,
+        shipments: Iterable[Sequence[Any]] | pd.DataFrame = (),
+        groups: Iterable[Any] | pd.DataFrame = (),
         variances: Any = None,
         team_risk: float | None = None,
         problem: str | None = None,
@@ -184,11 +184,13 @@ class RoutingProblem(Problem):
             Latest times at which moves may begin.
         min_vehicles : int
             Routes that must be used at least.
-        windows : mapping from id to a list of pairs, optional
-            Sites with several time windows.
-        shipments : iterable of (pickup id, delivery id) or (pickup id, delivery id, load)
-        groups : iterable of iterables of ids
-            Alternatives, of which exactly one is visited; ``{"sites": [...], "required": False}`` for at most one.
+        windows : mapping from id to a list of pairs, or DataFrame, optional
+            Sites with several time windows; a frame has one row a window, with columns ``site, ready, due``.
+        shipments : iterable of (pickup id, delivery id) or (pickup id, delivery id, load), or DataFrame
+            Columns of a frame: ``pickup, delivery`` and perhaps ``load, load2, ...``.
+        groups : iterable of iterables of ids, or DataFrame
+            Alternatives, of which exactly one is visited; ``{"sites": [...], "required": False}`` for at most one. A frame has one row a
+            member, with columns ``group, site`` and perhaps ``required``.
         variances : array or DataFrame of shape (sites, sites), optional
             Variances of the durations of moves, independent and normal; ``risk`` in ``fleet`` limits what they do to one route.
         team_risk : float, optional

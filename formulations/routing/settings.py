@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...instances.errors import UsageError
+from ...instances.formats import FORMATS
 from ...instances.routing.travel import convention_named
 from ...instances.suggestions import did_you_mean
 from .members import DEFAULT_OBJECTIVE
@@ -70,7 +71,9 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
             notes = ()
     asked = given.pop("objective", None)
     if given:
-        known = f"{', '.join(KNOWN)}{did_you_mean(min(given), KNOWN)}"
+        read = FORMATS[instance.format].settings if instance.format in FORMATS.names() else ()
+        keys = tuple(dict.fromkeys((*KNOWN, *read)))
+        known = f"{', '.join(keys)}{did_you_mean(min(given), keys)}"
         raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {known}")
     objective = DEFAULT_OBJECTIVE.get(name, Objective())
     if instance.objective and (name == instance.problem or objective == Objective()):

@@ -204,10 +204,10 @@ def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
     values = frame[found["id"]] if "id" in found else frame.index
     if values.isna().any():
         raise InputError(f"row {int(np.argmax(np.asarray(values.isna())))} has no id", expected="a name in every row")
-    return tuple(_name(v) for v in values.tolist())
+    return tuple(id_text(v) for v in values.tolist())
 
 
-def _name(value: Any) -> str:
+def id_text(value: Any) -> str:
     """As text; numbers that a missing value elsewhere made floats are whole again."""
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 

@@ -18,9 +18,10 @@ from ..text import label
 from .fleet import equal_fleet, with_problems
 from .frame_columns import Columns, columns_of
 from .frame_fleet import fleet_of, see_times
+from .frame_lists import groups_of, see_windows, shipments_of, windows_of
 from .frame_travel import Moves, in_order, matrix_of, moves_of
 from .geography import coordinates_of, warn_of_swapped
-from .instance import Group, RoutingInstance, Shipment, Sites, VehicleType
+from .instance import RoutingInstance, Sites, VehicleType
 from .reach import refuse_powerless
 from .routing_service import is_table, unit_of_distance
 from .travel import EXPLICIT, GEOGRAPHIC, METRICS, Travel
@@ -53,9 +54,9 @@ def instance_from_frame(
     name: str = "frame",
     closing: Any = None,
     min_vehicles: int = 0,
-    windows: Mapping[Any, Sequence[tuple[Any, Any]]] | None = None,
-    shipments: Iterable[Sequence[Any]] = (),
-    groups: Iterable[Any] = (),
+    windows: Any = None,
+    shipments: Any = (),
+    groups: Any = (),
     variances: Any = None,
     team_risk: float | None = None,
     source: str = "frame",
@@ -78,7 +79,7 @@ def instance_from_frame(
     for title in ("ready", "due"):
         if title in table:
             times.see(table[title])
-    times.see([list(w) for w in (windows or {}).values()])
+    see_windows(windows, times)
     see_times(fleet, times)
     if closing is not None:
         times.see(closing)
@@ -139,9 +140,9 @@ def _sites(
     times: Times,
     xy: Floats | None,
     geographic: bool,
-    windows: Mapping[Any, Any] | None,
-    shipments: Iterable[Any],
-    groups: Iterable[Any],
+    windows: Any,
+    shipments: Any,
+    groups: Any,
 ) -> Sites:
     index = {site: k for k, site in enumerate(table.ids)}
     held: dict[str, Any] = {key: table.reals(key) for key in ("reward", "penalty") if key in table}
@@ -154,14 +155,10 @@ def _sites(
         held["service"] = table.spans("service", times)
     if "required" in table:
         held["required"] = table.flags("required")
-    several = {
-        _at(site, index, "windows"): [(times.moment(a, f"window of {site}"), times.moment(b, f"window of {site}")) for a, b in listed]
-        for site, listed in (windows or {}).items()
-    }
     return Sites.of(
-        table.ids, depot=table.depot, coordinates=xy, windows=several, skills=table.skills() if "skills" in table else None,
-        shipments=[_shipment(s, index) for s in shipments], groups=[_group(g, index) for g in groups], attributes=table.attributes(),
-        geographic=geographic, **held,
+        table.ids, depot=table.depot, coordinates=xy, windows=windows_of(windows, index, times),
+        skills=table.skills() if "skills" in table else None, shipments=shipments_of(shipments, index), groups=groups_of(groups, index),
+        attributes=table.attributes(), geographic=geographic, **held,
     )  # fmt: skip
 
 
@@ -251,24 +248,6 @@ def _equal(
         sites, count=None if vehicles is None else int(vehicles), capacity=loads[0], further_capacity=tuple(loads[1:]),
         max_duration=max_duration, max_distance=float(max_distance), fixed_cost=float(fixed_cost), unit_cost=float(unit_cost),
     )  # fmt: skip
-
-
-def _at(site: Any, index: dict[str, int], what: str) -> int:
-    if str(site) not in index:
-        raise InputError(f"{what} name the unknown site {str(site)!r}{did_you_mean(str(site), index)}", expected="an id of the frame")
-    return index[str(site)]
-
-
-def _shipment(given: Sequence[Any], index: dict[str, int]) -> Shipment:
-    if isinstance(given, str) or len(given) not in (2, 3):
-        raise InputError("a shipment has a pickup, a delivery and perhaps a load", found=str(given)[:80])
-    return Shipment(_at(given[0], index, "shipments"), _at(given[1], index, "shipments"), given[2] if len(given) == 3 else (0.0,))
-
-
-def _group(given: Any, index: dict[str, int]) -> Group:
-    members = given["sites"] if isinstance(given, Mapping) else given
-    required = given.get("required", True) if isinstance(given, Mapping) else True
-    return Group(tuple(_at(site, index, "groups") for site in members), bool(required))
 
 
 def _closing(values: Any, ids: tuple[str, ...], times: Times) -> Floats:

@@ -48,6 +48,41 @@ def test_an_instance_survives_conversion(run, tmp_path):
     assert before.evaluate(answer) == after.evaluate(answer)
 
 
+def test_conversion_takes_the_settings_that_solve_takes(run, refused, tmp_path):
+    made = tmp_path / "c.json"
+    assert run("convert", "demo-c25", "--to", made, "--set", "customers=5", "--set", "vehicles=2", "--convention", "trunc1").exit_code == 0
+    asked = wb.read("demo-c25", customers=5, vehicles=2, convention="trunc1")
+    assert wb.read(made).digest() == asked.digest()
+    sites = tmp_path / "s.csv"
+    sites.write_text("id,lat,lon,service\no,45.8,16.0,0\na,45.9,16.1,5\nb,46.0,15.9,5\n")
+    options = ("--set", "speed=30", "--set", "time-unit=min", "--objective", "vehicles then total-cost")
+    assert run("convert", sites, "--to", made, *options).exit_code == 0
+    assert wb.read(made).digest() == wb.read(sites, speed=30, time_unit="min", objective="vehicles then total-cost").digest()
+    assert "unknown setting vehicle; " in refused("convert", "demo-c25", "--to", made, "--set", "vehicle=2")
+
+
+def test_tables_beside_a_csv_of_sites_say_what_python_says_with_lists(run, refused, tmp_path):
+    files = {
+        "s.csv": "id,x,y,demand\no,0,0,\na,3,0,1\nb,0,4,1\n7,3,4,\n8,6,8,\n", "w.csv": "site,ready,due\na,0,4\na,9,20\n",
+        "p.csv": "pickup,delivery,load\na,b,2\n", "g.csv": "group,site,required\nfar,7,false\nfar,8,\n",
+    }  # fmt: skip
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    beside = [
+        part for key, name in (("windows", "w"), ("shipments", "p"), ("groups", "g")) for part in ("--set", f"{key}={tmp_path}/{name}.csv")
+    ]
+    assert run("convert", tmp_path / "s.csv", *beside, "--to", tmp_path / "made.json").exit_code == 0
+    asked = wb.read(
+        tmp_path / "s.csv", windows={"a": [(0, 4), (9, 20)]}, shipments=[("a", "b", 2)], groups=[{"sites": ["7", "8"], "required": False}]
+    )
+    assert wb.read(tmp_path / "made.json").digest() == asked.digest()
+    assert {"several-windows", "shipments", "groups"} <= asked.features()
+    assert "unknown setting window; " in (told := refused("info", tmp_path / "s.csv", "--set", "window=w.csv"))
+    assert "did you mean 'windows'?" in told
+    (tmp_path / "p.csv").write_text("pickup,delivery\na,bb\n")
+    assert "shipments name the unknown site 'bb'; expected the id of a site" in refused("info", tmp_path / "s.csv", *beside)
+
+
 def test_conversion_names_what_a_format_cannot_express(run, refused, tmp_path):
     path, target = tmp_path / "least.json", tmp_path / "least.txt"
     assert run("convert", "demo-tiny", "--to", path).exit_code == 0

@@ -110,10 +110,10 @@ def test_the_history_of_a_solution_ends_with_what_was_checked(problem: wb.Proble
     assert (frame["objective"].dropna().diff().dropna() <= 1e-6).all()
 
 
-@pytest.mark.parametrize("solver", ["highs", "scip"])
-def test_nodes_come_through_levels_and_reductions(solver: str) -> None:
+@pytest.mark.parametrize(("solver", "isolate"), [("highs", False), ("scip", False), ("highs", True)])
+def test_nodes_come_through_levels_reductions_and_processes(solver: str, isolate: bool) -> None:
     problem = wb.read("demo-tiny", objective="vehicles then total-cost")
     heard: list[dict[str, Any]] = []
-    wb.solve(problem, solver, bound_time=0.0, progress=heard.append)
+    wb.solve(problem, solver, bound_time=0.0, progress=heard.append, isolate=isolate)
     nodes = [event["nodes"] for event in heard if event["phase"] == "solve" and event["nodes"] is not None]
     assert nodes and all(isinstance(count, int) and count >= 0 for count in nodes)

@@ -70,6 +70,38 @@ def test_of_a_flood_of_answers_the_last_is_told(clock: Any) -> None:
     assert len(lines) == 2 and " 51 " in lines[-1]
 
 
+def test_of_a_bound_that_rises_all_the_time_a_line_is_told_every_few_seconds(clock: Any) -> None:
+    lines: list[str] = []
+    log = SearchLog(lines.append)
+    for k in range(1, 200):
+        clock(k / 10)
+        log(told(None if k < 33 else 900.0, float(k), "claimed", "scip"))
+        log.tick()
+    log(told(900.0, 500.0, "evidence", "round trips"))  # of another source: at once
+    log(told(900.0, 501.0, "evidence", "round trips"))
+    log.begin_phase("check", None)  # what was held back is told before the search ends
+    assert [re.sub(" +", " ", line).strip() for line in lines] == [
+        "0.10 - 1 - bound by scip, its own figure",
+        "3.30 900 33 96.3 % answer by scip, not checked yet, and bound by scip, its own figure",
+        "8.30 900 83 90.8 % bound by scip, its own figure",
+        "13.30 900 133 85.2 % bound by scip, its own figure",
+        "18.30 900 183 79.7 % bound by scip, its own figure",
+        "19.90 900 500 44.4 % bound by round trips, its evidence is checked at the end",
+        "19.90 900 501 44.3 % bound by round trips, its evidence is checked at the end",
+    ]
+
+
+def test_a_better_answer_is_told_soon_whatever_bound_is_held_back(clock: Any) -> None:
+    lines: list[str] = []
+    log = SearchLog(lines.append)
+    for at, objective, bound in [(0.0, 9.0, 1.0), (0.1, 8.0, 1.0), (0.12, 8.0, 2.0), (0.15, 7.0, 2.0), (0.2, 7.0, 3.0)]:
+        clock(at)
+        log(told(objective, bound, "claimed", "scip"))
+    clock(0.3)
+    log.tick()
+    assert len(lines) == 2 and "answer by scip" in lines[1] and re.search(r" 7 +3 ", lines[1])
+
+
 def test_that_no_answer_exists_is_told_in_words(clock: Any) -> None:
     lines: list[str] = []
     SearchLog(lines.append)(told(None, float("inf"), "evidence", "bin packing"))

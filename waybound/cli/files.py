@@ -8,7 +8,20 @@ from typing import Annotated
 import typer
 
 from ..instances.errors import UsageError
-from .options import Convention, File, Format, Objective, ProblemName, Set, Verbose, bounded, output_path, parse_pairs, read_problem
+from .options import (
+    Convention,
+    File,
+    Format,
+    Objective,
+    ProblemName,
+    Set,
+    Verbose,
+    bounded,
+    output_path,
+    parse_pairs,
+    parse_settings,
+    read_problem,
+)
 from .output import print_text
 
 PROGRAM_SUFFIXES = (".mps", ".lp")
@@ -44,14 +57,21 @@ def convert(
         str | None, typer.Option("--to-format", metavar="NAME", help="Format to write, where the suffix does not say it.")
     ] = None,
     format: Format = None,  # noqa: A002
+    problem: ProblemName = None,
+    convention: Convention = None,
+    settings: Set = None,
+    objective: Objective = None,
     verbose: Verbose = False,
 ) -> None:
-    """Write an instance in another format; what that format cannot express is an error."""
-    from ..api import read_source
+    """Write an instance in another format, changed as asked; what that format cannot express is an error."""
+    from ..api import problem_of, read_source
     from ..instances.writing import write_instance
 
     output_path("--to", to, unlike=file)
-    instance = read_source(file, format)
+    given = parse_settings(settings, objective)
+    instance = read_source(file, format, problem, given)  # which takes out what its reader needs
+    if given or problem is not None or convention is not None:
+        instance = problem_of(instance, problem, convention, given).to_instance()
     write_instance(instance, to, to_format)
     print_text(f"{to}: {instance.name}, read as {instance.format}")
 

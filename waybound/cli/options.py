@@ -40,8 +40,8 @@ Set = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change the problem's data: vehicles=3, vehicles=unlimited, vehicles-exactly=17, capacity=100, customers=25, fractional=true. "
-        "Repeatable.",
+        help="Change the problem's data: vehicles=3, vehicles=unlimited, vehicles-exactly=17, capacity=100, customers=25, fractional=true; "
+        "of a CSV file speed=50, fleet=FILE, shipments=FILE, ... Repeatable.",
     ),
 ]
 Seed = Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same answer, where no time limit decides.")]
@@ -96,6 +96,17 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
     return found
 
 
+def parse_settings(settings: Sequence[str] | None, objective: str | None) -> dict[str, Any]:
+    """The pairs of ``--set`` and ``--objective`` as settings of a problem; a key that has an option of its own is refused."""
+    given = parse_pairs(settings, "--set")
+    for key in ("format", "problem", "convention", "objective", "path"):
+        if key in given:
+            raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
+    if objective is not None:
+        given["objective"] = objective
+    return given
+
+
 def read_problem(
     file: str,
     format: str | None,  # noqa: A002
@@ -119,12 +130,7 @@ def read_both(
     """The instance in a file, which is read once because it may be a pipe, and the problem that the common options make of it."""
     from ..api import problem_of, read_source
 
-    given = parse_pairs(settings, "--set")
-    for key in ("format", "problem", "convention", "objective", "path"):
-        if key in given:
-            raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
-    if objective is not None:
-        given["objective"] = objective
+    given = parse_settings(settings, objective)
     instance = read_source(file, format, problem, given)
     return instance, problem_of(instance, problem, convention, given)
 

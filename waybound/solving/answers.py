@@ -8,7 +8,9 @@ from typing import Any
 
 from ..formulations.answers import answer_in_json, read_answer
 from ..formulations.problem import Problem
+from ..formulations.programs.handed_back import solved_model
 from ..formulations.solution import Solution
+from ..formulations.solver_solutions import answer_of_solver
 from ..instances.errors import InputError, UsageError
 
 
@@ -21,18 +23,18 @@ def answer_given(problem: Problem, given: Any, called: str, form: str | None = N
     given : object or None
         A ``Solution``; an answer of the problem, or what its ``answer_of`` takes for one (routing: a list of routes, each a list of site
         indices or ids, or of each vehicle by its name, or a frame of visits); the JSON of either, as a mapping; or the path of a solution
-        file. None says none.
+        file; or a solved model of a form (HiGHS, PuLP, CVXPY, PySCIPOpt, MathOpt's result), names as exported. None says none.
     called : str
         What it is, for messages: ``the start``.
     form : str, optional
-        For a solver's solution file: the form that was exported.
+        For a solver's solution file or model: the form that was exported.
 
     Raises
     ------
     UsageError
         If it is none of these.
     InputError
-        If the file is no solution of the problem; with file and, where there is one, line.
+        If the file or the model is no solution of the problem; with file and, where there is one, line.
     """
     if given is None:
         return None, ()
@@ -41,6 +43,13 @@ def answer_given(problem: Problem, given: Any, called: str, form: str | None = N
     if isinstance(given, str | PathLike):
         read = read_answer(problem, given, form)
         return read.answer, tuple(f"{given}: {note}" for note in read.notes)
+    solved = solved_model(given)
+    if solved is not None:
+        try:
+            answer, name = answer_of_solver(problem, solved, form)
+        except InputError as error:
+            raise InputError(f"{called} {error.message}", expected=error.expected, found=error.found) from None
+        return answer, (f"{called}: a solution of {solved.solver} to the form {name}",)
     try:
         if isinstance(given, Solution):
             given = given.answer if given.problem is problem else given.to_json()  # which speaks of sites by name

@@ -18,7 +18,7 @@ from ..formulations.verdict import verdict_lines
 from ..instances.printable import one_line
 
 EVERY = 5.0
-"""Seconds between two lines where nothing better is found."""
+"""Seconds between two lines where no better answer is found, be it that one source raises its bound all the time."""
 
 APART = 0.25
 """Least seconds between two lines of better answers: of a flood of them the last counts."""
@@ -44,7 +44,8 @@ class SearchLog:
         self._done = threading.Event()
         self._began = self._said = time.perf_counter()
         self._phase, self._event = "solve", dict[str, Any]()
-        self._pending, self._answered = "", -math.inf
+        self._pending, self._due, self._answered = "", math.inf, -math.inf
+        self._bounder: tuple[str, str] | None = None
 
     def __enter__(self) -> SearchLog:
         threading.Thread(target=self._run, name="waybound-log", daemon=True).start()
@@ -89,11 +90,17 @@ class SearchLog:
                 answer = f"answer by {who}, {'checked' if event['phase'] == 'check' else 'not checked yet'}" if better else ""
                 news = ", and ".join(part for part in (answer, f"bound by {who}, {_KINDS[event['bound_kind']]}" if raised else "") if part)
             news += self._nodes("; ")
-            if not raised and time.perf_counter() - self._answered < APART:
-                self._pending = news
-                return
-            self._pending, self._answered = "", time.perf_counter()
-            self._say(news)
+            now, due, source = time.perf_counter(), -math.inf, (who, event["bound_kind"])
+            if better:
+                due = self._answered + APART
+            elif source == self._bounder and math.isfinite(event["bound"]):
+                due = self._said + EVERY
+            if now >= due:
+                self._answered = now if better else self._answered
+                self._say(news)
+            elif better or not self._pending or self._due > now + APART:  # an answer that is held back stays
+                self._pending, self._due = news, due
+            self._bounder = source if raised else self._bounder
 
     def end(self, solution: Solution) -> None:
         """What it came to, and the verdict."""
@@ -112,10 +119,10 @@ class SearchLog:
             self._line(f"seconds: {spent}")
 
     def tick(self) -> None:
-        """What is due now: a better answer that was held back, or a sign of life."""
+        """What is due now: what was held back, or a sign of life."""
         with self._lock:
             now = time.perf_counter()
-            if self._pending and now - self._answered >= APART:
+            if self._pending and now >= self._due:
                 self._flush()
             elif now - self._said >= EVERY:
                 self._say(_PHASES.get(self._phase, self._phase) + self._nodes(", "))
@@ -131,11 +138,11 @@ class SearchLog:
 
     def _flush(self) -> None:
         if self._pending:
-            news, self._pending, self._answered = self._pending, "", time.perf_counter()
-            self._say(news)
+            self._answered = time.perf_counter()
+            self._say(self._pending)
 
     def _say(self, news: str) -> None:
-        self._said = time.perf_counter()
+        self._said, self._pending = time.perf_counter(), ""
         value, bound = self._event.get("objective"), self._event.get("bound")
         gap = self._event["gap"] if "gap" in self._event else open_gap(value, bound)
         known = bound is None or not isinstance(bound, float) or math.isfinite(bound)

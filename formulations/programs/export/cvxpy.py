@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..names import block_names
 from ..program import Floats, Program, Rows
 from ..soundness import refuse_numbers
 from ._checks import refuse_circuits, refuse_crossing, refuse_levels
@@ -43,7 +44,7 @@ def to_cvxpy(program: Program) -> Any:
     variables: list[Any] = []
     starts: list[int] = []
     column = 0
-    for block, name in zip(program.variables, _block_names(program), strict=True):
+    for block, name in zip(program.variables, block_names(program), strict=True):
         if block.size:
             binary = block.integer and bool((block.lower == 0).all() and (block.upper == 1).all())
             bounds = None if binary else [block.lower, block.upper]
@@ -85,7 +86,7 @@ def _image(matrix: Any, offset: Floats, variables: list[Any], starts: list[int],
 def vector_of(program: Program, model: Any) -> Floats | None:
     """What ``model``, made by ``to_cvxpy``, holds as values, in column order; None where it holds none."""
     held = model.var_dict
-    parts = [held[name].value for block, name in zip(program.variables, _block_names(program), strict=True) if block.size]
+    parts = [held[name].value for block, name in zip(program.variables, block_names(program), strict=True) if block.size]
     return None if any(p is None for p in parts) else np.concatenate([np.zeros(0), *(np.atleast_1d(p) for p in parts)])
 
 
@@ -104,17 +105,6 @@ def row_duals_of(program: Program, model: Any) -> Floats | None:
             duals[row + np.nonzero(chosen)[0]] += (-sign if sense == ">=" else sign) * np.atleast_1d(value)
         row += rows.size
     return duals
-
-
-def _block_names(program: Program) -> list[str]:
-    """The name of each block's variable: a name that occurs again gets a number."""
-    seen: dict[str, int] = {}
-    names = []
-    for block in program.variables:
-        if block.size:
-            seen[block.name] = seen.get(block.name, 0) + 1
-        names.append(block.name if seen.get(block.name, 0) <= 1 else f"{block.name}.{seen[block.name]}")
-    return names
 
 
 def _sides(rows: Rows) -> list[tuple[NDArray[np.bool_], Floats, str]]:

@@ -15,6 +15,7 @@ from ...errors import InputError, UsageError
 from ...formats.table import delimiter_of, table_of
 from ...text import is_number, number, read_text, refuse, shown, whole
 from ..frame_fleet import SHIFT, SPANS
+from ..frame_lists import LOADS
 from ..routing_service import unit_of_distance
 from ..travel import METRICS
 from . import _cells
@@ -26,9 +27,12 @@ Given = Mapping[str, tuple[int | None, Any]]
 """Line and value of each setting; without a line it is one of ``--set``, and files are named from the working directory."""
 
 COSTS = ("max-distance", "fixed-cost", "unit-cost")
+MATRICES = {"matrix": "distance", "durations": "duration", "variances": "variance", "closing": "closing time"}
+"""What the numbers of each are."""
+TABLES = ("fleet", "windows", "shipments", "groups")
 KEYS = (
-    "vehicles", "min-vehicles", "capacity", "max-duration", *COSTS, "fleet", "speed", "time-unit", "distance-unit", "metric", "matrix",
-    "durations", "columns", "extra",
+    "vehicles", "min-vehicles", "capacity", "max-duration", *COSTS, "speed", "time-unit", "distance-unit", "metric", *MATRICES, *TABLES,
+    "columns", "extra",
 )  # fmt: skip
 
 
@@ -83,10 +87,10 @@ def _argument(key: str, line: int | None, value: Any, folder: Path, n: int) -> d
         if text not in METRICS:
             raise InputError(f"metric {shown(text)} is unknown", line=line, expected=", ".join(METRICS))
         return {"travel": text}
-    if key in ("matrix", "durations"):
+    if key in MATRICES:
         return {"travel" if key == "matrix" else key: _matrix(_file(key, line, text, folder), key, line, text, n)}
-    if key == "fleet":
-        return {name: _fleet(_file(key, line, text, folder))}
+    if key in TABLES:
+        return {name: _table(_file(key, line, text, folder), key)}
     if key == "columns":
         pairs = [part.split("=") for part in text.split(",")]
         if any(len(pair) != 2 for pair in pairs):
@@ -146,27 +150,47 @@ def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> NDArra
             raise InputError("row of the matrix has a wrong length", file=file, line=at, expected=str(n), found=str(len(cells)))
         made[k] = [float(cell) for cell in cells]
         try:
-            refuse((made[k] < 0) & (np.arange(n) != k), [at] * n, "distance is negative", made[k], "0 or more")
+            refuse((made[k] < 0) & (np.arange(n) != k), [at] * n, f"{MATRICES[key]} is negative", made[k], "0 or more")
         except InputError as error:
             raise error.at(file=file) from None
     np.fill_diagonal(made, 0.0)
     return made
 
 
-def _fleet(file: Path) -> pd.DataFrame:
-    """A frame of vehicles, one row a type."""
+def _table(file: Path, key: str) -> pd.DataFrame:
+    """A frame of vehicles, one row a type, or of windows, shipments or groups."""
     import pandas as pd
 
+    known = _READ[key]
     try:
-        table = table_of(read_text(file), 0, str.strip, "vehicles")
+        table = table_of(read_text(file), 0, str.strip if key == "fleet" else known, "vehicles" if key == "fleet" else key)
         held: dict[str, list[Any]] = {}
         for k, title in enumerate(table.titles):
             cells = [(row[k], line) for row, line in zip(table.rows, table.at, strict=True)]
-            read = _cells.moment if title in SHIFT else _cells.span if title in SPANS else None
+            read = known.get(title)
             held[title] = _cells.kept([cell for cell, _ in cells]) if read is None else [read(cell, line, title) for cell, line in cells]
     except InputError as error:
         raise error.at(file=file) from None
     return pd.DataFrame({title: pd.Series(values, dtype=object) for title, values in held.items()})
+
+
+def _word(cell: str, line: int | None, what: str) -> str:
+    if not cell:
+        raise InputError(f"{what} is empty", line=line, expected="a name in every row")
+    return cell
+
+
+def _load(cell: str, line: int | None, what: str) -> float:
+    return _limit(what, cell, line) if cell else 0.0
+
+
+_READ: dict[str, dict[str, Callable[[str, int | None, str], Any]]] = {
+    "fleet": {**dict.fromkeys(SHIFT, _cells.moment), **dict.fromkeys(SPANS, _cells.span)},
+    "windows": {"site": _word, "ready": _cells.moment, "due": _cells.moment},
+    "shipments": {"pickup": _word, "delivery": _word, **dict.fromkeys(LOADS, _load)},
+    "groups": {"group": _word, "site": _word, "required": _cells.flag},
+}
+"""How the columns of each table are read; others of the fleet are kept as they are."""
 
 
 def in_file(error: InputError) -> InputError:

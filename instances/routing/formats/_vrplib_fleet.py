@@ -4,6 +4,8 @@ A quantity of vehicles is a header (the same for all) or a section with one row 
 ``VEHICLES_MAX_DURATION``, ``VEHICLES_FIXED_COST``, ``VEHICLES_UNIT_DISTANCE_COST``. ``VEHICLES_DEPOT_SECTION`` tells the depot of each,
 ``PRIZE_SECTION`` what a visit is worth: a customer with a prize may be left out, and then it is missed. ``BACKHAUL_SECTION`` is what is
 picked up; in files of ``TYPE: VRPB`` after all deliveries of a route, of which there is at least one.
+``VEHICLES_RELOAD_DEPOT_SECTION`` and ``VEHICLES_ALLOWED_CLIENTS_SECTION`` have the nodes of each vehicle behind its number,
+``MUTUALLY_EXCLUSIVE_GROUP_SECTION`` those of each group.
 
 The mixed fleets of Pessoa, Sadykov and Uchoa have a header ``VEHICLE_KINDS`` and one line below each of ``CAPACITIES, FIXED_COSTS,
 VARIABLE_COSTS`` and ``NUMBER_OF_VEHICLES``, with one number a kind.
@@ -15,6 +17,7 @@ Source: documentation of PyVRP, "supported VRPLIB fields"; Pessoa, Sadykov and U
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -23,6 +26,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...text import number, numbers, plain, refuse, whole
+from ..sites import Group
 from ..vehicle_type import VehicleType
 from ._tsplib import Specification, node_list, node_table
 
@@ -31,13 +35,14 @@ Floats = NDArray[np.float64]
 QUANTITIES = {
     "CAPACITY": ("capacity", math.inf), "VEHICLES_MAX_DISTANCE": ("max_distance", math.inf),
     "VEHICLES_MAX_DURATION": ("max_duration", math.inf), "VEHICLES_FIXED_COST": ("fixed_cost", 0.0),
-    "VEHICLES_UNIT_DISTANCE_COST": ("unit_cost", 1.0),
+    "VEHICLES_UNIT_DISTANCE_COST": ("unit_cost", 1.0), "VEHICLES_MAX_RELOADS": ("max_reloads", math.inf),
 }  # fmt: skip
 DEPOTS, PRIZES, BACKHAULS = "VEHICLES_DEPOT_SECTION", "PRIZE_SECTION", "BACKHAUL_SECTION"
+RELOADS, ALLOWED, GROUPS = "VEHICLES_RELOAD_DEPOT_SECTION", "VEHICLES_ALLOWED_CLIENTS_SECTION", "MUTUALLY_EXCLUSIVE_GROUP_SECTION"
 KINDS = "VEHICLE_KINDS"
 BY_KIND = {"CAPACITIES": "capacity", "FIXED_COSTS": "fixed_cost", "VARIABLE_COSTS": "unit_cost", "NUMBER_OF_VEHICLES": "count"}
 RICH_HEADERS = frozenset({*QUANTITIES, KINDS}) - {"CAPACITY"}
-RICH_SECTIONS = frozenset({DEPOTS, PRIZES, BACKHAULS, *BY_KIND, *(f"{key}_SECTION" for key in QUANTITIES)})
+RICH_SECTIONS = frozenset({DEPOTS, PRIZES, BACKHAULS, RELOADS, ALLOWED, GROUPS, *BY_KIND, *(f"{key}_SECTION" for key in QUANTITIES)})
 
 
 def is_rich(spec: Specification, depots: list[int]) -> bool:
@@ -59,7 +64,7 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> 
     """Types of vehicles, those that are alike together; ``longest`` is the DISTANCE of the file."""
     if KINDS in spec.headers or spec.sections.keys() & BY_KIND.keys():
         return _kinds(spec, depots, longest)
-    sections = [name for name in (DEPOTS, *(f"{key}_SECTION" for key in QUANTITIES)) if name in spec.sections]
+    sections = [name for name in (DEPOTS, RELOADS, ALLOWED, *(f"{key}_SECTION" for key in QUANTITIES)) if name in spec.sections]
     if "VEHICLES" in spec.headers:
         count = whole(spec.value("VEHICLES"), spec.line("VEHICLES"), "VEHICLES", least=1)
     elif sections:
@@ -77,12 +82,18 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> 
         homes = (table[:, 0] - 1).astype(np.int64)
     columns = {name: _quantity(spec, key, count, default) for key, (name, default) in QUANTITIES.items()}
     columns["max_duration"] = np.minimum(columns["max_duration"], longest)
-    kinds: dict[tuple[float, ...], int] = {}
-    for row in zip(homes.tolist(), *(column.tolist() for column in columns.values()), strict=True):
+    words = set(_allowed(spec, n, depots, count).values())
+    able = [frozenset(word for word, vehicles in words if k in vehicles) for k in range(count)]
+    kinds: dict[tuple[Any, ...], int] = {}
+    for row in zip(homes.tolist(), _reloads(spec, n, depots, count), able, *(c.tolist() for c in columns.values()), strict=True):
         kinds[row] = kinds.get(row, 0) + 1
     made, known_fields = [], {f.name for f in fields(VehicleType)}
-    for k, ((home, *values), many) in enumerate(kinds.items(), start=1):
+    for k, ((home, reloads, skills, *values), many) in enumerate(kinds.items(), start=1):
         given: dict[str, Any] = {name: value for name, value in zip(columns, values, strict=True) if name in known_fields}
+        most = given.pop("max_reloads")
+        if most < math.inf and most != int(most):
+            raise InputError("VEHICLES_MAX_RELOADS must be a whole number", expected="0 or more", found=str(most))
+        given |= {"reloads": reloads, "skills": skills, "max_reloads": int(most) if reloads and most < math.inf else None}
         name = "vehicle" if len(kinds) == 1 else f"type {k}"
         made.append(VehicleType(many, start=int(home), end=int(home), name=name, **given))
     return tuple(made)
@@ -127,6 +138,69 @@ def _quantity(spec: Specification, key: str, count: int, default: float) -> Floa
     if value < 0:
         raise InputError(f"{key} is negative", line=spec.line(key), expected="0 or more", found=spec.value(key))
     return np.full(count, value)
+
+
+def skills_of(spec: Specification, n: int, depots: list[int]) -> dict[int, list[str]]:
+    """A word for each customer that not every vehicle may serve: customers of the same vehicles share one."""
+    return {site: [word] for site, (word, _) in _allowed(spec, n, depots).items()}
+
+
+def _allowed(spec: Specification, n: int, depots: list[int], count: int | None = None) -> dict[int, tuple[str, frozenset[int]]]:
+    """Of such customers the word, and the vehicles that have it."""
+    if ALLOWED not in spec.sections:
+        return {}
+    rows, _ = _node_rows(spec, ALLOWED, n, count, depots)
+    words: dict[frozenset[int], str] = {}
+    made = {}
+    for site in (k for k in range(n) if k not in depots):
+        vehicles = frozenset(k for k, nodes in enumerate(rows) if site in nodes)
+        if len(vehicles) < len(rows):
+            made[site] = words.setdefault(vehicles, f"as node {site + 1}"), vehicles
+    return made
+
+
+def _reloads(spec: Specification, n: int, depots: list[int], count: int) -> list[tuple[int, ...]]:
+    """Depots where each vehicle may reload."""
+    if RELOADS not in spec.sections:
+        return [()] * count
+    rows, lines = _node_rows(spec, RELOADS, n, count)
+    for nodes, line in zip(rows, lines, strict=True):
+        strange = next((node for node in nodes if node not in depots), None)
+        if strange is not None:
+            raise InputError(f"{RELOADS} names a node that is no depot", line=line, expected=", ".join(str(d + 1) for d in depots),
+                             found=str(strange + 1))  # fmt: skip
+    return [tuple(nodes) for nodes in rows]
+
+
+def groups_of(spec: Specification, n: int, depots: list[int]) -> list[Group]:
+    """Alternatives, of which exactly one is visited; one of a single customer says nothing."""
+    rows = _node_rows(spec, GROUPS, n, excluded=depots)[0] if GROUPS in spec.sections else []
+    return [Group(tuple(nodes)) for nodes in rows if len(nodes) > 1]
+
+
+def _node_rows(
+    spec: Specification, section: str, n: int, count: int | None = None, excluded: Sequence[int] = ()
+) -> tuple[list[list[int]], list[int]]:
+    """The nodes of each row, from 0, behind its number, and its line; rows are numbered from 1 in any order."""
+    rows = [(line, row) for line, row in spec.section(section).rows if row.split() != ["-1"]]
+    if count is not None and len(rows) != count:
+        raise InputError(
+            f"{section} has a wrong number of rows", line=spec.section(section).line, expected=str(count), found=str(len(rows))
+        )
+    made: dict[int, tuple[list[int], int]] = {}
+    for line, row in rows:
+        number, *nodes = (whole(word, line, section, least=1) for word in row.split())
+        if number in made or number > len(rows):
+            raise InputError(
+                f"{section} has a row of a wrong number", line=line, expected=f"each of 1 to {len(rows)} once", found=str(number)
+            )
+        for node in nodes:
+            if node > n or node - 1 in excluded or nodes.count(node) > 1:
+                why = "that does not exist" if node > n else "that is a depot" if node - 1 in excluded else "twice in a row"
+                raise InputError(f"{section} names a node {why}", line=line, found=str(node))
+        made[number] = [node - 1 for node in nodes], line
+    ordered = [made[k] for k in sorted(made)]
+    return [nodes for nodes, _ in ordered], [line for _, line in ordered]
 
 
 def prizes_of(spec: Specification, n: int, depots: list[int]) -> Floats | None:

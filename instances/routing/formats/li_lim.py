@@ -12,6 +12,7 @@ Source: Li and Lim (2001), 13th IEEE International Conference on Tools with Arti
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -55,7 +56,7 @@ def read(text: str, path: Path) -> RoutingInstance:
     at_depot = (np.arange(n) == 0) & (table[:, [3, 6, 7, 8]] != 0).any(axis=1)
     refuse(at_depot, at, "the depot has a demand, a service time or a partner", table[:, [3, 6, 7, 8]], "0")
     sites = Sites.of(
-        range(n), ready=ready, due=due, service=service, coordinates=table[:, 1:3], shipments=_shipments(demand, table[:, 7:], at)
+        range(n), ready=ready, due=due, service=service, coordinates=table[:, 1:3], shipments=pairs_of(demand, table[:, 7:], at)
     )
     name = label(path.stem)
     fleet = (VehicleType(count, capacity),)
@@ -64,22 +65,22 @@ def read(text: str, path: Path) -> RoutingInstance:
     return made
 
 
-def _shipments(demand: np.ndarray, partners: np.ndarray, at: list[int]) -> list[Shipment]:
-    """Pairs in the order of their pickups, each named by both of its rows."""
+def pairs_of(demand: np.ndarray, partners: np.ndarray, at: Sequence[int], first: int = 0) -> list[Shipment]:
+    """Pairs in the order of their pickups, each named by both of its rows; ``first`` is the number of the first row, which is the depot."""
     n = len(demand)
     one = (partners == 0).sum(axis=1) == 1
     refuse(
         ~one & (np.arange(n) > 0), at, "a customer needs one partner: a pickup its delivery, a delivery its pickup", partners, "one of two"
     )
     refuse(
-        (partners != np.floor(partners)).any(axis=1) | (partners < 0).any(axis=1) | (partners >= n).any(axis=1), at,
-        "partner does not exist", partners, f"1 to {n - 1}",
+        (partners != np.floor(partners)).any(axis=1) | (partners < 0).any(axis=1) | (partners >= n + first).any(axis=1), at,
+        "partner does not exist", partners, f"{first + 1} to {n - 1 + first}",
     )  # fmt: skip
     pickup = partners[:, 0] == 0
-    other = partners.max(axis=1).astype(np.int64)
+    other = np.maximum(partners.max(axis=1).astype(np.int64) - first, 0)
     index = np.arange(n)
     back = (other[other] != index) | (pickup[other] == pickup)
-    refuse(back & (index > 0), at, "partner names another one", other, "a pair that names each other")
+    refuse(back & (index > 0), at, "partner names another one", other + first, "a pair that names each other")
     refuse((demand <= 0) & pickup & (index > 0), at, "demand of a pickup must be positive", demand, "more than 0")
     refuse((demand != -demand[other]) & (index > 0), at, "a delivery is not as much as its pickup", demand, "the same, negative")
     return [Shipment(int(k), int(other[k]), (float(demand[k]),)) for k in index[1:] if pickup[k]]

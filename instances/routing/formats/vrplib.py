@@ -15,8 +15,9 @@ except in Uchoa's set X, where k is the least possible number of routes and the 
 OPLib's orienteering problems (``TYPE: OP``) ask for one tour through the depot whose length is at most ``COST_LIMIT``; the score of the
 depot counts.
 
-LKH-3's files with pickups and deliveries at the same sites (``TYPE: VRPSPD, VRPMPD`` or ``MVRPB``) have a row ``node, 0, ready, due,
-service, pickup, delivery`` each. They write a window that all nodes share and no route can outlast where there is none. Their
+LKH-3's files of pairs (``TYPE: PDPTW``) have a row ``node, demand, ready, due, service, pickup, delivery`` each, which names the partner;
+the depot is node 1. Its files with pickups and deliveries at the same sites (``TYPE: VRPSPD, VRPMPD`` or ``MVRPB``) have a row ``node, 0,
+ready, due, service, pickup, delivery`` each. They write a window that all nodes share and no route can outlast where there is none. Their
 ``EXACT_2D`` distances are Euclidean and not rounded.
 
 Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib; OPLib, of Kobeaga, Merino and Lozano (2018), Computers and
@@ -39,14 +40,17 @@ from ...text import label, number, refuse, shown, whole
 from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
+from ..sites import Shipment
 from ..travel import EXPLICIT, METRICS, Travel
 from ._tsplib import FLEET_IN_NAME, SET_X, Specification, edge_weights, node_list, node_table, scan
 from ._tsplib_writer import EXACT_2D, always_open, write
-from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, backhauls_of, depots_of, fleet_of, is_rich, prizes_of
+from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, backhauls_of, depots_of, fleet_of, groups_of, is_rich, prizes_of, skills_of
+from .li_lim import pairs_of
 
 Floats = NDArray[np.float64]
 
 SIMULTANEOUS = ("VRPSPD", "VRPMPD", "MVRPB", "VRPSPDTW", "VRPMPDTW")
+PAIRED = "PDPTW"
 BACKHAULS = "VRPB"
 RICH = ("MDVRP", "MDVRPTW", "HFVRP", "PCVRP", "PCVRPTW", BACKHAULS)
 """Types of other collections for several depots, mixed fleets, prizes and backhauls."""
@@ -59,6 +63,7 @@ PROBLEMS = {
     "CVRPTW": ("vrptw", "min-cost-vrp"),
     "OP": ("orienteering", "team-orienteering"),
     **dict.fromkeys(SIMULTANEOUS, ("cvrp", "min-cost-vrp")),
+    PAIRED: ("pdptw", "min-cost-vrp"),
     **dict.fromkeys(RICH, ("mdvrp", "min-cost-vrp")),
 }
 EDGE_WEIGHT_TYPES = (*(m for m in METRICS if m.isupper()), EXPLICIT, EXACT_2D)
@@ -75,7 +80,7 @@ KEYWORDS = {
     **dict.fromkeys(("TSP", "ATSP"), (HEADERS | {"VEHICLES"}, SECTIONS)),
     **dict.fromkeys(("CVRP", "VRPTW", "CVRPTW", *RICH), (HEADERS | FLEET_HEADERS | RICH_HEADERS, SECTIONS | VISITED | RICH_SECTIONS)),
     "OP": (HEADERS | {"COST_LIMIT", "TSPSOL"}, SECTIONS | {"DEPOT_SECTION", "NODE_SCORE_SECTION"}),
-    **dict.fromkeys(SIMULTANEOUS, (HEADERS | FLEET_HEADERS - {"SERVICE_TIME"}, SECTIONS | {"DEPOT_SECTION", PICKUPS})),
+    **dict.fromkeys((*SIMULTANEOUS, PAIRED), (HEADERS | FLEET_HEADERS - {"SERVICE_TIME"}, SECTIONS | {"DEPOT_SECTION", PICKUPS})),
 }
 """By type: headers and sections that it knows."""
 _MARK = re.compile(r"^[ \t]*(?:(?:DIMENSION|EDGE_WEIGHT_TYPE|TYPE|NAME)[ \t]*:|(?:NODE_COORD|EDGE_WEIGHT|DEMAND)_SECTION\b)", re.M)
@@ -114,17 +119,23 @@ def read(text: str, path: Path) -> RoutingInstance:
     if travel.metric == "GEO" and (found := _no_minutes(travel.coordinates)) is not None:
         notes.append(f"GEO coordinates are degrees and minutes (DDD.MM), and {found:g} has 60 minutes or more: decimal degrees belong into "
                      "the columns lat and lon of a CSV file")  # fmt: skip
-    pickup: Floats = np.zeros(n)
+    demand, pickup = np.zeros(n), np.zeros(n)
+    worth: dict[str, Any] = {}
     lines: list[int] | None
     if kind in SIMULTANEOUS:
         demand, pickup, service, ready, due, lines = _pickups(spec, travel, depot)
         if "VEHICLES" in spec.headers:
             notes.append("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited")
+    elif kind == PAIRED:
+        worth["shipments"], service, ready, due, lines = _pairs(spec, n, depot)
     else:
         demand, service, ready, due, lines = _sites(spec, flags, kind)
         pickup = backhauls_of(spec, n, depots)
     prizes = prizes_of(spec, n, depots)
-    worth: dict[str, Any] = {} if prizes is None else {"penalty": prizes, "required": prizes == 0.0}
+    groups = groups_of(spec, n, depots)
+    free = np.isin(np.arange(n), [site for group in groups for site in group.sites])
+    worth |= {} if prizes is None else {"penalty": prizes, "required": (prizes == 0.0) & ~free}
+    worth |= {"groups": groups, "skills": skills_of(spec, n, depots)}
     sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy, **worth)
     if is_rich(spec, depots) or prizes is not None or kind in RICH:
         return _rich(spec, name, sites, travel, depots, notes, lines, kind == BACKHAULS)
@@ -294,6 +305,19 @@ def _pickups(spec: Specification, travel: Travel, depot: int) -> tuple[Floats, F
     return delivery, pickup, service, ready, due, lines.tolist()
 
 
+def _pairs(spec: Specification, n: int, depot: int) -> tuple[list[Shipment], Floats, Floats, Floats, list[int]]:
+    """Pairs of pickup and delivery, service, ready and due times, and the lines."""
+    table, lines = node_table(spec, PICKUPS, n, ("demand", "ready time", "due date", "service time", "pickup", "delivery"))
+    demand, ready, due, service = table[:, :4].T
+    refuse(np.asarray(depot != 0), lines, "the depot must be node 1", [depot + 1], "1")
+    refuse(service < 0, lines, "service time is negative", service, "0 or more")
+    refuse(ready > due, lines, "time window closes before it opens", table[:, 1:3], "ready time <= due date")
+    own = (np.arange(n) == 0) & (table[:, [0, 3, 4, 5]] != 0).any(axis=1)
+    refuse(own, lines, "the depot has a demand, a service time or a partner", table[:, [0, 3, 4, 5]], "0")
+    spec.value("CAPACITY")
+    return pairs_of(demand, table[:, 4:], lines.tolist(), first=1), service, ready, due, lines.tolist()
+
+
 def _limit(spec: Specification, key: str) -> float:
     """A positive header, infinite where the file has none."""
     if key not in spec.headers:
@@ -325,6 +349,6 @@ FORMATS.add(
     Format(
         "vrplib", "TSPLIB / CVRPLIB / VRPLIB / OPLib / LKH-3 text (TSP, ATSP, CVRP, VRPTW, OP, VRPSPD)", recognises, read, write,
         (".vrp", ".tsp", ".oplib", ".vrpspd"), "",
-        ("tsp", "cvrp", "vrptw", "orienteering", "team-orienteering", "min-cost-vrp"), "file",
+        ("tsp", "cvrp", "vrptw", "pdptw", "orienteering", "team-orienteering", "min-cost-vrp"), "file",
     ),
 )  # fmt: skip

@@ -28,6 +28,7 @@ def solved(model: Compiled) -> Any:
 
 def test_each_package_hands_its_solution_back_under_the_names_of_the_export(model: Compiled, solved: Any, tmp_path: Path) -> None:
     import pulp
+    import pyscipopt
     from ortools.math_opt.python import mathopt
 
     problem, best = model.problem, None
@@ -36,11 +37,19 @@ def test_each_package_hands_its_solution_back_under_the_names_of_the_export(mode
     pulp_model.solve(pulp.PULP_CBC_CMD(msg=False))
     cvx = model.to_cvxpy()
     cvx.solve(solver="HIGHS")
+    model.write(tmp_path / "model.mps")
+    scip = pyscipopt.Model()
+    scip.hideOutput()
+    scip.readProblem(str(tmp_path / "model.mps"))
+    scip.optimize()
     solved.writeSolution(str(tmp_path / "raw.sol"), 0)
     solved.writeSolution(str(tmp_path / "table.sol"), 1)
     x = np.array(solved.getSolution().col_value)
+    nameless = model.to_highs(names=False)
+    nameless.run()
+    models: list[Any] = [solved, nameless, pulp_model, cvx, scip, mathopt.solve(model.to_mathopt(), mathopt.SolverType.GSCIP)]
     ways: list[Any] = [
-        solved, pulp_model, cvx, mathopt.solve(model.to_mathopt(), mathopt.SolverType.GSCIP), x, x.tolist(),
+        *models, x, x.tolist(),
         dict(zip(columns, x.tolist(), strict=True)), {v.name: v.value() for v in pulp_model.variables()}, tmp_path / "raw.sol",
         str(tmp_path / "table.sol"),
     ]  # fmt: skip
@@ -50,14 +59,20 @@ def test_each_package_hands_its_solution_back_under_the_names_of_the_export(mode
         verdict = wb.judge(problem, model.answer(way))
         best = verdict.objective if best is None else best
         assert verdict.feasible and verdict.objective == pytest.approx(best), type(way)
+    begun = wb.solve(problem, "pyvrp", start=pulp_model, iterations=1, bound_time=0)
+    assert begun.objective <= best * (1 + 1e-9) and begun.statistics["start"] == "used"
+    for made in models:  # the problem finds the form, or is told it
+        for form in (None, "two-index-load-flow"):
+            assert wb.judge(problem, made, form=form).objective == pytest.approx(best), type(made)
 
 
 @pytest.mark.parametrize(
     ("solution", "message"),
     [
         ([1.0, 2.0], r"the vector has another size than the model; expected \(76,\); found \(2,\)"),
-        ([], "was it solved"),
+        ([], "the vector has another size than the model"),
         (np.full(76, np.nan), "holds a value that is not finite"),
+        ({"x(0,1)": np.nan}, r"the value of variable x\(0,1\) is not finite"),
         ({"x(0,1)": None}, "the model holds no solution"),
         ({"y": 1.0}, "names a variable that does not exist"),
     ],
@@ -73,5 +88,24 @@ def test_what_is_no_solution_at_all_is_refused(model: Compiled, tmp_path: Path) 
     (tmp_path / "a.sol").write_text("Route #1: 1\n")
     with pytest.raises(InputError, match=r"a\.sol: is no solver's solution file"):
         vector_from(model.program, tmp_path / "a.sol")
-    with pytest.raises(InputError, match="was it solved"):
-        vector_from(model.program, model.to_highs())
+
+
+@pytest.mark.parametrize("package", ["highs", "pulp", "cvxpy"])
+def test_a_model_without_a_solution_or_of_something_else_is_refused(model: Compiled, package: str) -> None:
+    with pytest.raises(InputError, match="the model holds no solution; was it solved"):
+        vector_from(model.program, getattr(model, f"to_{package}")())
+    other = getattr(wb.read("demo-tiny", customers=4).compile("two-index-load-flow"), f"to_{package}")()
+    _solve(package, other)
+    with pytest.raises(
+        InputError, match=r"^the answer is a solution of another model than demo-tiny: as of its form \S+ it has another number"
+    ):
+        wb.judge(model.problem, other)
+
+
+def _solve(package: str, model: Any) -> None:
+    import pulp
+
+    if package == "highs":
+        model.run()
+    else:
+        model.solve(**({"solver": pulp.PULP_CBC_CMD(msg=False)} if package == "pulp" else {"solver": "HIGHS"}))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +17,22 @@ from waybound.instances.routing.formats._frame_settings import KEYS, arguments, 
 def test_every_key_is_an_argument(tmp_path: Path) -> None:
     (tmp_path / "fleet.csv").write_text("name\nvan\n")
     (tmp_path / "m.txt").write_text("0 1\n2 0\n")
+    (tmp_path / "w.csv").write_text("site,ready,due\n007,08:00,\n")
+    (tmp_path / "s.csv").write_text("delivery;pickup;load;load2\na;007;2;\n")
+    (tmp_path / "g.csv").write_text("group,site,required\n1,a,no\n")
     texts = {
         "vehicles": "2", "min-vehicles": "1", "capacity": "5, 9", "max-duration": "2h", "max-distance": "80", "fixed-cost": "7",
         "unit-cost": "0.5", "fleet": "fleet.csv", "speed": "50", "time-unit": "minutes", "distance-unit": "m", "matrix": "m.txt",
-        "durations": "m.txt", "columns": "demand=crates, id = shop", "extra": "note, demands",
+        "durations": "m.txt", "variances": "m.txt", "closing": "m.txt",
+        "windows": "w.csv", "shipments": "s.csv", "groups": "g.csv",
+        "columns": "demand=crates, id = shop", "extra": "note, demands",
     }  # fmt: skip
     assert {*texts, "metric"} == set(KEYS)
     made = arguments({key: (1, text) for key, text in texts.items()}, tmp_path, 2)
-    assert made.pop("travel").tolist() == made.pop("durations").tolist() == [[0, 1], [2, 0]]
+    assert all(made.pop(key).tolist() == [[0, 1], [2, 0]] for key in ("travel", "durations", "variances", "closing"))
+    assert made.pop("windows").to_dict("records") == [{"site": "007", "ready": datetime.time(8), "due": None}]
+    assert made.pop("shipments").to_dict("records") == [{"delivery": "a", "pickup": "007", "load": 2.0, "load2": 0.0}]
+    assert made.pop("groups").to_dict("records") == [{"group": "1", "site": "a", "required": False}]
     assert made.pop("fleet")["name"].tolist() == ["van"]
     assert made == {
         "vehicles": 2, "min_vehicles": 1, "capacity": [5, 9], "max_duration": pd.Timedelta("2h"), "max_distance": 80, "fixed_cost": 7,
@@ -54,6 +64,24 @@ def test_a_setting_that_makes_no_sense_is_refused_with_its_line(key: str, text: 
     with pytest.raises(InputError) as caught:
         arguments({key: (4, text)}, tmp_path, 2)
     assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "message"),
+    [
+        ("windows", "site,redy\na,1\n", "1: column 'redy' is unknown; expected site, ready, due"),
+        ("windows", "site,ready\na,soon\n", "2: ready must be a number or a moment"),
+        ("shipments", "pickup,delivery\na,b\na,\n", "3: delivery is empty"),
+        ("shipments", "pickup,delivery,load\na,b,-1\n", "2: load is negative"),
+        ("groups", "group,site,required\n1,a,perhaps\n", "2: required must be true or false"),
+        ("groups", "group,site\n", "1: holds no groups"),
+        ("variances", "0 -1\n1 0\n", "1: variance is negative"),
+    ],
+)
+def test_what_a_file_beside_holds_is_refused_with_its_line(key: str, text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "beside.csv").write_text(text)
+    with pytest.raises(InputError, match=f"^{re.escape(str(tmp_path / 'beside.csv'))}:{re.escape(message)}"):
+        arguments({key: (4, "beside.csv")}, tmp_path, 2)
 
 
 @pytest.mark.parametrize("given", [{"speed": "fast"}, {"vehicles": 0}, {"capacity": -1}, {"columns": "crates"}, {"matrix": "no.csv"}])

@@ -16,6 +16,7 @@ from waybound.instances.generating import generate
 from waybound.instances.routing.formats._tsplib_writer import write
 from waybound.instances.routing.formats.vrplib import read, recognises
 from waybound.instances.routing.instance import VehicleType
+from waybound.instances.routing.sites import Shipment
 
 CVRP = """\
 NAME : small
@@ -190,6 +191,64 @@ def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(r
     assert (made.travel.metric, made.travel.convention) == ("euclidean", "exact")
     assert made.travel.distance(0, 1) == math.sqrt(2)
     assert made.notes == ("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited",)
+
+
+PDPTW = """\
+NAME : pairs
+TYPE : PDPTW
+DIMENSION : 5
+VEHICLES : 2
+CAPACITY : 20
+EDGE_WEIGHT_TYPE : EXACT_2D
+NODE_COORD_SECTION
+1 40 50
+2 45 68
+3 42.5 66
+4 42 68
+5 40 69
+PICKUP_AND_DELIVERY_SECTION
+1 0 0 1236 0 0 0
+2 -10 0 967 90 4 0
+3 7 65 246 90 0 5
+4 10 0 782 90 0 2
+5 -7 15 467 90 3 0
+DEPOT_SECTION
+1
+-1
+EOF
+"""
+
+
+def test_pairs_of_lkh_are_shipments_as_pyvrp_reads_them(read_text_as: Callable[..., Any], tmp_path: Path) -> None:
+    import pyvrp
+
+    made = read_text_as(PDPTW)
+    assert (made.problem, made.problems, made.fleet) == ("pdptw", ("pdptw", "min-cost-vrp"), (VehicleType(2, 20.0),))
+    assert made.sites.shipments == (Shipment(2, 4, (7.0,)), Shipment(3, 1, (10.0,)))
+    assert made.sites.ready.tolist() == [0, 0, 65, 0, 15] and made.sites.due.tolist() == [1236, 967, 246, 782, 467]
+    assert made.sites.service.tolist() == [0, 90, 90, 90, 90] and not made.sites.demand.any()
+    (tmp_path / "pairs.vrp").write_text(PDPTW.replace("EXACT_2D", "EUC_2D"))
+    theirs = pyvrp.read(tmp_path / "pairs.vrp").shipments()
+    told = [(s.amount[0], s.pickup.tw_early, s.pickup.tw_late, s.delivery.tw_early, s.delivery.tw_late) for s in theirs]
+    assert told == [(7, 65, 246, 15, 467), (10, 0, 782, 0, 967)]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("2 -10 0 967 90 4 0", "2 -10 0 967 90 3 0", "partner names another one"),
+        ("2 -10 0 967 90 4 0", "2 -10 0 967 90 6 0", "partner does not exist; expected 2 to 5"),
+        ("2 -10 0 967 90 4 0", "2 -9 0 967 90 4 0", "a delivery is not as much as its pickup"),
+        ("1 0 0 1236 0 0 0", "1 3 0 1236 0 0 0", "the depot has a demand, a service time or a partner"),
+        ("DEPOT_SECTION\n1", "DEPOT_SECTION\n2", "the depot must be node 1; expected 1; found 2"),
+        ("CAPACITY : 20\n", "", "CAPACITY"),
+    ],
+)
+def test_a_fault_of_pairs_is_refused(read_text_as: Callable[..., Any], old: str, new: str, message: str) -> None:
+    assert old in PDPTW
+    with pytest.raises(InputError) as caught:
+        read_text_as(PDPTW.replace(old, new))
+    assert message in str(caught.value)
 
 
 def test_windows_that_routes_can_outlast_are_windows(read_text_as: Callable[..., Any]) -> None:

@@ -137,6 +137,50 @@ def test_backhauls_are_pickups_and_come_last_where_the_type_says_so(tmp_path: Pa
     assert same.digest() == late.digest()
 
 
+RELOADS = (HEAD + "VEHICLES : 3\nVEHICLES_MAX_RELOADS : 2\n" + PLACES.split("VEHICLES_DEPOT")[0].replace("6 4\n", "6 9\n")
+           + "VEHICLES_DEPOT_SECTION\n1 1\n2 1\n3 2\nVEHICLES_RELOAD_DEPOT_SECTION\n1 1 2\n2 1 2\n3\n"
+           "VEHICLES_ALLOWED_CLIENTS_SECTION\n1 3 4 5 6\n2 3 4 5 6\n3 5 6\n"
+           "MUTUALLY_EXCLUSIVE_GROUP_SECTION\n1 3 5\n2 4\nEOF\n")  # fmt: skip
+
+
+def test_reloads_allowed_clients_and_groups_are_those_that_pyvrp_reads(tmp_path: Path) -> None:
+    import pyvrp
+
+    made = read(tmp_path, RELOADS)
+    assert [(v.count, v.start, v.reloads, v.max_reloads, v.skills) for v in made.fleet] == [
+        (2, 0, (0, 1), 2, {"as node 3"}), (1, 1, (), None, set()),
+    ]  # fmt: skip
+    assert [(g.sites, g.required) for g in made.sites.groups] == [((2, 4), True)]
+    assert made.sites.skills == (set(), set(), {"as node 3"}, {"as node 3"}, set(), set())
+    assert made.sites.required.tolist() == [False, False, False, True, False, True]
+    theirs = pyvrp.read(tmp_path / "tiny.vrp", round_func="exact")
+    assert [(t.num_available, t.start_depot, tuple(t.reload_depots)) for t in theirs.vehicle_types()] == [(2, 0, (0, 1)), (1, 1, ())]
+    best = pyvrp.solve(theirs, pyvrp.stop.MaxIterations(50), display=False).best
+    ours = wb.solve(wb.read(tmp_path / "tiny.vrp", convention="exact"), "pyvrp", iterations=50, bound_time=0)
+    assert best.is_feasible() and ours.objective == pytest.approx(best.distance() / 1000, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("1 1 2\n2 1", "1 1 3\n2 1", "VEHICLES_RELOAD_DEPOT_SECTION names a node that is no depot; expected 1, 2; found 3"),
+        ("1 1 2\n2 1 2\n3\n", "1 1 2\n2\n", "VEHICLES_RELOAD_DEPOT_SECTION has a wrong number of rows; expected 3; found 2"),
+        ("3 5 6\nM", "M", "VEHICLES_ALLOWED_CLIENTS_SECTION has a wrong number of rows; expected 3; found 2"),
+        ("3 5 6\nM", "4 5 6\nM", "VEHICLES_ALLOWED_CLIENTS_SECTION has a row of a wrong number; expected each of 1 to 3 once; found 4"),
+        ("3 5 6\nM", "3 5 9\nM", "VEHICLES_ALLOWED_CLIENTS_SECTION names a node that does not exist; found 9"),
+        ("1 3 5\n2 4", "1 3 1\n2 4", "MUTUALLY_EXCLUSIVE_GROUP_SECTION names a node that is a depot; found 1"),
+        ("1 3 5\n2 4", "1 3 3\n2 4", "MUTUALLY_EXCLUSIVE_GROUP_SECTION names a node twice in a row; found 3"),
+        ("1 3 5\n2 4", "1 3 5\n2 4 3", "site 3 is in two groups"),
+        ("RELOADS : 2", "RELOADS : 1.5", "VEHICLES_MAX_RELOADS must be a whole number"),
+    ],
+)
+def test_a_fault_of_reloads_allowed_clients_and_groups_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
+    assert old in RELOADS
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, RELOADS.replace(old, new))
+    assert message in str(caught.value) and str(tmp_path) in str(caught.value)
+
+
 def test_mixed_fleets_by_kind(tmp_path: Path) -> None:
     made = read(tmp_path, KINDS)
     told = [(v.name, v.count, v.capacity, v.fixed_cost, v.unit_cost) for v in made.fleet]
