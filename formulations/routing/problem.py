@@ -353,7 +353,9 @@ class RoutingProblem(Problem):
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         if kind == "arc-multipliers":
             return "no choice of the moves that are left visits all sites within the limits"
-        return "none of all routes can be put together" if kind == "all-routes" else super().why_none(kind, data)
+        if kind in ("all-routes", "customer-sets"):
+            return "none of all routes can be put together"
+        return super().why_none(kind, data)
 
     # -- judging answers ---------------------------------------------------------------------------------------------
 
