@@ -261,8 +261,10 @@ class RoutingProblem(Problem):
     def __repr__(self) -> str:
         limit = self.vehicle_limit
         fleet = "any number of vehicles" if limit is None else f"at most {limit} vehicle{'s' if limit != 1 else ''}"
-        aim = f"{' then '.join(self.senses)} {self.objective}, convention {self.convention}"
-        return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}>"
+        aims = ", then ".join(f"{sense} {level}" for sense, level in zip(self.senses, self.objective.levels(), strict=True))
+        return (
+            f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aims}, convention {self.convention}>"
+        )
 
     def digest(self) -> str:
         return digested(self)

@@ -65,7 +65,7 @@ def plot_bin_assignment(
     if problem.objective == "bottleneck" and len(used):
         dearest = costs >= costs.max() - 1e-9 * np.abs(costs).max()
         colours[dearest] = ALARM
-        told = f", the dearest in red"
+        told = ", the dearest in red"
     ax.add_collection(LineCollection(lines, colors=colours.tolist(), linewidths=0.8 + 2.0 * share, alpha=0.8, zorder=2))
     free = np.setdiff1d(np.arange(problem.num_bins), taken[used])
     idle = np.nonzero(taken < 0)[0]
