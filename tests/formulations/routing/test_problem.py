@@ -145,5 +145,5 @@ def test_a_usual_objective_is_no_hindrance_to_other_formats(tmp_path):
 
 
 def test_each_level_of_priority_is_shown_with_its_sense() -> None:
-    shown = repr(wb.read("demo-tiny", objective="vehicles then total-cost - reward"))
-    assert ", min vehicles, then min total-cost - reward, convention" in shown
+    shown = repr(wb.read("demo-tiny", objective="vehicles then total-cost"))
+    assert ", min vehicles, then min total-cost, convention" in shown
