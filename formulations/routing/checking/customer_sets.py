@@ -51,6 +51,11 @@ JOINED = ("longest-route", "makespan")
 _EPS = float(np.finfo(np.float64).eps)
 
 
+def joined_peak(terms: Terms) -> str:
+    """The maximum that is told set by set, none if empty."""
+    return next((name for name in JOINED if name in terms.peaks), "")
+
+
 @dataclass(frozen=True, eq=False)
 class CustomerSets:
     """What routes through sets of customers cost; sets are masks over the customers in site order.
@@ -88,7 +93,7 @@ class CustomerSets:
         """None where a search for routes was stopped, or numbers are too large to add up."""
         relaxed, sites, customers = without_stops(problem), problem.sites, problem.sites.customers
         n = len(customers)
-        peak = next((name for name in JOINED if name in terms.peaks), "")
+        peak = joined_peak(terms)
         others = replace(terms, peaks={name: w for name, w in terms.peaks.items() if name != peak})
         node = {site: k for k, site in enumerate(customers.tolist())}
         masks = np.arange(1 << n)
@@ -239,8 +244,8 @@ def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     problem : RoutingProblem
         With any features and any terms; several loads, windows and risks count as far as ``known_features`` says.
     data : dict
-        ``limits``, optional: at most 64 numbers in ascending order, lengths (durations, where the objective counts the makespan) of
-        the largest route, by which the answers are divided.
+        ``longest-route`` or ``makespan``, optional: at most 64 numbers in ascending order, limits on the largest route by which the
+        answers are divided.
 
     Returns
     -------
@@ -259,14 +264,15 @@ def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     """
     if problem.family != "routing":
         raise InputError("customer-sets are evidence for routing problems", found=problem.family)
-    given = data.get("limits", [])
+    terms = terms_of(problem)
+    peak = "" if terms is None else joined_peak(terms)
+    given = data.get(peak, []) if peak else []
     if not isinstance(given, list) or len(given) > LIMITS or any(isinstance(x, bool) or not isinstance(x, int | float) for x in given):
         raise InputError("evidence 'limits' must be a list of numbers", expected=f"at most {LIMITS}", found=str(given)[:80])
     limits = [float(x) for x in given]
     if not all(map(math.isfinite, limits)) or sorted(limits) != limits:
         raise InputError("evidence 'limits' must be finite and in ascending order", found=str(given)[:80])
     sign = 1.0 if problem.sense == "min" else -1.0
-    terms = terms_of(problem)
     if terms is None or unknown_features(without_stops(problem)) or not 0 < len(problem.sites.customers) <= CUSTOMERS:
         return -sign * math.inf
     with np.errstate(over="ignore", invalid="ignore"):

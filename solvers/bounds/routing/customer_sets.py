@@ -10,7 +10,7 @@ import numpy as np
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
-from ....formulations.routing.checking.customer_sets import CUSTOMERS, LIMITS, WORK, CustomerSets
+from ....formulations.routing.checking.customer_sets import CUSTOMERS, LIMITS, WORK, CustomerSets, joined_peak
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.checking.stops_on_the_way import without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
@@ -55,7 +55,7 @@ def customer_sets_bound(
         limits = None if sets is None else _limits(sets, stop, math.inf if target is None or problem.sense == "max" else target)
         if limits is None:
             return None
-        made = Evidence("customer-sets", "routes through each set of customers", math.nan, {"limits": limits} if limits else {})
+        made = Evidence("customer-sets", "routes through each set of customers", math.nan, {joined_peak(terms): limits} if limits else {})
         bound = verified_bound(problem, made)
     nothing = -math.inf if problem.sense == "min" else math.inf
     return None if bound == nothing else Evidence(made.kind, made.source, bound, made.data)

@@ -69,7 +69,7 @@ def test_any_limits_divide_answers_by_their_largest_route(feature: str, term) ->
         rng = np.random.default_rng(seed)
         for count in (0, 1, 5, 40):
             limits = sorted(rng.uniform(0, 300, count).tolist())
-            bound = check_customer_sets(problem, {"limits": limits})
+            bound = check_customer_sets(problem, {term.name: limits})
             assert beyond(problem, bound, float(best[0])) <= 1e-12
         met += bound > check_customer_sets(problem, {}) * (1 + 1e-9)
     assert met
@@ -114,7 +114,7 @@ def test_a_stop_a_large_problem_and_much_work_prove_nothing(monkeypatch: pytest.
 @pytest.mark.parametrize("limits", [3.0, [1.0, "x"], [2.0, 1.0], [math.inf], [True], [0.0] * 65])
 def test_limits_must_be_numbers_in_order(limits) -> None:
     with pytest.raises(InputError, match="limits"):
-        check_customer_sets(small("capacity", 0, "exact"), {"limits": limits})
+        check_customer_sets(weighed(small("capacity", 0, "exact"), LongestRoute(), 2.0), {"longest-route": limits})
 
 
 def test_other_families_are_refused() -> None:
