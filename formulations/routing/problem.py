@@ -30,7 +30,7 @@ from .geojson import answer_geojson, visits_of_geojson
 from .given_routes import routes_given
 from .judge import evaluate_routes
 from .left_out import left_out
-from .objective import Composable, Objective, Reward, Vehicles
+from .objective import Composable, Objective, Penalties, Reward, Vehicles
 from .reachability import unreachable
 from .route_graph import answer_graph
 from .routes import Routes
@@ -40,6 +40,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ..rendering import Line
+
+
+NEARLY = 1e-8
+"""Of a sum: by less a value may differ and still count as the same."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -263,8 +267,9 @@ class RoutingProblem(Problem):
     def __repr__(self) -> str:
         limit = self.vehicle_limit
         fleet = "any number of vehicles" if limit is None else f"at most {limit} vehicle{'s' if limit != 1 else ''}"
-        aim = f"{' then '.join(self.senses)} {self.objective}, convention {self.convention}"
-        return f"<RoutingProblem {self.name}: {self.problem}, {len(self.customers)} customers, {fleet}, {aim}>"
+        aims = ", then ".join(f"{sense} {level}" for sense, level in zip(self.senses, self.objective.levels(), strict=True))
+        what = f"{self.problem}, {len(self.customers)} customers, {fleet}"
+        return f"<RoutingProblem {self.name}: {what}, {aims}, convention {self.convention}>"
 
     def digest(self) -> str:
         return digested(self)
@@ -334,7 +339,8 @@ class RoutingProblem(Problem):
 
     def given(self, values: Sequence[float]) -> RoutingProblem | None:
         """The levels after those of ``values``. Where a level before counts vehicles alone, there are no more of them than its value
-        says; other levels restrict nothing, so that bounds hold for more answers than they need to."""
+        says; where it counts rewards or penalties alone, sites without whom its value is out of reach are required. Other levels restrict
+        nothing, so that bounds hold for more answers than they need to."""
         levels = self.objective.levels()
         if not 0 < len(values) < len(levels):
             return None
@@ -345,6 +351,8 @@ class RoutingProblem(Problem):
                 most = max(1, math.floor(value / weight * (1.0 + 1e-9)))
                 fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in made.fleet)
                 made.__dict__.update(fleet=fleet)
+            elif isinstance(term, Reward | Penalties) and not others and weight > 0 and math.isfinite(value):
+                made.__dict__.update(sites=_with_needed(made.sites, term, value / weight))
         made.__dict__.update(objective=Objective(levels[len(values) :]))
         return made
 
@@ -355,7 +363,9 @@ class RoutingProblem(Problem):
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         if kind == "arc-multipliers":
             return "no choice of the moves that are left visits all sites within the limits"
-        return "none of all routes can be put together" if kind == "all-routes" else super().why_none(kind, data)
+        if kind in ("all-routes", "customer-sets"):
+            return "none of all routes can be put together"
+        return super().why_none(kind, data)
 
     # -- judging answers ---------------------------------------------------------------------------------------------
 
@@ -501,3 +511,22 @@ class RoutingProblem(Problem):
             raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
         if any(v.reloads or v.stations for v in self.fleet):
             raise UsageError("such a file has no place for stops at depots on the way; use .json")
+
+
+def _with_needed(sites: Sites, term: Reward | Penalties, value: float) -> Sites:
+    """``sites``, of which those are required whose loss alone is more than rewards, or penalties, of ``value`` leave; members of groups
+    are not, for a group may have another."""
+    worth = sites.reward if isinstance(term, Reward) else np.where(sites.required, 0.0, sites.penalty)
+    total = math.fsum(worth)
+    spare = (total - value if isinstance(term, Reward) else value) + NEARLY * max(total, abs(value))
+    needed = ~sites.depot & (worth > spare)
+    for group in sites.groups:
+        needed[list(group.sites)] = False
+    ends = [[s.pickup, s.delivery] for s in sites.shipments]  # both are visited, or none
+    while any(needed[pair].any() != needed[pair].all() for pair in ends):
+        for pair in ends:
+            needed[pair] = needed[pair].any()
+    try:
+        return replace(sites, required=sites.required | needed)
+    except InputError:  # no answer visits them: then more answers are looked at than there are
+        return sites

@@ -116,14 +116,14 @@ class GatheringWorld(World):
 
     Attributes
     ----------
-    gain : float
-        Units at the bases.
+    brought : array of shape (robots,), units
+        What each has unloaded at its base.
     lost : array of shape (sensors,), units
         What each would have gathered with room in its store.
     cut : float, units
         What the last steps in exhausted cells fell short.
     due : float, units
-        Rates of all sensors that stood in a cell, over all steps: always gain, loads, stores, ``lost`` and ``cut`` together.
+        Rates of all sensors that stood in a cell, over all steps: always what was brought, loads, stores, ``lost`` and ``cut`` together.
 
     Notes
     -----
@@ -148,8 +148,8 @@ class GatheringWorld(World):
                 raise InputError("there must be one rate above 0 a sensor", found=str(self.rates.tolist())[:80])
         self.left = np.full((rules.rows, rules.columns), float(rules.cell))
         self.stores, self.lost = np.zeros(rules.sensors), np.zeros(rules.sensors)
-        self.robots, self.loads = rules.bases.copy(), np.zeros(rules.robots)
-        self.gain = self.cut = self.due = 0.0
+        self.robots, self.loads, self.brought = rules.bases.copy(), np.zeros(rules.robots), np.zeros(rules.robots)
+        self.cut = self.due = 0.0
         self.gathering = np.ones(rules.sensors, dtype=bool)
         self._observation = self._look()
 
@@ -163,6 +163,11 @@ class GatheringWorld(World):
     def observe(self) -> GatheringObservation:
         return self._observation
 
+    @property
+    def gain(self) -> float:
+        """Units at the bases."""
+        return float(self.brought.sum())
+
     def step(self, actions: Mapping[int, Move]) -> None:
         """Let sensors gather, and each robot do what ``actions`` says for its number; the others stay where they are."""
         moves = self._checked(actions)
@@ -170,7 +175,7 @@ class GatheringWorld(World):
         for robot, (cell, amount) in moves.items():
             self.robots[robot] = cell
             if (self.robots[robot] == self.rules.bases[robot]).all():
-                self.gain += self.loads[robot]
+                self.brought[robot] += self.loads[robot]
                 self.loads[robot] = 0.0
             here = np.nonzero((self.places == self.robots[robot]).all(axis=1))[0]
             for sensor in here.tolist():

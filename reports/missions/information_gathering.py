@@ -41,7 +41,7 @@ class InformationGathering(Mission):
 
     name: ClassVar[str] = "information-gathering"
     summary: ClassVar[str] = "robots empty sensors that fill up, and bring what they take to their bases"
-    headline: ClassVar[str] = "working"
+    headline: ClassVar[str] = "gain"
     lasting: ClassVar[int] = 1000
     settings: ClassVar[Mapping[str, Setting]] = {
         **WORLDS["information-gathering"].settings,
@@ -73,7 +73,8 @@ class InformationGathering(Mission):
         return {plan: partial(self._by_rule, plan) for plan in PLANS}
 
     def scene(self, world: World) -> Scene:
-        """The grid, its first row on top; crosses are full."""
+        """The grid, its first row on top; how full each sensor is, what each robot carries and where it goes, and what it has brought home
+        beside all that sensors would have gathered with room in their stores."""
         assert isinstance(world, GatheringWorld)
         rules = world.rules
         top = rules.rows - 1
@@ -83,7 +84,12 @@ class InformationGathering(Mission):
 
         full = world.stores >= rules.store * (1 - EXCESS)
         area = (-1.0, -1.0, float(rules.columns), float(rules.rows))
-        return Scene(area, places(world.robots), 0.5, places(world.places), ~full, ("robots", "sensors", "full sensors"))
+        stops = [[(robot, sensor) for sensor in own.stops] for robot, own in enumerate(self._tours)]
+        return Scene(
+            area, places(world.robots), 0.5, places(world.places), ~full, ("robots, with what they carry", "sensors", "full sensors"),
+            links=[link for tour in stops for link in tour], levels=world.stores / rules.store,
+            notes=[f"{load:.0f}" for load in world.loads], shares=world.brought.copy(), limit=world.due,
+        )  # fmt: skip
 
     # ------------------------------------------------------------------------------------------------------------------
 

@@ -65,6 +65,14 @@ class Scene:
         Which points are assigned to which agent, by what was decided last.
     ways : sequence of (point, point)
         Points of the first picture that ways lead between, where not all of the area can be gone through.
+    levels : array of shape (points,), optional
+        How full each point is, from 0 to 1.
+    notes : sequence of str
+        A few characters beside each agent.
+    shares : array of shape (agents,), optional
+        What each agent has added to the headline so far; agents have colours of their own then.
+    limit : float, optional
+        What the headline could be at most by now.
     """
 
     area: tuple[float, float, float, float]
@@ -76,6 +84,10 @@ class Scene:
     headings: NDArray[np.float64] | None = None
     links: Sequence[tuple[int, int]] = ()
     ways: Sequence[tuple[int, int]] = ()
+    levels: NDArray[np.float64] | None = None
+    notes: Sequence[str] = ()
+    shares: NDArray[np.float64] | None = None
+    limit: float | None = None
 
 
 class Mission(ABC):

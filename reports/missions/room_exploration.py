@@ -21,6 +21,9 @@ from .mission import MISSIONS, Actions, Decision, Mission, Scene
 
 WEIGHTS = ("explore", "map", "search")
 
+BESIDE = 0.22
+"""How far from the middle of a room a picture shows each robot, of a room's width."""
+
 
 class RoomsExplored(Mission):
     """Gain much in rounds: at the start of each all robots have contact, share what they read, and plan its steps.
@@ -117,12 +120,12 @@ class RoomsExplored(Mission):
         }
 
     def scene(self, world: World) -> Scene:
-        """Rooms and doors; robots of one room side by side; whom they hear is not drawn."""
+        """Rooms and doors; each robot on its own side of its room; whom they hear is not drawn."""
         assert isinstance(world, ExplorationWorld) and world.building.positions is not None
         places = np.asarray(world.building.positions, dtype=np.float64) * [1.0, -1.0]
-        beside = 0.16 * (np.arange(len(world.robots)) + 1)
-        robots = places[world.robots] + np.column_stack([beside, beside])
-        low, high = places.min(axis=0) - 0.6, places.max(axis=0) + 0.6 + beside[-1]
+        side = 2.0 * np.pi * (np.arange(len(world.robots)) / len(world.robots) + 0.125)
+        robots = places[world.robots] + BESIDE * np.column_stack([np.cos(side), np.sin(side)])
+        low, high = places.min(axis=0) - 0.6, places.max(axis=0) + 0.6
         area = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
         doors = tuple((int(a), int(b)) for a, b in world.building.doors)
         return Scene(area, robots, 0.08, places, world.visits > 0, ("robots", "rooms entered", "rooms not entered"), ways=doors)

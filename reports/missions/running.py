@@ -6,7 +6,7 @@ import contextlib
 import math
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from ...formulations.problem import Problem
 from ...formulations.solution import Solution, relative_gap
 from ...heuristics.heuristic import HEURISTICS
-from ...instances.errors import UsageError
+from ...instances.errors import UnsupportedError, UsageError
 from ...instances.suggestions import did_you_mean
 from ...instances.worlds import World
 from ...solvers import interrupts
@@ -116,10 +116,14 @@ def run(
     faults: list[str] = []
 
     def decide(problem: Problem) -> Solution:
-        found = solve(
-            problem, solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=int(seeds.random() * 2**31),
-            options=options,
-        )  # fmt: skip
+        try:
+            found = solve(
+                problem, solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=int(seeds.random() * 2**31),
+                options=options,
+            )  # fmt: skip
+        except UnsupportedError as fault:
+            fault.args = (_with_policies(str(fault), played.name, rules, heuristic or solver),)
+            raise
         faults.extend(f"step {len(rows) + 1}: {fault}" for fault in found.faults)
         return found
 
@@ -150,6 +154,12 @@ def run(
     frame = pd.DataFrame(rows, columns=None if rows else ["step", *world.metrics(), *COLUMNS])
     frame.attrs.update(mission=played.name, **deciders, seed=int(seed), settings=dict(settings), limit=limit, faults=faults)
     return frame
+
+
+def _with_policies(fault: str, mission: str, rules: Collection[str], asked: str | None) -> str:
+    """What else decides a mission, for somebody who took a policy of it for a heuristic, too."""
+    meant = f"; {asked} is a policy: --policy {asked}" if asked in rules else ""
+    return fault + (meant or f"; policies of {mission}: {', '.join(rules)}" if rules else "")
 
 
 def _step(mission: Mission, world: World, rule: Callable[[Any], Any] | None, decide: Callable[[Problem], Solution]) -> Row:

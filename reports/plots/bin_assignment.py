@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...formulations.auctions.bin_assignment import BinAssignment
 from . import PLOTS
-from .drawing import COLOURS, INK, QUIET, bare, entitled, new_axes
+from .drawing import ALARM, COLOURS, INK, QUIET, bare, entitled, new_axes
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
@@ -33,7 +33,8 @@ def places(problem: BinAssignment) -> tuple[Floats, Floats]:
 def plot_bin_assignment(
     problem: BinAssignment, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """A map, or two columns where there are no positions: robots, bins, and a line from each robot to its bin, the thicker the dearer.
+    """A map, or two columns where there are no positions: robots, bins, and a line from each robot to its bin, the thicker the dearer;
+    in red those of the largest cost, where that is what counts.
 
     Parameters
     ----------
@@ -59,7 +60,13 @@ def plot_bin_assignment(
     costs = problem.costs_of(answer)[used]
     share = (costs - costs.min(initial=np.inf)) / max(float(np.ptp(costs)), 1e-300) if len(costs) else costs
     lines = list(np.stack([robots[used], bins[taken[used]]], axis=1))
-    ax.add_collection(LineCollection(lines, colors=COLOURS[0], linewidths=0.8 + 2.0 * share, alpha=0.8, zorder=2))
+    told = ""
+    colours = np.full(len(used), COLOURS[0], dtype=object)
+    if problem.objective == "bottleneck" and len(used):
+        dearest = costs >= costs.max() - 1e-9 * np.abs(costs).max()
+        colours[dearest] = ALARM
+        told = ", the dearest in red"
+    ax.add_collection(LineCollection(lines, colors=colours.tolist(), linewidths=0.8 + 2.0 * share, alpha=0.8, zorder=2))
     free = np.setdiff1d(np.arange(problem.num_bins), taken[used])
     idle = np.nonzero(taken < 0)[0]
     for points, marker, colour in (
@@ -68,12 +75,14 @@ def plot_bin_assignment(
         ax.scatter(*points.T, s=36, marker=marker, color=colour, edgecolors=INK, linewidths=0.5, zorder=3)
     if problem.num_robots + problem.num_bins <= NAMED:
         data = problem.instance
-        for count, name, at in ((problem.num_robots, data.robot_name, robots), (problem.num_bins, data.bin_name, bins)):
+        columns = data.robot_positions is None or data.bin_positions is None  # of which lines leave to one side only
+        for count, name, at, side in ((problem.num_robots, data.robot_name, robots, -1), (problem.num_bins, data.bin_name, bins, 1)):
+            text = {"xytext": (8 * side, 0), "va": "center", "ha": "right" if side < 0 else "left"} if columns else {"xytext": (5, 5)}
             for k in range(count):
-                ax.annotate(name(k), at[k], xytext=(5, 5), textcoords="offset points", fontsize=8, color=INK, zorder=4)
+                ax.annotate(name(k), at[k], textcoords="offset points", fontsize=8, color=INK, zorder=4, **text)
     ax.autoscale_view()
     bare(ax)
-    detail = f"{len(used)} pairs of {problem.num_robots} robots (circles) and {problem.num_bins} bins (squares)"
+    detail = f"{len(used)} pairs of {problem.num_robots} robots (circles) and {problem.num_bins} bins (squares){told}"
     return entitled(ax, problem, answer, solution, title, detail)
 
 

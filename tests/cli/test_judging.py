@@ -25,6 +25,7 @@ def test_a_feasible_solution_is_exit_0(run, strict_json, solved):
     data = strict_json(result.stdout)
     assert (result.exit_code, data["feasible"], data["violations"]) == (0, True, [])
     assert data["stated_objective"] == pytest.approx(data["objective"])
+    assert "in the file, as recomputed" in run("check", "demo-tiny", solved[0]).stdout
 
 
 def test_a_dropped_visit_is_exit_5_and_named(run, strict_json, solved):
@@ -47,7 +48,8 @@ def test_a_stated_cost_that_is_not_the_recomputed_one_is_told_with_both(run, str
     assert result.exit_code == 0
     assert "12.5" in data["notes"][0]
     assert repr(data["objective"]) in data["notes"][0]
-    assert data["notes"][0].split()[0] in run("check", "demo-tiny", solved[0]).stdout
+    shown = run("check", "demo-tiny", solved[0]).stdout
+    assert data["notes"][0].split()[0] in shown and "12.5 in the file, another objective, see the note" in shown
 
 
 def test_a_certificate_is_verified(run, strict_json, solved):

@@ -74,6 +74,8 @@ def test_an_animation_is_written(run, tmp_path, suffix):
         (("tracking", "--set", "robots"), "KEY=VALUE"),
         (("tracking", "--solver", "nothing"), "unknown solver"),
         (("tracking", "--heuristic", "savings"), "savings cannot take this problem"),
+        (("tracking", "--heuristic", "savings"), "policies of tracking: force-vector, stay"),
+        (("information-gathering", "--heuristic", "auction"), "auction is a policy: --policy auction"),
         (("tracking", "--time-limit", "nan"), "finite"),
         (("tracking", "--out", "log.txt"), "suffix"),
         (("tracking", "--out", "missing/log.csv"), "no folder"),

@@ -6,6 +6,7 @@ import copy
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, plane, varied
 
@@ -13,8 +14,9 @@ import waybound as wb
 from waybound.formulations.certificate import certify, check_certificate
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.levels import best_level_bound, with_levels
-from waybound.formulations.routing.objective import Objective, Reward, TotalCost, Vehicles
+from waybound.formulations.routing.objective import Objective, Penalties, Reward, TotalCost, Vehicles
 from waybound.instances.errors import CheckFailedError, InputError
+from waybound.instances.routing.instance import Sites
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
 from waybound.solvers.bounds.routing.vehicles_needed import vehicles_needed
@@ -22,8 +24,10 @@ from waybound.solvers.bounds.routing.vehicles_needed import vehicles_needed
 
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_the_problem_of_the_next_level_keeps_every_answer_that_is_as_good_before(feature: str) -> None:
-    for goal in (Vehicles().then(TotalCost()), TotalCost().then(Vehicles())):
-        problem = replace(varied(feature, 1, few(feature)), objective=Objective.of(goal))
+    goals = (Vehicles().then(TotalCost()), TotalCost().then(Vehicles()), Reward().then(TotalCost()), Penalties().then(TotalCost()))
+    for seed, goal in enumerate(goals, start=1):
+        drawn = varied(feature, seed, few(feature))
+        problem = replace(drawn, objective=Objective.of(goal), sites=_penalised(drawn.sites))
         best = best_values(problem)
         if best is None:
             continue
@@ -33,10 +37,29 @@ def test_the_problem_of_the_next_level_keeps_every_answer_that_is_as_good_before
         assert left is not None and left[0] <= best[1] + 1e-9
 
 
+def _penalised(sites: Sites) -> Sites:
+    free = ~sites.depot & ~sites.required
+    free[[site for group in sites.groups for site in group.sites]] = False
+    return replace(sites, penalty=np.where(free, 3.0, 0.0))
+
+
 def test_there_is_no_next_level_after_the_last() -> None:
     problem = replace(plane(1, 4, 10.0), objective=Objective.of(Vehicles().then(TotalCost())))
     assert problem.given([2.0, 30.0]) is None and problem.given([]) is None
     assert wb.read("cover-30").given([1.0]) is None
+
+
+def test_sites_without_whom_rewards_or_penalties_are_out_of_reach_are_required() -> None:
+    plain = plane(1, 4, 100.0).sites
+    sites = replace(plain, reward=np.array([0, 5, 3, 3, 1.0]), penalty=np.array([0, 5, 3, 3, 1.0]), required=np.zeros(5, dtype=bool))
+    for goal, most in ((Reward().then(TotalCost()), 12.0), (Penalties().then(TotalCost()), 0.0)):
+        problem = replace(plane(1, 4, 100.0), sites=sites, objective=Objective.of(goal))
+        for lost, needed in ((0.0, [1, 1, 1, 1]), (1.0, [1, 1, 1, 0]), (3.0, [1, 0, 0, 0]), (5.0, [0, 0, 0, 0])):
+            given = problem.given([abs(most - lost)])
+            assert given is not None and given.sites.required[1:].tolist() == needed
+    solution = wb.solve(replace(problem, objective=Objective.of(Reward().then(TotalCost()))), "highs", bound_time=10.0)
+    assert solution.certificate.bound == solution.objective[0] == 12.0
+    assert solution.certificate.levels[0].bound == pytest.approx(solution.objective[1])
 
 
 def test_only_levels_of_vehicles_alone_limit_the_fleet() -> None:

@@ -282,6 +282,7 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
         "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
+        "customer-sets": {"longest-route": unit("distance"), "makespan": unit("time")},
         "too-little-time": {"from": unit("time"), "until": unit("time")}, "all-paths": {"target": factor},
         "path-potentials": {"potentials": factor}, "task-forest": {"tasks": factor, "robots": factor},
         "assignment-prices": {"prices": factor, "level": factor}, "job-prices": {"prices": factor},

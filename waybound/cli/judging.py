@@ -91,14 +91,15 @@ def check(
         )
     else:
         from ..formulations.certificate import certificate_lines
-        from ..formulations.rendering import Line
+        from ..formulations.rendering import Line, number
         from .output import print_lines
 
         lines = certificate_lines(made)
         if certificate is None:
             lines = [line for line in lines if line.label != "bound"]
         if read.stated is not None:
-            lines.append(Line("stated", str(read.stated)))
+            agrees = "another objective, see the note" if _compare(read, evaluation) else "as recomputed"
+            lines.append(Line("stated", f"{number(read.stated)} in the file, {agrees}"))
         lines += [Line("note", note) for note in notes]
         lines += [Line(name, f"{value:.10g}", "quiet") for name, value in evaluation.quantities.items()] if verbose else []
         print_lines(f"{solution}: a solution of {asked.name} ({made.problem}, {made.sense}, convention {made.convention})", lines)

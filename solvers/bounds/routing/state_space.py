@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
+from ....formulations.routing.checking.customer_sets import CUSTOMERS
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.checking.stops_on_the_way import without_stops
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, needed_routes, terms_of
@@ -93,6 +94,8 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     if not lacks_arc_costs(problem):
         if not problem.features() & LIMITS:  # trees and assignments see more
             return None
+        stop = stop.within(BUDGET * stop.seconds_left)
+    elif len(problem.customers) <= CUSTOMERS:  # their sets see more
         stop = stop.within(BUDGET * stop.seconds_left)
     sites, customers, relaxed = problem.sites, problem.sites.customers, without_stops(problem)
     terms = terms_of(problem)

@@ -142,3 +142,8 @@ def test_a_usual_objective_is_no_hindrance_to_other_formats(tmp_path):
     problem = wb.read("demo-tiny")
     problem.save(tmp_path / "p.csv")
     assert wb.read(tmp_path / "p.csv", problem=problem.problem).digest() == problem.digest()
+
+
+def test_each_level_of_priority_is_shown_with_its_sense() -> None:
+    shown = repr(wb.read("demo-tiny", objective="vehicles then total-cost"))
+    assert ", min vehicles, then min total-cost, convention" in shown

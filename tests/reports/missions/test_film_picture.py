@@ -69,6 +69,22 @@ def test_several_films_have_a_map_and_a_curve_each(film: Film) -> None:
     assert [ax.get_title() for ax in picture.figure.axes] == ["one", "two", ""]
 
 
+def test_what_each_agent_added_is_a_band_of_its_colour_below_what_could_be_at_most() -> None:
+    made = Film(MISSIONS["information-gathering"]())
+    run(made.mission, steps=70, seed=1, policy="auction", watch=made, robots=3, rows=10, columns=10, sensors=6)
+    picture = Picture({"": made})
+    picture.show(70)
+    scene, gain = made.shots[70]
+    heights = [area.get_xy()[:71, 1] - area.get_xy()[:70:-1, 1] for area in picture.areas]
+    np.testing.assert_allclose([height[-1] for height in heights], scene.shares)
+    assert picture.most[0].get_ydata()[-1] == scene.limit > gain > 0
+    assert picture.title.get_text().endswith(f"gain {gain:.5g} of at most {scene.limit:.5g}")
+    assert [text.get_text() for text in picture.stages[0].notes] == list(scene.notes)
+    assert len({tuple(colour) for colour in picture.stages[0].agents.get_facecolors().tolist()}) == 3
+    both = Picture({"one": made, "two": made})
+    assert not both.areas and len(both.most) == 2
+
+
 def test_only_a_headline_that_counts_points_is_told_of_how_many(film: Film) -> None:
     counted = Picture({"": film})
     assert counted.counts and counted.title.get_text().endswith(" of 6")

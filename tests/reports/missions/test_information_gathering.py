@@ -88,3 +88,14 @@ def test_it_can_be_filmed(tmp_path):
     assert scene.marked.all()
     assert scene.points.shape == (6, 2)
     assert np.isfinite(scene.points).all()
+
+
+def test_a_film_tells_who_gathered_what_and_how_much_it_could_be_at_most():
+    film = Film(InformationGathering())
+    log = wb.run(film.mission, policy="auction", steps=90, seed=1, robots=3, watch=film, **SMALL)
+    for (scene, gain), row in zip(film.shots[1:], log.to_dict("records"), strict=True):
+        assert scene.shares.sum() == pytest.approx(gain) and gain == row["gain"]
+        assert gain + row["carried"] + row["stored"] + row["loss"] <= scene.limit + 1e-9
+        assert (scene.levels * 100.0).sum() == pytest.approx(row["stored"])
+        assert sum(map(float, scene.notes)) == pytest.approx(row["carried"], abs=1.5)
+    assert (film.shots[-1][0].shares > 0).all() and any(scene.links for scene, _ in film.shots)

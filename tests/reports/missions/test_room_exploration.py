@@ -87,6 +87,8 @@ def test_it_can_be_filmed(tmp_path):
     film.save_frame(8, tmp_path / "rooms.png")
     scene = film.shots[8][0]
     assert (tmp_path / "rooms.png").stat().st_size > 1000
+    assert all(np.linalg.norm(scene.points - robot, axis=1).min() < 0.3 for robot in scene.agents)  # each at its own room
+    assert len(np.unique(scene.agents, axis=0)) == len(scene.agents)
     assert len(scene.ways) >= 8 and scene.marked.sum() == film.values[8]
 
 

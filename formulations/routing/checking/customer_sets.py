@@ -1,0 +1,281 @@
+"""Evidence ``customer-sets``: the cheapest route of each type of vehicle through each set of a few customers, and the best of all ways to
+divide the customers among routes.
+
+Routes are relaxed one limit at a time: a set is ruled out where the least level of some resource, over all orders of its members, breaks
+a limit, and its cost is the least over all orders that no level by itself rules out. Pickups come before their deliveries on the same
+route, alternatives exclude each other, and each vehicle is of its own type. Where the objective weighs the largest of all routes with
+other terms, limits on the largest route divide the answers: of those whose largest route lies between two of them, it costs the lower at
+least, and no route is beyond the upper.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.granularity import lift
+from ...evidence import CHECKERS
+from ...stop import current_stop
+from .known_features import own_moves, unknown_features
+from .relaxation import with_depot
+from .round_trips import least_peak
+from .stops_on_the_way import with_fleet, without_stops
+from .vehicle_moves import Terms, VehicleMoves, alike, constants, terms_of, value_grain
+
+if TYPE_CHECKING:
+    from ....instances.routing.vehicle_type import VehicleType
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+Masks = NDArray[np.int64]
+
+CUSTOMERS = 16
+"""More are not looked at: their sets are too many."""
+
+WORK = 4_000_000_000
+"""Sets of customers that are joined in one proof at most, some 5 s."""
+
+LIMITS = 64
+"""On the largest route, at most."""
+
+JOINED = ("longest-route", "makespan")
+"""Maxima that are told set by set."""
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def joined_peak(terms: Terms) -> str:
+    """The maximum that is told set by set, none if empty."""
+    return next((name for name in JOINED if name in terms.peaks), "")
+
+
+@dataclass(frozen=True, eq=False)
+class CustomerSets:
+    """What routes through sets of customers cost; sets are masks over the customers in site order.
+
+    Parameters
+    ----------
+    types : list of (sets, values, peaks, count)
+        One entry a type of vehicle, and how many of it there are; what each set adds to the objective at least, and its least length or
+        duration, by which the largest route is told.
+    ends : array of int
+        Sets that an answer may visit in all.
+    fewest : int
+        Routes of an answer at least.
+    fixed : float
+        What routes do not change.
+    weight, least : float
+        Of the largest route in the objective, and a bound on it.
+    error, blur : float
+        What sums of values, and one peak, may be wrong by.
+    customers : int
+    """
+
+    types: list[tuple[Masks, Floats, Floats, int]]
+    ends: Masks
+    fewest: int
+    fixed: float
+    weight: float
+    least: float
+    error: float
+    blur: float
+    customers: int
+
+    @classmethod
+    def of(cls, problem: RoutingProblem, terms: Terms) -> CustomerSets | None:
+        """None where a search for routes was stopped, or numbers are too large to add up."""
+        relaxed, sites, customers = without_stops(problem), problem.sites, problem.sites.customers
+        n = len(customers)
+        peak = joined_peak(terms)
+        others = replace(terms, peaks={name: w for name, w in terms.peaks.items() if name != peak})
+        node = {site: k for k, site in enumerate(customers.tolist())}
+        masks = np.arange(1 << n)
+        whole, ends = np.ones(1 << n, dtype=bool), np.ones(1 << n, dtype=bool)
+        before = np.zeros(n, np.int64)
+        for s in sites.shipments:
+            first, then = node[s.pickup], node[s.delivery]
+            before[then] |= 1 << first
+            whole &= (masks >> first & 1) == (masks >> then & 1)
+        for group in sites.groups:
+            visits = sum(masks >> node[site] & 1 for site in group.sites)
+            whole &= visits <= 1
+            ends &= (visits == 1) if group.required else (visits <= 1)
+        must = sum(1 << node[site] for site in customers[sites.required[customers]].tolist())
+        ends &= masks & must == must
+        types, size, largest = [], 0.0, 0.0
+        for vehicle, count in alike(problem).items():
+            alone = without_stops(with_fleet(problem, (vehicle,)))
+            found, sizes = _values(alone, others, peak, before)
+            if vehicle.reloads:
+                trips, more = _of_trips(problem, vehicle, others, peak)
+                found, sizes = np.maximum(found, trips), np.maximum(sizes, more)
+            if np.isnan(found).any():
+                return None
+            kept = np.flatnonzero(np.isfinite(found[0]) & whole)
+            types.append((kept, found[0, kept], found[1, kept], min(count, n)))
+            size, largest = max(size, float(sizes[0])), max(largest, float(sizes[1]))
+        parts = constants(relaxed, others)
+        size += max((abs(part) for part in parts), default=0.0)
+        if not math.isfinite(64.0 * (n + 2) ** 2 * (size + largest)):
+            return None
+        # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
+        rounding = 16.0 * _EPS * (n + 2) ** 2
+        weight, least = terms.peaks.get(peak, 0.0), least_peak(relaxed, peak) if peak else 0.0
+        fixed = math.fsum(parts)
+        return cls(types, np.flatnonzero(ends), problem.min_vehicles, fixed, weight, least, rounding * size, rounding * largest, n)
+
+    def cheapest(self, limit: float = math.inf, work: float = WORK) -> tuple[float, float]:
+        """Least value without that of the largest route, where none is beyond ``limit``, and the work it took; infinite if there is no
+        answer, NaN where it was stopped or is too much work."""
+        from .customer_set_kernels import with_route
+
+        best = np.full((self.fewest + 1, 1 << self.customers), math.inf)
+        best[0, 0] = 0.0
+        done = 0.0
+        for sets, values, peaks, count in self.types:
+            kept = peaks <= limit + self.blur
+            mine, worth = sets[kept], values[kept]
+            others = sum((~mine >> k) & 1 for k in range(self.customers))
+            each = float(np.exp2(others).sum()) * len(best)
+            for _ in range(count):
+                done += each
+                if done > work:
+                    return math.nan, done
+                more = with_route(current_stop().flag, best, mine, worth)
+                if math.isnan(more[0, 0]):
+                    return math.nan, done
+                if (more == best).all():
+                    break
+                best = more
+        return float(best[-1, self.ends].min(initial=math.inf)), done
+
+    def bound(self, limits: Sequence[float]) -> float:
+        """What holds of every answer, of a minimisation, divided by ``limits`` on the largest route, in ascending order."""
+        left, found = float(WORK), math.inf
+        for low, high in zip([self.least, *limits], [*limits, math.inf], strict=True):
+            value, done = self.cheapest(high, left)
+            if math.isnan(value):
+                return -math.inf
+            left -= done
+            found = min(found, value + self.weight * max(low, self.least))
+        made = self.fixed + found
+        return made - self.error - 4.0 * _EPS * (abs(made) + abs(self.fixed)) if math.isfinite(made) else made
+
+
+def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tuple[Floats, Floats]:
+    """Value, and length or duration, of the routes of a fleet of one through each set, and the sizes of what they are added up from."""
+    from .customer_set_kernels import set_values
+
+    (vehicle,), sites, n = alone.fleet, alone.sites, len(alone.sites.customers)
+    moves = VehicleMoves.of(alone, vehicle, terms, np.zeros(n), {})
+    far, move = own_moves(alone, vehicle)
+    service = np.concatenate([[0.0], sites.service[sites.customers]])
+    lengths = with_depot(alone, move, service) if peak == "makespan" else with_depot(alone, far if peak else 0.0 * far, 0.0 * service)
+    limits = [r for name, r in moves.resources.items() if name != "order"]
+    usable = np.isfinite(moves.cost)
+    nothing = np.where(usable, 0.0, math.inf)
+    found = set_values(
+        current_stop().flag, np.ascontiguousarray([moves.cost, np.where(usable, lengths, math.inf)]),
+        np.ascontiguousarray([r.weight + nothing for r in limits]).reshape(len(limits), *usable.shape),
+        np.array([r.start for r in limits]), np.ascontiguousarray([r.lower for r in limits]),
+        np.ascontiguousarray([r.upper + r.slack for r in limits]), before,
+    )  # fmt: skip
+    return found, np.array([moves.size, float(np.abs(lengths).max())])
+
+
+def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak: str) -> tuple[Floats, Floats]:
+    """The same of a vehicle that reloads on its way: as many trips between depots as it may make, each with its own load. What is carried
+    over a stop may be delivered on a later trip."""
+    from .customer_set_kernels import with_route
+
+    n = len(problem.sites.customers)
+    stops, depots = set(vehicle.reloads), sorted({vehicle.start, vehicle.end, *vehicle.reloads})
+    free, sizes = replace(terms, vehicles=0.0), np.zeros(2)
+    table: dict[tuple[int, int], tuple[Masks, Floats]] = {}
+    for a in depots:
+        for b in stops | {vehicle.end}:
+            trip = replace(vehicle, count=1, start=a, end=b, reloads=(), max_reloads=None, fixed_cost=0.0)
+            values, size = _values(without_stops(with_fleet(problem, (trip,))), free, peak, np.zeros(n, np.int64))
+            if np.isnan(values[0, 0]):
+                return values, size
+            kept = np.flatnonzero(np.isfinite(values[0]))
+            table[a, b] = kept, values[:, kept]
+            sizes = np.maximum(sizes, size)
+    far, move = (matrix[np.ix_(depots, depots)] for matrix in own_moves(problem, vehicle))
+    paid = terms.cost * vehicle.unit_cost * far + (terms.cost * vehicle.unit_duration_cost + terms.duration) * move
+    found = np.full((2, 1 << n), math.inf)
+    for c, between in enumerate((paid, move if peak == "makespan" else far)):
+        sizes[c] = max(sizes[c], float(between.max()))
+        at = np.full((len(depots), 1 << n), math.inf)  # least by where the next trip begins, and who was visited
+        at[depots.index(vehicle.start), 0] = 0.0
+        for trips in itertools.count(1):
+            after = at.copy()
+            for (a, b), (sets, values) in table.items():
+                i, k = depots.index(a), depots.index(b)
+                made = with_route(current_stop().flag, at[i][None, :], sets, np.ascontiguousarray(values[c]))[0]
+                if math.isnan(made[0]):
+                    return np.full((2, 1 << n), math.nan), sizes
+                np.minimum(made, at[i] + between[i, k], out=made)  # a trip may visit nobody
+                if b == vehicle.end:
+                    np.minimum(found[c], made, out=found[c])
+                if b in stops:
+                    np.minimum(after[k], made, out=after[k])
+            if trips - 1 == vehicle.max_reloads or (after == at).all():
+                break
+            at = after
+    found[0] += terms.cost * vehicle.fixed_cost + terms.vehicles
+    found[:, 0] = math.inf  # a route visits somebody
+    return found, sizes + abs(terms.cost * vehicle.fixed_cost + terms.vehicles)
+
+
+@CHECKERS.register("customer-sets")
+def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Bound on the first level of the objective, or infinity where no answer is left.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        With any features and any terms; several loads, windows and risks count as far as ``known_features`` says.
+    data : dict
+        ``longest-route`` or ``makespan``, optional: at most 64 numbers in ascending order, limits on the largest route by which the
+        answers are divided.
+
+    Returns
+    -------
+    float
+        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) beyond 16 customers, or where
+        it is too much work.
+
+    Raises
+    ------
+    InputError
+        If limits are no finite numbers in ascending order, or too many.
+
+    Notes
+    -----
+    Source: Held, Karp (1962) for the sets; docs/formulations/routing.md#customer-sets.
+    """
+    if problem.family != "routing":
+        raise InputError("customer-sets are evidence for routing problems", found=problem.family)
+    terms = terms_of(problem)
+    peak = "" if terms is None else joined_peak(terms)
+    given = data.get(peak, []) if peak else []
+    if not isinstance(given, list) or len(given) > LIMITS or any(isinstance(x, bool) or not isinstance(x, int | float) for x in given):
+        raise InputError("evidence 'limits' must be a list of numbers", expected=f"at most {LIMITS}", found=str(given)[:80])
+    limits = [float(x) for x in given]
+    if not all(map(math.isfinite, limits)) or sorted(limits) != limits:
+        raise InputError("evidence 'limits' must be finite and in ascending order", found=str(given)[:80])
+    sign = 1.0 if problem.sense == "min" else -1.0
+    if terms is None or unknown_features(without_stops(problem)) or not 0 < len(problem.sites.customers) <= CUSTOMERS:
+        return -sign * math.inf
+    with np.errstate(over="ignore", invalid="ignore"):
+        sets = CustomerSets.of(problem, terms)
+        bound = -math.inf if sets is None else sets.bound(limits)
+    return sign * lift(bound, "min", value_grain(problem, terms)) if math.isfinite(bound) else sign * bound
