@@ -16,7 +16,7 @@ from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import CIRCUITS, CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
 from ..formulations.programs.reductions.reduction import Chain, Irreducible, Reduction
 from ..formulations.programs.reductions.unique_entries import UNIQUE_ENTRIES
-from ..formulations.programs.reductions.units import UNITS
+from ..formulations.programs.reductions.units import UNITS, Scaled
 from ..formulations.programs.reductions.whole_bounds import WHOLE_BOUNDS
 from ..formulations.programs.soundness import refuse_numbers
 from ..instances.errors import UnsupportedError
@@ -150,7 +150,9 @@ class ProgramBackend(Backend):
         answer = None if result.answer is None else np.asarray(chain.vector(result.answer), dtype=np.float64)
         objective = None if answer is None else program.value(answer)
         bound = None if result.bound is None else chain.bound(result.bound)
-        if bound is not None and result.status == "optimal" and chain.exactness is Exactness.EXACT and not _meet(objective, bound):
+        units = next((step for step in chain.steps if isinstance(step, Scaled)), None)
+        counted = [v if v is None or units is None else units.counted(v) for v in (objective, bound)]
+        if bound is not None and result.status == "optimal" and chain.exactness is Exactness.EXACT and not _meet(*counted):
             # What is near without a constant need not be near with one.
             result = replace(result, status="feasible", limit=said.limit if said.limit != "none" else "gap")
         if result.status == "feasible" and not program.is_integer:

@@ -64,7 +64,7 @@ def rounded(problem: GeneralisedAssignment, parts: Floats) -> tuple[int, ...] | 
     job, cost = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 2))
     slot = np.repeat(np.arange(len(owner)), [len(pair[0]) for pair in pairs])
     low, high = float(cost.min()), float(cost.max())
-    weight = cost - low + max(high - low, 1.0)  # the same for every job; a stored 0 would be no pair
+    weight = cost - low + (high - low or 1.0)  # the same for every job; a stored 0 would be no pair
     try:
         job, slot = min_weight_full_bipartite_matching(csr_array((weight, (job, slot)), shape=(problem.num_jobs, len(owner))))
     except ValueError:

@@ -54,7 +54,7 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, context: Context,
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
     made = problem.compile(linear[0], relax=True)
     program = made.program
-    units = scaled(program, always=True)  # the same optimum in any unit, where there are several
+    units = scaled(program)
     result = context.linear.solve(units.program, stop)
     statistics: dict[str, Any] = {"form": made.form, "lp_status": result.status}
     if result.answer is None or result.status != "optimal":

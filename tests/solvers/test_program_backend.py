@@ -70,8 +70,8 @@ class Says(ProgramBackend):
 
 
 def knapsack(**changes) -> Program:
-    """Worth 5 and 3, weights 2 and 2 of 3, both whole: the best is 5 + 10."""
-    return replace(dense([5, 3], [[2, 2]], -math.inf, 3, 0, 1, integer=[0, 1], sense="max", offset=10.0), **changes)
+    """Worth 5 and 3, weights 2 and 3 of 3, both whole: the best is 5 + 10."""
+    return replace(dense([5, 3], [[2, 3]], -math.inf, 3, 0, 1, integer=[0, 1], sense="max", offset=10.0), **changes)
 
 
 GOOD, BAD = np.array([1.0, 0.0]), np.array([1.0, 1.0])
@@ -98,9 +98,9 @@ def test_the_last_word_is_taken_for_what_it_is_worth(said, status, limit, object
 
 
 def test_the_optimum_of_a_continuous_program_is_its_bound() -> None:
-    linear = dense([5, 3], [[2, 2]], -math.inf, 3, 0, 1, sense="max")
-    result = Says(RawResult("optimal", answer=np.array([1.0, 0.5]))).run(linear, Options(), Control())
-    assert (result.status, result.objective, result.bound) == ("optimal", 6.5, 6.5)
+    linear = dense([5, 3], [[1, 1]], -math.inf, 1, 0, 1, sense="max")
+    result = Says(RawResult("optimal", answer=GOOD)).run(linear, Options(), Control())
+    assert (result.status, result.objective, result.bound) == ("optimal", 5.0, 5.0)
 
 
 def test_a_point_at_which_a_limit_ended_a_continuous_program_claims_no_value() -> None:
@@ -177,10 +177,19 @@ def test_a_refusal_names_those_who_take_the_numbers_too() -> None:
         solver_named("highs").run(squares, Options(), Control())
 
 
-def test_a_program_of_ordinary_size_is_searched_as_it_is() -> None:
+def test_a_program_of_whole_numbers_is_searched_as_it_is() -> None:
     backend, given = Says(RawResult("unknown")), knapsack()
     backend.run(given, Options(), Control())
     assert backend.seen == [given]
+
+
+def test_an_optimum_is_one_in_every_unit() -> None:
+    """Whether value and bound meet is asked in the solver's numbers, whatever the objective counts."""
+    for power in (-60, 0, 60):
+        near = knapsack(variables=tuple(replace(b, cost=np.ldexp(b.cost, power)) for b in knapsack().variables), offset=0.0)
+        for bound, status in ((5e-7, "optimal"), (5e-4, "feasible")):
+            said = RawResult("optimal", answer=np.zeros(2), bound=bound)
+            assert Says(said).run(near, Options(), Control()).status == status
 
 
 def test_a_wish_to_stop_reaches_the_search_of_a_program_in_other_units() -> None:

@@ -5,9 +5,9 @@ With x = S x' and row factors R, and f for the objective, all of them powers of 
 
     min c x + c0,  l <= A x <= u      becomes      min f c S x' + f c0,  R l <= R A S x' <= R u
 
-Integers keep their unit, and rows of ones theirs. A program is handed over as it is if the largest entry of each row and of the objective
-and the sizes of its continuous variables are ordinary; else all of them are brought to the same size, so that it is the same program
-whatever the units of its data were.
+Integers keep their unit, and rows of ones theirs. The powers follow from the data alone, so that it is the same program to the bit
+whatever unit these are in. Whole numbers and short decimals of ordinary size stay so, but for a power of two that all of a row, of the
+objective or of what stands beside a block of variables have in common; all else is brought to one size.
 """
 
 from __future__ import annotations
@@ -28,9 +28,15 @@ SPREAD = 10
 """Binary exponent of how far apart the variables of a block may be and still have one unit."""
 
 COMMON = 2
-"""Binary exponent of the size that all numbers of other programs are brought to."""
+"""Binary exponent of the size that other numbers are brought to."""
 
 _PASSES = 4
+
+_BITS = 30
+"""Of whole numbers, and of short decimals once they are multiplied: 20 before the point and three digits behind it."""
+
+_ROUNDING = 2.0**-20
+"""In steps of 2**-_BITS of the largest: four times what doubles round."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,6 +66,10 @@ class Scaled(Step):
         """Largest violation by x, a vector of the program as it was, as a solver counts it."""
         return float(self.program.residual(self.encoded(x)))
 
+    def counted(self, value: float) -> float:
+        """An objective of the program as it was, as a solver counts it."""
+        return _times(value, self.objective)
+
     def value(self, value: float) -> float:
         return _times(value, -self.objective)
 
@@ -67,35 +77,26 @@ class Scaled(Step):
         return np.asarray(np.ldexp(duals, self.rows - self.objective), dtype=np.float64)
 
 
-def scaled(program: Program, *, always: bool = False) -> Scaled:
-    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a block of columns can do it.
-
-    ``always`` does so to ordinary programs too: then it is the same program in any units, of whose several optima a solver finds the same.
-    """
+def scaled(program: Program) -> Scaled:
+    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a block of columns can do it."""
     row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
-    sizes = _sizes(program, row)
-    ones, none = np.zeros(program.num_variables, dtype=np.int64), np.zeros(program.num_rows, dtype=np.int64)
-    found = [np.where(program.integer, 0.0, sizes), *_heaviest(program, row, ones)]
-    if not always and all(_ordinary(part) for part in found):
-        return Scaled(program=program, columns=ones, rows=none, objective=0)
-    columns = np.where(program.integer, 0, _shift(sizes))
-    heaviest, dearest = _heaviest(program, row, columns)
-    data = np.ldexp(np.abs(program.data), columns[program.indices])
-    plain = np.ones(program.num_rows, dtype=bool)
-    plain[row[(data != 1.0) & (data != 0.0)]] = False
-    rows, objective = np.where(plain, 0, -_shift(heaviest)), -int(_shift(dearest)[0])
+    columns = _column_units(program, row)
+    rows, objective = _row_units(program, row, columns), _objective_unit(program, columns)
+    same = Scaled(program=program, columns=0 * columns, rows=0 * rows, objective=0)
+    if not (columns.any() or rows.any() or objective):
+        return same
     if not math.isfinite(_times(program.offset, objective)):
         objective = 0
     with np.errstate(over="ignore"):
         made = _apply(program, columns, rows, objective)
     if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(made), strict=True)):
-        return Scaled(program=program, columns=ones, rows=none, objective=0)  # numbers too far apart for any unit
+        return same  # numbers too far apart for any unit
     told = f"{program.num_variables} variables and {program.num_rows} rows brought to ordinary sizes by powers of two"
     return Scaled(program=made, told=told, columns=columns, rows=rows, objective=objective)
 
 
 class Units(Reduction):
-    """Brings programs with extraordinary numbers to ordinary units."""
+    """Brings programs to ordinary units, the same for data in any."""
 
     def apply(self, program: Program) -> tuple[Step, ...]:
         """See ``Reduction.apply``."""
@@ -110,21 +111,135 @@ def _numbers(p: Program) -> tuple[Floats, ...]:
     return p.cost, p.lower, p.upper, p.row_lower, p.row_upper, p.data
 
 
-def _heaviest(program: Program, row: NDArray[np.int64], columns: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """The largest entry of each row, and of the objective (an array of one), with the columns in other units."""
-    heaviest = np.zeros(program.num_rows)
+def _column_units(program: Program, row: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Binary exponents of S: continuous variables are counted as are their bounds and what else stands in their rows, integers by one.
+
+    Where not all of these are short decimals their bounds decide, else their size; what stands beside nothing but other continuous
+    variables follows these.
+    """
+    none = np.zeros(program.num_variables, dtype=np.int64)
+    if program.integer.all():
+        return none
+    sizes, group = _sizes(program, row)
+    many = int(group.max()) + 1
+    held, bounds = program.data != 0, np.abs(np.concatenate([program.lower, program.upper]))
+    fixed, free = (held & part[program.indices] for part in (program.integer, ~program.integer))
+    sides, at = _sides(program)
+    beside = _counted(np.concatenate([np.abs(program.data[fixed]), sides]), np.concatenate([row[fixed], at]), program.num_rows)
+    i, g, entry = row[free], group[program.indices[free]], np.abs(program.data[free])
+    some = beside.largest[i] > 0
+    with np.errstate(over="ignore", under="ignore", divide="ignore"):
+        least = np.ldexp(1.0 / beside.decimals[i[some]], beside.units[i[some]])  # infinite where there is no decimal
+        numbers = np.concatenate([bounds, beside.largest[i[some]] / entry[some], least / entry[some]])
+    counted = _counted(numbers, np.concatenate([group, group, g[some], g[some]]), many)
+    bounded = _counted(bounds, np.concatenate([group, group]), many)
+    beside_integers = np.zeros(many, dtype=bool)
+    beside_integers[g[(np.bincount(row[fixed], minlength=program.num_rows) > 0)[i]]] = True
+    all_counted = ((bounded.largest > 0) | beside_integers) & (counted.decimals > 0)
+    all_counted[g[some][beside.decimals[i[some]] == 0]] = False
+    good = all_counted | (bounded.decimals > 0)
+    units = np.where(all_counted, counted.units, bounded.units)
+    alone = counted.largest == 0
+    for _ in range(_PASSES):
+        known, unknown = good[g], alone[g]
+        least_of_row = np.full(program.num_rows, math.inf)
+        np.minimum.at(least_of_row, i[known], np.ldexp(entry[known], units[g[known]]))
+        reached = unknown & np.isfinite(least_of_row[i])
+        if not reached.any():
+            break
+        least_of_group = np.full(many, math.inf)
+        np.minimum.at(least_of_group, g[reached], least_of_row[i[reached]] / entry[reached])
+        new = np.isfinite(least_of_group)
+        units[new] = np.frexp(least_of_group[new])[1] - 1
+        good |= new
+        alone &= ~new
+    return np.where(program.integer, 0, np.where(good[group], units[group], _shift(sizes)))
+
+
+def _row_units(program: Program, row: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Binary exponents of R; sides count where that leaves them whole, but rows of ones stay so."""
+    many = program.num_rows
     with np.errstate(over="ignore", under="ignore"):
-        np.maximum.at(heaviest, row, np.ldexp(np.abs(program.data), columns[program.indices]))
-        dearest = float(np.ldexp(np.abs(program.cost), columns).max(initial=0.0))
+        entries = np.ldexp(np.abs(program.data), columns[program.indices])
+    units = _counted(entries, row, many).units
+    held = entries > 0.0
+    empty = np.bincount(row[held], minlength=many) == 0
+    ones = ~empty
+    ones[row[held & (np.ldexp(entries, -units[row]) != 1.0)]] = False
+    sides, at = _sides(program)
+    counted = _counted(np.concatenate([entries, sides]), np.concatenate([row, at]), many)
+    return -np.where((counted.decimals > 0) & ~ones | empty, counted.units, units)
+
+
+def _sides(program: Program) -> tuple[Floats, NDArray[np.int64]]:
+    """Sizes of the limits of rows, and whose they are."""
+    sides = np.abs(np.concatenate([program.row_lower, program.row_upper]))
+    limited = np.isfinite(sides)
+    return sides[limited], np.tile(np.arange(program.num_rows), 2)[limited]
+
+
+def _objective_unit(program: Program, columns: NDArray[np.int64]) -> int:
+    with np.errstate(over="ignore", under="ignore"):
+        costs = np.ldexp(np.abs(program.cost), columns)
         if program.quadratic is not None:
             q = program.quadratic.tocoo()
-            dearest = max(dearest, float(np.ldexp(np.abs(q.data), columns[q.row] + columns[q.col]).max(initial=0.0)))
-    return heaviest, np.array([dearest])
+            costs = np.append(costs, np.ldexp(np.abs(q.data), columns[q.row] + columns[q.col]))
+    return -int(_counted(costs, np.zeros(len(costs), dtype=np.int64), 1).units[0])
 
 
-def _ordinary(sizes: Floats) -> bool:
-    known = sizes[(sizes > 0) & np.isfinite(sizes)]
-    return bool(((known >= 2.0**SMALLEST) & (known < 2.0**LARGEST)).all())
+@dataclass(frozen=True, eq=False)
+class _Counts:
+    """How the numbers of each group are counted.
+
+    Attributes
+    ----------
+    units : int array of shape (groups,)
+        Binary exponents; 0 for groups without a number.
+    decimals : float array of shape (groups,)
+        1, 10, 100 or 1000, times which all numbers in these units are whole; 0 where none does it.
+    largest : float array of shape (groups,)
+        The largest number, in its own units.
+    """
+
+    units: NDArray[np.int64]
+    decimals: Floats
+    largest: Floats
+
+
+def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
+    """The unit of each group: the same numbers come out whatever they were multiplied by.
+
+    The largest power of two of which all of them, times 1, 10, 100 or 1000, are multiples, if the largest number is then of ordinary size,
+    so that whole numbers and short decimals stay so; else that which brings the largest to the common one.
+    """
+    kept = (values > 0) & np.isfinite(values)
+    values, group = values[kept], group[kept]
+    largest = np.zeros(groups)
+    np.maximum.at(largest, group, values)
+    units, found = _shift(largest), np.zeros(groups)
+    for decimals in (1.0, 10.0, 100.0, 1000.0):
+        if not len(values):
+            break
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            top = np.frexp(largest * decimals)[1].astype(np.int64)
+            steps = np.ldexp(values * decimals, _BITS - top[group])
+            near = np.rint(steps)
+            bad = ~(np.abs(steps - near) <= _ROUNDING) | (near == 0)
+        counts = np.where(bad, 1.0, near).astype(np.int64)
+        lowest, most = np.full(groups, 2**_BITS), np.zeros(groups, dtype=np.int64)
+        np.minimum.at(lowest, group, counts & -counts)
+        np.maximum.at(most, group, counts)
+        good = _ordinary(most / lowest / decimals)
+        good[group[bad]] = False
+        units[good] = (top - _BITS + np.log2(lowest).astype(np.int64))[good]
+        found[good] = decimals
+        left = ~good[group]
+        values, group = values[left], group[left]
+    return _Counts(units, found, largest)
+
+
+def _ordinary(sizes: Floats) -> NDArray[np.bool_]:
+    return (sizes >= 2.0**SMALLEST) & (sizes < 2.0**LARGEST)
 
 
 def _shift(sizes: Floats) -> NDArray[np.int64]:
@@ -134,8 +249,9 @@ def _shift(sizes: Floats) -> NDArray[np.int64]:
     return np.where((sizes > 0) & np.isfinite(sizes), exponent, 0)
 
 
-def _sizes(program: Program, row: NDArray[np.int64]) -> Floats:
-    """How large the variables are, by their bounds, or by what the rows that hold them speak of; 0 where nothing tells.
+def _sizes(program: Program, row: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
+    """How large the variables are, by their bounds, or by what the rows that hold them speak of, 0 where nothing tells; and groups of one
+    size.
 
     One size a block, whose variables are of one kind, so that rows that add them up keep their coefficients of 1; but each its own where
     they are more than 2**SPREAD apart.
@@ -160,11 +276,13 @@ def _sizes(program: Program, row: NDArray[np.int64]) -> Floats:
             size = np.where(unknown & np.isfinite(implied), implied, size)
     held_blocks = [k for k, b in enumerate(program.variables) if b.size]
     if not held_blocks:
-        return size
+        return size, np.zeros(0, dtype=np.int64)
     starts, widths = np.cumsum([0, *(b.size for b in program.variables)])[held_blocks], [program.variables[k].size for k in held_blocks]
     largest = np.repeat(np.maximum.reduceat(size, starts), widths)
     least = np.repeat(np.minimum.reduceat(np.where(size > 0, size, math.inf), starts), widths)
-    return np.where((largest > 2.0**SPREAD * least) & (size > 0), size, largest)
+    apart = (largest > 2.0**SPREAD * least) & (size > 0)
+    block = np.repeat(np.arange(len(widths)), widths)
+    return np.where(apart, size, largest), np.where(apart, len(widths) + np.arange(len(size)), block)
 
 
 def _apply(program: Program, columns: NDArray[np.int64], rows: NDArray[np.int64], objective: int) -> Program:

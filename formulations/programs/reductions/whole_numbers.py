@@ -225,12 +225,9 @@ def _unimodular(
     i, j, entry = row[tied], column[tied], value[tied]
     graph = sp.coo_matrix((np.ones(len(tied)), (i, m + j)), shape=(m + n, m + n))
     groups, group = connected_components(graph, directed=False)
-    if len(tied) == m + n - groups:
-        scale, step = _forest_scales(i, j, np.abs(entry), group, groups, m, n)
-    else:
-        scale, step = np.ones(m), np.ones(n)
-        scale[i] = 1.0 / np.abs(entry)
-        alike = _is_whole(scale[i] * np.abs(entry)).all()
+    scale, step = _scales(i, j, np.abs(entry), group, groups, m, n)
+    if len(tied) != m + n - groups:
+        alike = (np.abs(scale[i] * np.abs(entry) * step[j] - 1.0) <= _WHOLE).all()
         if not alike or not _is_network(i, j, np.sign(entry), m, n):
             raise Irreducible(f"continuous variables that cannot be counted in steps (such as {program.variable_name(int(j[0]))})")
     return scale, step, group.astype(np.int64)
@@ -247,9 +244,8 @@ def _is_network(i: Integers, j: Integers, sign: Floats, m: int, n: int) -> bool:
     return one_each(i, m) or one_each(j, n)
 
 
-def _forest_scales(
-    i: Integers, j: Integers, size: Floats, group: NDArray[np.integer[Any]], groups: int, m: int, n: int
-) -> tuple[Floats, Floats]:
+def _scales(i: Integers, j: Integers, size: Floats, group: NDArray[np.integer[Any]], groups: int, m: int, n: int) -> tuple[Floats, Floats]:
+    """Scales and steps along shortest ways from the first column of each group, which make all coefficients 1 where anything does."""
     step, scale = np.full(n, np.nan), np.full(m, np.nan)
     first = np.full(groups, n, dtype=np.int64)
     np.minimum.at(first, group[m:], np.arange(n))

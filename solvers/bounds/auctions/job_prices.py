@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
 
 Floats = NDArray[np.float64]
+Longs = NDArray[np.int64]
 
 SOURCE = "Lagrangean relaxation, a knapsack an agent"
 
@@ -27,7 +28,7 @@ ROUNDS, HALVED_AFTER = 150, 10
 """Of the subgradient method, and after how many without a better bound its steps are halved."""
 
 MOST_STEPS = 2e7
-"""Jobs x capacities beyond which a round takes too long: a tenth of a second."""
+"""Jobs x capacities, in steps, beyond which a round takes too long: a tenth of a second."""
 
 
 def missing(problem: Problem) -> frozenset[str]:
@@ -36,18 +37,17 @@ def missing(problem: Problem) -> frozenset[str]:
 
 
 def compute(problem: GeneralisedAssignment, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
-    """Prices of the linear relaxation, and where consumption is whole better ones, by subgradients (Fisher 1981)."""
+    """Prices of the linear relaxation, and where consumption comes in few steps better ones, by subgradients (Fisher 1981)."""
     reason = next(problem.infeasibility_reasons(), None)
     if reason is not None:
         return reason.evidence
     start = linear_relaxation_bound(problem, stop, linear)
-    used, capacity = problem.instance.consumption, problem.instance.capacity
-    small = problem.num_jobs * math.fsum(capacity) <= MOST_STEPS
-    if not small or not (np.floor(used) == used).all():
+    steps = _in_steps(problem)
+    if steps is None:
         return start
     own = start is not None and start.kind == "job-prices"
     first = np.array(start.data["prices"]) if start is not None and own else _cheapest(problem)
-    prices = _ascended(problem, first, stop, target)
+    prices = _ascended(problem, *steps, first, stop, target)
     made = Evidence("job-prices", SOURCE, 0.0, {"prices": prices.tolist()})
     if start is None:
         return made
@@ -62,14 +62,30 @@ def _cheapest(problem: GeneralisedAssignment) -> Floats:
     return np.where(np.isfinite(best), best, 0.0)
 
 
-def _ascended(problem: GeneralisedAssignment, prices: Floats, stop: Stop, target: float | None) -> Floats:
+def _in_steps(problem: GeneralisedAssignment) -> tuple[Longs, Longs] | None:
+    """Consumption of shape (agents, jobs), and capacities of shape (agents,), in steps of an agent: the largest power of two of which all
+    that fits is a multiple, and none where all of it fits together; None for too many."""
+    given = problem.instance
+    used = np.where(problem.fitting, given.consumption, 0.0)
+    mantissa, exponent = np.frexp(used)
+    digits = np.ldexp(mantissa, 53).astype(np.int64)
+    lowest = exponent - 53 + np.log2(np.maximum(digits & -digits, 1)).astype(np.int64)
+    unit = np.where(used > 0.0, lowest, 2000).min(axis=1, initial=2000)
+    with np.errstate(over="ignore", under="ignore"):
+        counts = np.ldexp(used, -unit[:, None])
+        most = np.floor(np.ldexp(given.capacity, -unit))
+    ample = counts.sum(axis=1) <= most  # nothing is to be chosen
+    counts[ample], most[ample] = 0.0, 0.0
+    small = problem.num_jobs * math.fsum(most) <= MOST_STEPS
+    return (counts.astype(np.int64), most.astype(np.int64)) if small else None
+
+
+def _ascended(problem: GeneralisedAssignment, used: Longs, capacity: Longs, prices: Floats, stop: Stop, target: float | None) -> Floats:
     """The best prices that were met: a job that several agents would do gets a smaller gain for them, one that none would, a larger."""
     instance, costs = problem.instance, problem.objective == "cost"
     sign = 1.0 if costs else -1.0
     fits = problem.fitting
     signed = np.where(fits, sign * instance.values, 0.0)  # to be made small
-    capacity = np.floor(instance.capacity).astype(np.int64)
-    used = instance.consumption.astype(np.int64)
     u = sign * prices
     if not costs:
         u = np.minimum(u, 0.0)
@@ -102,7 +118,7 @@ def _ascended(problem: GeneralisedAssignment, prices: Floats, stop: Stop, target
     return sign * kept
 
 
-def _filled(gain: Floats, used: NDArray[np.int64], most: int) -> tuple[float, NDArray[np.int64]]:
+def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
     """The most gain of jobs that fit together (Bellman 1957), and which they are."""
     if int(used.sum()) <= most:
         return float(gain.sum()), np.arange(len(gain))

@@ -52,8 +52,8 @@ def test_features_that_cannot_be_counted_are_refused_with_others_who_can(p, feat
 
 
 def test_the_scale_is_told():
-    result = run(program([0.25, 1], [[1, 1]], 1, 3, 0, 3, integer=[0, 1]))
-    assert result.statistics["scale"] == {"objective": 4.0, "exact": True}
+    result = run(program([0.1, 1], [[1, 1]], 1, 3, 0, 3, integer=[0, 1]))
+    assert result.statistics["scale"] == {"objective": 10.0, "exact": True}
 
 
 def test_bounds_of_data_that_do_not_scale_are_rounded_outwards():

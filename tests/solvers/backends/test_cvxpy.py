@@ -130,7 +130,7 @@ def test_who_takes_quadratic_objectives_finds_their_optimum(solver):
 def test_an_inaccurate_end_within_all_limits_is_no_limit(monkeypatch):
     monkeypatch.setattr(module, "_solved", lambda *_: SimpleNamespace(status="optimal_inaccurate", solver_stats=None, var_dict=held))
     held = {"x0": SimpleNamespace(value=np.array([3.0]))}
-    result = run(program([1], [[1]], 2, INF))
+    result = run(program([1], [[1]], 2, INF, 0, 9))
     assert (result.status, result.limit) == ("feasible", "none")
 
 

@@ -80,10 +80,10 @@ def test_the_product_of_two_binaries_is_maximised_by_scip():
 
 
 def test_cp_sat_gets_whole_variables_only():
-    # It would round x to 3 without a word: the optimum is 2.5.
-    half = program([1, 1], [[2, 0], [1, 1]], [5, 2], INF, 0, 9, integer=[1])
+    # It would round x to 2 without a word: the optimum is 5 / 3.
+    third = program([1, 1], [[3, 0], [1, 1]], [5, 1], INF, 0, 9, integer=[1])
     with pytest.raises(UnsupportedError, match="continuous variables"):
-        run(half, "cp-sat")
+        run(third, "cp-sat")
     step = program([1, 1], [[1, -1]], 0, INF, [1, 0], 9, integer=[0], sense="max")
     assert run(step, "cp-sat").objective == pytest.approx(18.0)
 

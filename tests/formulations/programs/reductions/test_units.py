@@ -7,13 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from draws import draws
+from hostile_instances import FAMILIES, UNCERTAIN, Units
 from hypothesis import given
 from hypothesis import strategies as st
 
 import waybound as wb
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.program import Program, Rows, Variables
-from waybound.formulations.programs.reductions.units import COMMON, scaled
+from waybound.formulations.programs.reductions.units import LARGEST, SMALLEST, scaled
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.highs import Highs
 
@@ -36,18 +38,31 @@ def knapsack(unit: float = 1.0, worth: float = 1.0) -> Program:
     )  # fmt: skip
 
 
-def test_a_program_of_ordinary_size_is_handed_over_as_it_is():
-    program = knapsack()
+@pytest.mark.parametrize("parts", [1.0, 10.0, 100.0])
+def test_whole_numbers_and_short_decimals_are_handed_over_as_they_are(parts):
+    program = knapsack(worth=2.0 / parts)
     assert scaled(program).program is program
 
 
-@pytest.mark.parametrize(("unit", "worth"), [(2.0**-40, 1.0), (2.0**60, 2.0**-60), (1.0, 2.0**-200), (2.0**-300, 2.0**300)])
-def test_the_same_program_comes_out_whatever_its_units(unit, worth):
-    one, other = (scaled(knapsack(unit * k, worth * k)) for k in (1.0, 2.0**8))
-    for name in ("cost", "lower", "upper", "row_lower", "row_upper", "data"):
-        assert np.array_equal(getattr(one.program, name), getattr(other.program, name)), name
-    assert np.abs(one.program.cost).max() < 2.0 ** (COMMON + 1)
-    assert one.program.offset == other.program.offset
+@pytest.mark.parametrize("worth", [1.0, 0.1, math.pi])
+@pytest.mark.parametrize("power", [-300, -30, -3, 1, 30, 300])
+def test_the_same_program_comes_out_whatever_its_units(power, worth):
+    one, other = (scaled(knapsack(k, worth * k)).program for k in (1.0, 2.0**power))
+    for name in ("cost", "lower", "upper", "row_lower", "row_upper", "data", "offset"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    assert 2.0**SMALLEST <= np.abs(one.cost).max() < 2.0**LARGEST
+
+
+@pytest.mark.parametrize("family", sorted(FAMILIES | UNCERTAIN))
+def test_forms_of_every_family_are_the_same_programs_whatever_the_units_of_their_data(family):
+    """Ten decades in one problem, limits met by a hair, decimals, and sizes on either side of every threshold."""
+    for case in range(draws(6)):
+        common, rng = Units.common(2.0 ** (10 * (case % 7 - 3))), np.random.default_rng
+        first, second = ((FAMILIES | UNCERTAIN)[family](rng([7, case]), units) for units in (Units(), common))
+        for form in first.forms():
+            one, other = (scaled(problem.compile(form).program).program for problem in (first, second))
+            for name in ("cost", "lower", "upper", "row_lower", "row_upper", "data"):
+                assert np.array_equal(getattr(one, name), getattr(other, name)), (case, form, name)
 
 
 @pytest.mark.parametrize(("unit", "worth"), [(1.0, 1.0), (2.0**-40, 1.0), (2.0**60, 2.0**-60), (2.0**-300, 2.0**300)])

@@ -40,6 +40,19 @@ def test_whole_data_are_taken_as_they_are():
     assert counted.cost.tolist() == [2, 3]
 
 
+def test_coefficients_of_continuous_variables_that_no_steps_make_alike_are_none_of_a_network():
+    """2 a - b >= 3 and a - b >= -2 have more to them than signs."""
+    with pytest.raises(Irreducible, match="counted in steps"):
+        integer_program(program([1, 1, 1], [[2, -1, 1], [1, -1, 0]], [3, -2], INF, 0, 9, integer=[2]))
+
+
+def test_a_network_may_count_its_variables_in_several_units():
+    """b in units of 4, c in units of 2: a - 4 b, a - 2 c and 4 b - 2 c with whole sides are differences."""
+    made = program([1, 4, 2], [[1, -4, 0], [1, 0, -2], [0, 4, -2]], [-3, 1, 2], INF, 0, [9, 2, 4])
+    counted = integer_program(made)
+    assert counted.exact and (counted.unit / counted.unit[0]).tolist() == [1.0, 0.25, 0.5]
+
+
 def test_decimals_and_thirds_are_scaled_exactly():
     counted = integer_program(program([0.25, 1.5], [[0.1, 0.7], [1 / 3, 2.0]], [0.4, -INF], [INF, 5.0], 0, 9, integer=[0, 1]))
     assert counted.exact

@@ -41,6 +41,20 @@ def test_the_worked_one_is_closed() -> None:
         assert evidence is not None and verified_bound(worked(objective), evidence) == value
 
 
+def test_as_much_is_proved_whatever_unit_consumption_is_told_in() -> None:
+    """Halves and quarters are whole in one unit and not in another."""
+    rng = np.random.default_rng(5)
+    for _ in range(draws(10)):
+        values, used = rng.integers(1, 20, (2, 5)).astype(float), rng.integers(1, 9, (2, 5)).astype(float)
+        found = []
+        for unit in (1.0, 0.25, 2.0**30):
+            problem = GeneralisedAssignment.from_arrays(values, used * unit, used.sum(axis=1) * unit * 0.4, "profit")
+            evidence = compute(problem, NEVER, LinearPrograms())
+            assert evidence is not None
+            found.append(verified_bound(problem, evidence))
+        assert len(set(found)) == 1
+
+
 def test_bins_within_a_horizon() -> None:
     """Two robots, nine steps each: retrievals of 3, 3, 6 and 6 steps all fit, of three of 5 steps two."""
     for lengths, best in (((3.0, 3.0, 6.0, 6.0), 4.0), ((5.0, 5.0, 5.0), 2.0)):
