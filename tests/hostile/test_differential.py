@@ -72,8 +72,8 @@ def test_no_false_word_of_ours(family: str, share: Callable[[int, int], int], ta
 
 
 SOLVERS = {
-    "highs": 300, "scip": 120, "cpsat": 120, "pulp": 60, "pulp:HiGHS": 10, "mathopt:highs": 10, "mathopt:gscip": 120, "mathopt:glop": 60,
-    "mathopt:cp-sat": 60, "mathopt:pdlp": 20, "cvxpy": 3, "cvxpy:HIGHS": 3, "cvxpy:SCS": 3, "pyvrp": 100, "ortools": 12,
+    "highs": 150, "scip": 60, "cpsat": 60, "pulp": 30, "pulp:HiGHS": 5, "mathopt:highs": 5, "mathopt:gscip": 60, "mathopt:glop": 30,
+    "mathopt:cp-sat": 30, "mathopt:pdlp": 10, "cvxpy": 3, "cvxpy:HIGHS": 3, "cvxpy:SCS": 3, "pyvrp": 50, "ortools": 12,
     "vroom": 12,
 }  # fmt: skip
 """Solvers of others, and how many problems of each family they get."""

@@ -269,7 +269,7 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
     go = _heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options), False).go
     lateness(_heuristic_run(large(kind, 50), name, Options(time_limit=NEVER_DONE, extra=options), False).go, 0.3)  # compiles all of it
     lateness(go, 0.1)  # a size of its own may have loops of its own
-    for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 6)).tolist():
+    for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 3)).tolist():
         late, result = lateness(go, seconds)
         assert late < LATE
         if result.answer is not None:
@@ -289,7 +289,7 @@ def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: 
     if method.missing(problem):
         return
     method.prepare()
-    for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 12)).tolist():
+    for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 4)).tolist():
         stop = Stop(BUDGET)
 
         def go(control: Control, stop: Stop = stop) -> None:
@@ -310,7 +310,7 @@ def test_bounding_ends(kind: str, share: Any, tally: Any) -> None:
         if not method.missing(large(kind)):
             method.prepare()
     find_bounds(large(kind, 50), 1.0)  # compiles what else it needs
-    for seconds in np.random.default_rng(9).uniform(0.0, 0.4, share(1, 12)).tolist():
+    for seconds in np.random.default_rng(9).uniform(0.0, 0.4, share(1, 6)).tolist():
         late, _ = lateness(lambda control: find_bounds(large(kind), BUDGET, control=control), seconds)
         assert late < LATE
         tally["boundings that were asked to stop"] += 1
@@ -324,7 +324,7 @@ def test_saddle_ends(h: int, share: Any, tally: Any) -> None:
     go = lambda control: engine.run(problem, Options(time_limit=60.0, extra={"h": h}), control)  # noqa: E731
     engine.run(large("bottleneck-lp", 50), Options(time_limit=60.0, extra={"h": h}), Control())  # compiles all of it
     lateness(go, 0.1)
-    for seconds in np.random.default_rng(10).uniform(0.0, 0.5, share(1, 12)).tolist():
+    for seconds in np.random.default_rng(10).uniform(0.0, 0.5, share(1, 6)).tolist():
         late, result = lateness(go, seconds)
         assert late < LATE
         assert problem.evaluate(result.answer).feasible
