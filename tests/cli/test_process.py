@@ -237,6 +237,8 @@ def test_checking_a_certificate_loads_no_solver(tmp_path):
             "demo-tiny",
             "--iterations",
             "30",
+            "--bound-time",
+            "1",
             "-q",
             "--out",
             str(tmp_path / "a.json"),

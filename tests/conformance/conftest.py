@@ -37,12 +37,12 @@ def _made(name: str) -> Any:
     return kind(variant) if variant else kind()
 
 
-FURTHER = ("mathopt", "cvxpy", "pulp:", "outer-approximation")
-"""Solvers within a solver, and those that pass programs on: their limits are tried in the long run only, for they take seconds each."""
+FURTHER = ("mathopt", "cvxpy", "pulp", "cpsat", "outer-approximation")
+"""Their limits are tried in the long run only, for they take seconds each; the fast suite tries those of HiGHS and SCIP."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the slow tests of solvers within a solver as long."""
+    """Mark the slow tests of further solvers as long."""
     for item in items:
         name = getattr(item, "callspec", None) and item.callspec.params.get("backend_name")
         if name and name.startswith(FURTHER) and item.path.name == "test_limits.py":

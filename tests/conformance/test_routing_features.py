@@ -170,20 +170,14 @@ def cover(features, missing: Callable[..., frozenset[str]], solved: Callable[...
         assert any(done(problem) for problem in narrow(feature, features)), feature
 
 
-FEW = {"set-partitioning", "circuit"}
-"""Forms that every solver is tried on in the fast suite: what it makes of one program it makes of others; HiGHS alone is tried on all."""
-
-
-QUICK = {"scip", "cpsat"}
-"""Solvers that are tried on these."""
+QUICK = {("highs", form) for form in FORMS} | {("cpsat", "circuit")}
+"""What the fast suite tries: a solver makes of one program what it makes of others."""
 
 
 def pairs():
     for forms, names in solvers_of_forms().items():
         for form, name in itertools.product(forms, names):
-            yield pytest.param(
-                form, name, marks=() if name == "highs" or (form in FEW and name in QUICK) else pytest.mark.long, id=f"{name}-{form}"
-            )
+            yield pytest.param(form, name, marks=() if (name, form) in QUICK else pytest.mark.long, id=f"{name}-{form}")
 
 
 @pytest.mark.parametrize(("form", "solver"), [*pairs()])

@@ -27,8 +27,10 @@ def solver(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-@pytest.mark.parametrize("feature", ["capacity", "time-windows", "service-times", "limited-fleet"])
-@pytest.mark.parametrize("convention", ["round", "exact"])
+@pytest.mark.parametrize(
+    ("feature", "convention"),
+    [("capacity", "round"), ("time-windows", "exact"), ("service-times", "round"), ("limited-fleet", "exact")],
+)
 def test_all_solvers_find_the_optimum_of_small_problems(solver: str, feature: str, convention: str) -> None:
     problem = small(feature, 1, convention)
     work = {"iterations": 300} if solver in ROUTING else {}
