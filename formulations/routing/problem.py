@@ -518,7 +518,8 @@ def _with_needed(sites: Sites, term: Reward | Penalties, value: float) -> Sites:
     are not, for a group may have another."""
     worth = sites.reward if isinstance(term, Reward) else np.where(sites.required, 0.0, sites.penalty)
     total = math.fsum(worth)
-    spare = (total - value if isinstance(term, Reward) else value) + NEARLY * max(total, abs(value))
+    sizes = math.fsum(sites.reward if isinstance(term, Reward) else sites.penalty)
+    spare = (total - value if isinstance(term, Reward) else value) + NEARLY * max(sizes, abs(value))
     needed = ~sites.depot & (worth > spare)
     for group in sites.groups:
         needed[list(group.sites)] = False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -175,3 +176,12 @@ def test_that_no_answer_meets_the_bound_before_is_told_without_one(solved: Any, 
     notes: list[str] = []
     assert best_level_bound(problem, (1.0,), None, [Evidence("some", "some proof", 0.0, {})], notes) is None
     assert notes == ["no solution is worth 1 before level 2: some proof"]
+
+
+def test_what_counts_as_equal_at_one_level_is_counted_by_all_its_terms() -> None:
+    sites = wb.Sites.of("oab", required=[False, True, False], penalty=[0, 1e12, 1])
+    travel = wb.Travel("EXPLICIT", matrix=np.abs(np.subtract.outer([0.0, 1.0, 5.0], [0.0, 1.0, 5.0])))
+    problem = wb.RoutingProblem(sites, travel, (wb.VehicleType(1),), Objective.of(Penalties().then(TotalCost())))
+    level = best_level_bound(problem, (0.0,), None, [Evidence("customer-sets", "some", math.nan, {})])
+    left_out = problem.evaluate(wb.Routes.of([(1,)]))
+    assert level is not None and level.bound <= left_out.values[1]  # its penalty of 1 is nothing beside 1e12

@@ -210,13 +210,18 @@ def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
     """The unit of each group: the same numbers come out whatever they were multiplied by.
 
     The largest power of two of which all of them, times 1, 10, 100 or 1000, are multiples, if the largest number is then of ordinary size,
-    so that whole numbers and short decimals stay so; else that which brings the largest to the common one.
+    so that whole numbers and short decimals stay so; else that which brings the largest to the common one, or the least to 1 if that is
+    more, as far as the largest stays ordinary: what is small is not lost among a solver's tolerances.
     """
     kept = (values > 0) & np.isfinite(values)
     values, group = values[kept], group[kept]
     largest = np.zeros(groups)
     np.maximum.at(largest, group, values)
-    units, found = _shift(largest), np.zeros(groups)
+    least = np.full(groups, math.inf)
+    np.minimum.at(least, group, values)
+    top, low = (np.frexp(np.where((ends > 0) & np.isfinite(ends), ends, 1.0))[1].astype(np.int64) - 1 for ends in (largest, least))
+    units = np.where(largest > 0, np.maximum(top - (LARGEST - 1), np.minimum(top - COMMON, low)), 0)
+    found = np.zeros(groups)
     for decimals in (1.0, 10.0, 100.0, 1000.0):
         if not len(values):
             break
@@ -274,6 +279,13 @@ def _sizes(program: Program, row: NDArray[np.int64]) -> tuple[Floats, NDArray[np
             implied = np.full(len(size), math.inf)
             np.minimum.at(implied, column[open_], level[at[open_]] / entry[open_])
             size = np.where(unknown & np.isfinite(implied), implied, size)
+    # A bound may be far beyond anything that the rows let a variable be: what these speak of counts where it is less.
+    level, free = sides.copy(), ~program.integer[column]
+    with np.errstate(over="ignore", under="ignore"):
+        np.maximum.at(level, at[~free], entry[~free] * size[column[~free]])
+        implied = np.zeros(len(size))
+        np.maximum.at(implied, column[free], level[at[free]] / entry[free])
+    size = np.where((implied > 0) & np.isfinite(implied), np.minimum(size, implied), size)
     held_blocks = [k for k, b in enumerate(program.variables) if b.size]
     if not held_blocks:
         return size, np.zeros(0, dtype=np.int64)

@@ -23,7 +23,7 @@ from ....instances.errors import InputError
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...stop import current_stop
-from .known_features import own_moves, unknown_features
+from .known_features import departure, own_moves, unknown_features
 from .relaxation import with_depot
 from .round_trips import least_peak
 from .stops_on_the_way import with_fleet, without_stops
@@ -109,25 +109,30 @@ class CustomerSets:
             ends &= (visits == 1) if group.required else (visits <= 1)
         must = sum(1 << node[site] for site in customers[sites.required[customers]].tolist())
         ends &= masks & must == must
+        kinds = alike(problem)
+        if not all(_opens_at_once(problem, v) for v in kinds if v.reloads):
+            return None
+        if len(kinds) * max(n * n << n, max(_work_of_trips(n, v) for v in kinds)) > WORK or problem.min_vehicles > n:
+            return None
         types, size, largest = [], 0.0, 0.0
-        for vehicle, count in alike(problem).items():
+        for vehicle, count in kinds.items():
             alone = without_stops(with_fleet(problem, (vehicle,)))
             found, sizes = _values(alone, others, peak, before)
             if vehicle.reloads:
                 trips, more = _of_trips(problem, vehicle, others, peak)
                 found, sizes = np.maximum(found, trips), np.maximum(sizes, more)
-            if np.isnan(found).any():
+            if np.isnan(found).any() or not np.isfinite(sizes).all():
                 return None
             kept = np.flatnonzero(np.isfinite(found[0]) & whole)
             types.append((kept, found[0, kept], found[1, kept], min(count, n)))
             size, largest = max(size, float(sizes[0])), max(largest, float(sizes[1]))
         parts = constants(relaxed, others)
         size += max((abs(part) for part in parts), default=0.0)
-        if not math.isfinite(64.0 * (n + 2) ** 2 * (size + largest)):
-            return None
         # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
         rounding = 16.0 * _EPS * (n + 2) ** 2
         weight, least = terms.peaks.get(peak, 0.0), least_peak(relaxed, peak) if peak else 0.0
+        if not math.isfinite(64.0 * (n + 2) ** 2 * (size + largest) * max(1.0, abs(weight))):
+            return None
         fixed = math.fsum(parts)
         return cls(types, np.flatnonzero(ends), problem.min_vehicles, fixed, weight, least, rounding * size, rounding * largest, n)
 
@@ -190,6 +195,17 @@ def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tu
     return found, np.array([moves.size, float(np.abs(lengths).max())])
 
 
+def _work_of_trips(n: int, vehicle: VehicleType) -> float:
+    """Sets that are joined for a vehicle that reloads."""
+    stops = set(vehicle.reloads)
+    return len(stops | {vehicle.start, vehicle.end}) * len(stops | {vehicle.end}) * (n + 1) * 3.0**n if stops else 0.0
+
+
+def _opens_at_once(problem: RoutingProblem, vehicle: VehicleType) -> bool:
+    """Whether trips count their time from one moment, as the judge counts the route's."""
+    return len({departure(problem, replace(vehicle, start=depot)) for depot in (vehicle.start, *vehicle.reloads)}) == 1
+
+
 def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak: str) -> tuple[Floats, Floats]:
     """The same of a vehicle that reloads on its way: as many trips between depots as it may make, each with its own load. What is carried
     over a stop may be delivered on a later trip."""
@@ -197,11 +213,13 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
 
     n = len(problem.sites.customers)
     stops, depots = set(vehicle.reloads), sorted({vehicle.start, vehicle.end, *vehicle.reloads})
-    free, sizes = replace(terms, vehicles=0.0), np.zeros(2)
+    free, sizes, energy = replace(terms, vehicles=0.0), np.zeros(2), vehicle.energy
+    if energy and energy.charge == "elapsed-fixed-start":  # later trips begin later, where the store has lost nothing more
+        energy = replace(energy, charge="elapsed")
     table: dict[tuple[int, int], tuple[Masks, Floats]] = {}
     for a in depots:
         for b in stops | {vehicle.end}:
-            trip = replace(vehicle, count=1, start=a, end=b, reloads=(), max_reloads=None, fixed_cost=0.0)
+            trip = replace(vehicle, count=1, start=a, end=b, reloads=(), max_reloads=None, fixed_cost=0.0, energy=energy)
             values, size = _values(without_stops(with_fleet(problem, (trip,))), free, peak, np.zeros(n, np.int64))
             if np.isnan(values[0, 0]):
                 return values, size

@@ -86,7 +86,7 @@ def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     worth = terms.reward * sites.reward[customers] - terms.penalties * sites.penalty[customers] + rate * least
     parts = np.concatenate([
         np.where(sites.required[customers], worth, np.minimum(worth, 0.0)),
-        terms.penalties * sites.penalty[customers[~sites.required[customers]]],
+        terms.penalties * sites.penalty[customers],
         terms.reward * sites.reward[sites.depots],
         [-rate * room, *(w * least_peak(relaxed, peak) for peak, w in terms.peaks.items())],
     ])  # fmt: skip

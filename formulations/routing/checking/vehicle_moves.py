@@ -66,7 +66,7 @@ def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
     """What adds up to no more than the part of the objective that routes and visits do not change."""
     sites, customers = problem.sites, problem.sites.customers
     parts = [w * least_peak(problem, peak) for peak, w in terms.peaks.items()]
-    parts += (terms.penalties * sites.penalty[customers[~sites.required[customers]]]).tolist()
+    parts += (terms.penalties * sites.penalty[customers]).tolist()  # visits take it back, also those that must be
     return parts + (terms.reward * sites.reward[sites.depots]).tolist()  # type: ignore[no-any-return]
 
 

@@ -124,3 +124,25 @@ def test_numbers_too_far_apart_for_any_unit_are_left_alone():
     program = Program("far", "min", (x,), (row,))
     made = scaled(program).program
     assert made is program or all(np.isfinite(part).all() for part in (made.cost, made.row_lower, made.data))
+
+
+@pytest.mark.parametrize("bound", [100.0, 9e5, 1e9])
+def test_a_bound_far_beyond_what_rows_allow_is_no_size(bound):
+    """Ten parts are divided in two halves as even as they can be; brought to 4, such a bound left the halves to the tolerance."""
+    rng = np.random.default_rng(2)
+    parts = 10.0 + 10.0 * rng.random(10)
+    x = Variables("x", lower=np.zeros(10), upper=np.ones(10), cost=np.zeros(10), integer=True)
+    largest = Variables("largest", lower=np.zeros(1), upper=np.array([bound * math.pi / 3]), cost=np.ones(1))
+    rows = Rows("rows", indptr=np.array([0, 11, 22], np.int32), indices=np.tile(np.arange(11), 2).astype(np.int32),
+                data=np.concatenate([-parts, [1.0], parts, [1.0]]), lower=np.array([0.0, parts.sum()]), upper=np.full(2, INF))  # fmt: skip
+    sums = [float(parts[[k >> i & 1 == 1 for i in range(10)]].sum()) for k in range(1 << 10)]
+    result = Highs().run(Program("halves", "min", (x, largest), (rows,)), Options(), Control())
+    assert result.objective == pytest.approx(min(max(s, parts.sum() - s) for s in sums), rel=1e-9)
+
+
+def test_one_number_far_above_the_others_leaves_them_their_digits():
+    rng = np.random.default_rng(1)
+    costs = np.append(50.0 + 0.05 * rng.random(6), 1e6 / 3)
+    x = Variables("x", lower=np.zeros(7), upper=np.ones(7), cost=costs, integer=True)
+    made = scaled(Program("costs", "min", (x,), ())).program
+    assert made.cost.min() >= 1.0 and made.cost.max() < 2.0**LARGEST

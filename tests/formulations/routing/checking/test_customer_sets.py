@@ -14,12 +14,13 @@ import waybound as wb
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.routing.checking import customer_sets
 from waybound.formulations.routing.checking.customer_sets import check_customer_sets
-from waybound.formulations.routing.objective import LongestRoute, Makespan, Reward, TotalCost
+from waybound.formulations.routing.objective import LongestRoute, Makespan, Penalties, Reward, TotalCost, Weighted
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.vehicle_type import Energy
 from waybound.reports.benchmarks.exact_routing import best_values
 
 EXACT = (
@@ -123,3 +124,45 @@ def test_other_families_are_refused() -> None:
 
     with pytest.raises(InputError, match="routing"):
         CHECKERS["customer-sets"](Other(), {})
+
+
+def on_a_line(places: list[float], fleet: VehicleType, weights: object = None, **columns: object) -> RoutingProblem:
+    """A site a place, named a, b, ...; the first is a depot."""
+    sites = Sites.of("abcdef"[: len(places)], **columns)
+    travel = Travel(EXPLICIT, matrix=np.abs(np.subtract.outer(places, places)))
+    return RoutingProblem(sites, travel, (fleet,), *(() if weights is None else (weights,)))
+
+
+RELOADS = {"depot": [True, True, False, False], "demand": [0, 0, 1, 1], "due": [1000] * 4}
+
+
+@pytest.mark.parametrize(
+    ("problem", "route"),
+    [
+        (
+            on_a_line(
+                [0, 2, 1, 3], VehicleType(1, 1.0, reloads=(1,), energy=Energy(50.0, charge="elapsed-fixed-start")),
+                ready=[opening, 0, 125, 125], **RELOADS,
+            ),
+            (2, 1, 3),
+        )
+        for opening in (0, 100)
+    ]
+    + [
+        (on_a_line([0, 1, 5], VehicleType(), TotalCost() - 0.5 * Penalties(), penalty=[0, 4, 4]), (1, 2)),
+        (on_a_line([0, 1, 5], VehicleType(), Reward() + 0.5 * Penalties(), penalty=[0, 4, 4]), (1, 2)),
+        (on_a_line([0, 0, 0], VehicleType(unit_cost=1e20), Weighted(((1e308, TotalCost()),))), (1, 2)),
+        (on_a_line([0, 1, 2], VehicleType(), Weighted(((1e308, LongestRoute()),) * 2)), (1, 2)),
+    ],
+)  # fmt: skip
+def test_extreme_data_prove_nothing_false(problem: RoutingProblem, route: tuple[int, ...]) -> None:
+    verdict = problem.evaluate(wb.Routes.of([route]))
+    assert verdict.feasible
+    bounds = [check_customer_sets(problem, {}), *([] if (b := wb.bound(problem, seconds=1.0).bound) is None else [b])]
+    for bound in bounds:
+        assert beyond(problem, bound, verdict.values[0]) <= 1e-9 or verdict.values[0] == math.inf > bound
+
+
+def test_more_routes_than_customers_are_no_work_for_it() -> None:
+    problem = replace(small("capacity", 0, "exact"), min_vehicles=10**9, fleet=(VehicleType(),))
+    assert check_customer_sets(problem, {}) == -math.inf
