@@ -86,7 +86,7 @@ def _valued(values: Mapping[str, Any]) -> dict[str, float]:
         try:
             made[name] = float(value)
         except (TypeError, ValueError):
-            raise InputError(f"the value of variable {name} must be a number", found=shown(repr(value))) from None
+            raise InputError(f"the value of variable {name} must be a number", found=shown(str(value))) from None
         if not math.isfinite(made[name]):
             raise InputError(f"the value of variable {name} is not finite", found=str(value))
     return made
