@@ -39,9 +39,9 @@ def answer_of_solver(problem: Problem, read: SolverFile, form: str | None = None
             return model.decode(x), name
         except WayboundError as fault:
             broken = broken or (f"its form {name}, and no answer to {problem.name}: ", fault)
-    worst = broken or other
-    if worst is None:
+    told = broken or other
+    if told is None:
         raise InputError(f"is a solution of {read.solver}, and no form writes {problem.name} down")
-    start, fault = worst
-    why, expected, found = (fault.message, fault.expected, fault.found) if isinstance(fault, InputError) else (str(fault), None, None)
+    start, worst = told
+    why, expected, found = (worst.message, worst.expected, worst.found) if isinstance(worst, InputError) else (str(worst), None, None)
     raise InputError(f"is a solution of {start}{why}", expected=expected, found=found)

@@ -52,7 +52,7 @@ def solved_model(model: Any) -> SolverFile | None:
         return SolverFile("CVXPY", _valued(given), None if model.value is None else float(model.value), len(given))
     if type(model).__module__.startswith("ortools.math_opt.python"):
         if not hasattr(model, "solutions"):
-            raise InputError(f"is no result but a {type(model).__name__} of MathOpt", expected="what mathopt.solve returned")
+            raise InputError(f"MathOpt's {type(model).__name__} is no result", expected="what mathopt.solve returned")
         return of_mathopt(model.to_proto())
     if module == "pyscipopt" and hasattr(model, "getBestSol"):
         if not model.getStage():  # freed, or never filled: SCIP ends the process where it is asked for more
@@ -81,7 +81,7 @@ def _valued(values: Mapping[str, Any]) -> dict[str, float]:
     unknown = next((name for name, value in values.items() if value is None), None)
     if unknown is not None:
         raise InputError("the model holds no solution; was it solved?", found=f"variable {unknown} without a value")
-    made = {}
+    made: dict[str, float] = {}
     for name, value in values.items():
         try:
             made[name] = float(value)

@@ -182,8 +182,10 @@ def _reloads(spec: Specification, n: int, depots: list[int], count: int) -> list
 
 def groups_of(spec: Specification, n: int, depots: list[int], prizes: Floats | None) -> list[Group]:
     """Alternatives, of which exactly one is visited; one of a single customer says nothing."""
-    rows = zip(*_node_rows(spec, GROUPS, n, excluded=depots), strict=True) if GROUPS in spec.sections else ()
-    groups = [(nodes, line) for nodes, line in rows if len(nodes) > 1]
+    if GROUPS not in spec.sections:
+        return []
+    rows, lines = _node_rows(spec, GROUPS, n, excluded=depots)
+    groups = [(nodes, line) for nodes, line in zip(rows, lines, strict=True) if len(nodes) > 1]
     seen: dict[int, int] = {}
     for nodes, line in groups:
         for node in nodes:

@@ -146,9 +146,8 @@ def test_what_is_no_result_of_mathopt_is_refused(model: Compiled) -> None:
     from ortools.math_opt.python import mathopt
 
     for given in (model.to_mathopt(), mathopt.SolveParameters()):
-        with pytest.raises(InputError, match=f"the answer is no result but a {type(given).__name__} of MathOpt") as caught:
+        with pytest.raises(InputError, match=f"MathOpt's {type(given).__name__} is no result; expected what mathopt.solve returned"):
             wb.judge(model.problem, given)
-        assert "list of routes" not in str(caught.value)
 
 
 def test_values_in_text_are_numbers(model: Compiled) -> None:
