@@ -26,17 +26,22 @@ def answer_of_solver(problem: Problem, read: SolverFile, form: str | None = None
     UsageError, UnsupportedError
         For a form that does not exist or cannot write the problem down.
     """
-    names = [form] if form is not None else problem.forms()
-    first: WayboundError | None = None
-    for name in names:
+    other: tuple[str, WayboundError] | None = None
+    broken: tuple[str, WayboundError] | None = None
+    for name in [form] if form is not None else problem.forms():
         model = problem.compile(name)
         try:
-            return model.decode(vector_of(model.program, read)), name
+            x = vector_of(model.program, read)
         except WayboundError as fault:
-            first = first or fault
-    if first is None:
+            other = other or (f"another model than {problem.name}: as of its form {name} it ", fault)
+            continue
+        try:
+            return model.decode(x), name
+        except WayboundError as fault:
+            broken = broken or (f"its form {name}, and no answer to {problem.name}: ", fault)
+    told = broken or other
+    if told is None:
         raise InputError(f"is a solution of {read.solver}, and no form writes {problem.name} down")
-    why, expected, found = (first.message, first.expected, first.found) if isinstance(first, InputError) else (str(first), None, None)
-    raise InputError(
-        f"is a solution of another model than {problem.name}: as of its form {names[0]} it {why}", expected=expected, found=found
-    )
+    start, worst = told
+    why, expected, found = (worst.message, worst.expected, worst.found) if isinstance(worst, InputError) else (str(worst), None, None)
+    raise InputError(f"is a solution of {start}{why}", expected=expected, found=found)

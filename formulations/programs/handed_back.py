@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...instances.errors import InputError, UsageError
-from ...instances.text import read_text
+from ...instances.text import read_text, shown
 from .names import in_block
 from .program import Floats, Program
 from .solution_files import MADE_UP, SolverFile, of_mathopt, solver_file, vector_of
@@ -41,20 +41,26 @@ def solved_model(model: Any) -> SolverFile | None:
         values = list(found.col_value) if found.value_valid else [None] * model.getNumCol()
         numbered = not all(names) or len(set(names)) < len(values)
         given = dict(zip([f"x{k}" for k in range(len(values))] if numbered else names, values, strict=True))
-        return SolverFile("HiGHS", _valued(given), columns=len(values), numbered=numbered)
+        return SolverFile("HiGHS", _valued(given), float(model.getInfo().objective_function_value), len(values), numbered)
     if module == "pulp" and hasattr(model, "variables"):
-        given = {v.name: v.value() for v in model.variables() if v.name != "__dummy"}
-        return SolverFile("PuLP", _valued(given), columns=len(given))
+        held = model.sol_status in (1, 2)  # optimal, or feasible: CBC leaves values behind where there is no solution
+        given = {v.name: v.value() if held else None for v in model.variables() if v.name != "__dummy"}
+        return SolverFile("PuLP", _valued(given), None if model.objective is None else model.objective.value(), len(given))
     if module == "cvxpy" and hasattr(model, "var_dict"):
         parts = {name: [None] * v.size if v.value is None else np.ravel(v.value).tolist() for name, v in model.var_dict.items()}
         given = {in_block(name, k): v for name, part in parts.items() for k, v in enumerate(part)}
-        return SolverFile("CVXPY", _valued(given), columns=len(given))
-    if module == "ortools" and hasattr(model, "to_proto"):
+        return SolverFile("CVXPY", _valued(given), None if model.value is None else float(model.value), len(given))
+    if type(model).__module__.startswith("ortools.math_opt.python"):
+        if not hasattr(model, "solutions"):
+            raise InputError(f"MathOpt's {type(model).__name__} is no result", expected="what mathopt.solve returned")
         return of_mathopt(model.to_proto())
     if module == "pyscipopt" and hasattr(model, "getBestSol"):
+        if not model.getStage():  # freed, or never filled: SCIP ends the process where it is asked for more
+            raise InputError("the model holds no solution; was it solved?", found="a model of SCIP without a problem")
         best = model.getBestSol() if model.getNSols() else None
         given = {v.name: None if best is None else model.getSolVal(best, v) for v in model.getVars()}
-        return SolverFile("SCIP", _valued(given), columns=sum(name.casefold() not in MADE_UP for name in given))
+        columns = sum(name.casefold() not in MADE_UP for name in given)
+        return SolverFile("SCIP", _valued(given), None if best is None else model.getSolObjVal(best), columns)
     return None
 
 
@@ -75,10 +81,15 @@ def _valued(values: Mapping[str, Any]) -> dict[str, float]:
     unknown = next((name for name, value in values.items() if value is None), None)
     if unknown is not None:
         raise InputError("the model holds no solution; was it solved?", found=f"variable {unknown} without a value")
-    strange = next((name for name, value in values.items() if not math.isfinite(value)), None)
-    if strange is not None:
-        raise InputError(f"the value of variable {strange} is not finite", found=str(values[strange]))
-    return {name: float(value) for name, value in values.items()}
+    made: dict[str, float] = {}
+    for name, value in values.items():
+        try:
+            made[name] = float(value)
+        except (TypeError, ValueError):
+            raise InputError(f"the value of variable {name} must be a number", found=shown(str(value))) from None
+        if not math.isfinite(made[name]):
+            raise InputError(f"the value of variable {name} is not finite", found=str(value))
+    return made
 
 
 def _vector(program: Program, values: Any) -> Floats:

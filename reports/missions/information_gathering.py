@@ -74,7 +74,7 @@ class InformationGathering(Mission):
 
     def scene(self, world: World) -> Scene:
         """The grid, its first row on top; how full each sensor is, what each robot carries and where it goes, and what it has brought home
-        beside all that sensors would have gathered with room in their stores."""
+        beside the most that sensors could have gathered with room in their stores."""
         assert isinstance(world, GatheringWorld)
         rules = world.rules
         top = rules.rows - 1

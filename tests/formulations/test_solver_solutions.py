@@ -60,3 +60,8 @@ def test_a_problem_without_forms_says_so(registered) -> None:
         registered(FORMS, name, replace(FORMS[name], features=frozenset()))
     with pytest.raises(wb.InputError, match="is a solution of HiGHS, and no form writes demo-tiny down"):
         answer_of_solver(problem, SolverFile("HiGHS"))
+
+
+def test_values_of_the_form_that_are_no_answer_are_told_from_those_of_another_model() -> None:
+    with pytest.raises(wb.InputError, match=r"^is a solution of its form two-index-mtz, and no answer to demo-tiny: a route ends"):
+        answer_of_solver(wb.read("demo-tiny"), SolverFile("HiGHS", {"x(0,1)": 1.0}), "two-index-mtz")

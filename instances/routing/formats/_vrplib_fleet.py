@@ -17,7 +17,7 @@ Source: documentation of PyVRP, "supported VRPLIB fields"; Pessoa, Sadykov and U
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -32,10 +32,11 @@ from ._tsplib import Specification, node_list, node_table
 
 Floats = NDArray[np.float64]
 
+MAX_RELOADS = "VEHICLES_MAX_RELOADS"
 QUANTITIES = {
     "CAPACITY": ("capacity", math.inf), "VEHICLES_MAX_DISTANCE": ("max_distance", math.inf),
     "VEHICLES_MAX_DURATION": ("max_duration", math.inf), "VEHICLES_FIXED_COST": ("fixed_cost", 0.0),
-    "VEHICLES_UNIT_DISTANCE_COST": ("unit_cost", 1.0), "VEHICLES_MAX_RELOADS": ("max_reloads", math.inf),
+    "VEHICLES_UNIT_DISTANCE_COST": ("unit_cost", 1.0), MAX_RELOADS: ("max_reloads", math.inf),
 }  # fmt: skip
 DEPOTS, PRIZES, BACKHAULS = "VEHICLES_DEPOT_SECTION", "PRIZE_SECTION", "BACKHAUL_SECTION"
 RELOADS, ALLOWED, GROUPS = "VEHICLES_RELOAD_DEPOT_SECTION", "VEHICLES_ALLOWED_CLIENTS_SECTION", "MUTUALLY_EXCLUSIVE_GROUP_SECTION"
@@ -60,8 +61,8 @@ def depots_of(spec: Specification, n: int) -> list[int]:
     return [node - 1 for node in nodes]
 
 
-def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> tuple[VehicleType, ...]:
-    """Types of vehicles, those that are alike together; ``longest`` is the DISTANCE of the file."""
+def fleet_of(spec: Specification, n: int, depots: list[int], longest: float, named: Callable[[], int | None]) -> tuple[VehicleType, ...]:
+    """Types of vehicles, those that are alike together; ``longest`` is the DISTANCE of the file, ``named`` the fleet of its name."""
     if KINDS in spec.headers or spec.sections.keys() & BY_KIND.keys():
         return _kinds(spec, depots, longest)
     sections = [name for name in (DEPOTS, RELOADS, ALLOWED, *(f"{key}_SECTION" for key in QUANTITIES)) if name in spec.sections]
@@ -70,7 +71,7 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> 
     elif sections:
         count = sum(row.split() != ["-1"] for _, row in spec.sections[sections[0]].rows)
     else:
-        count = n - len(depots)
+        count = named() or n - len(depots)
     if len(depots) > 1 and DEPOTS not in spec.sections:
         raise InputError(f"there are {len(depots)} depots, and nothing says where vehicles start", line=spec.sections["DEPOT_SECTION"].line,
                          expected=f"{DEPOTS}, one row a vehicle")  # fmt: skip
@@ -91,8 +92,6 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float) -> 
     for k, ((home, reloads, skills, *values), many) in enumerate(kinds.items(), start=1):
         given: dict[str, Any] = {name: value for name, value in zip(columns, values, strict=True) if name in known_fields}
         most = given.pop("max_reloads")
-        if most < math.inf and most != int(most):
-            raise InputError("VEHICLES_MAX_RELOADS must be a whole number", expected="0 or more", found=str(most))
         given |= {"reloads": reloads, "skills": skills, "max_reloads": int(most) if reloads and most < math.inf else None}
         name = "vehicle" if len(kinds) == 1 else f"type {k}"
         made.append(VehicleType(many, start=int(home), end=int(home), name=name, **given))
@@ -131,13 +130,21 @@ def _quantity(spec: Specification, key: str, count: int, default: float) -> Floa
             raise InputError(f"{key} stands beside a {section}", line=spec.line(key), expected="one of them")
         table, lines = node_table(spec, section, count, ("value",))
         refuse(table[:, 0] < 0, lines, f"{section} holds a negative value", table[:, 0], "0 or more")
-        return table[:, 0]
+        return _counted(key, table[:, 0], lines)
     if key not in spec.headers:
         return np.full(count, default)
     value = number(spec.value(key), spec.line(key), key)
     if value < 0:
         raise InputError(f"{key} is negative", line=spec.line(key), expected="0 or more", found=spec.value(key))
-    return np.full(count, value)
+    return _counted(key, np.full(count, value), [spec.line(key)] * count)
+
+
+def _counted(key: str, values: Floats, lines: Sequence[int] | NDArray[np.int64]) -> Floats:
+    """``values``, whole where they count something."""
+    if key == MAX_RELOADS:
+        for value, line in zip(values.tolist(), lines, strict=True):
+            whole(plain(value), int(line), key, least=0)
+    return values
 
 
 def skills_of(spec: Specification, n: int, depots: list[int]) -> dict[int, list[str]]:
@@ -150,10 +157,11 @@ def _allowed(spec: Specification, n: int, depots: list[int], count: int | None =
     if ALLOWED not in spec.sections:
         return {}
     rows, _ = _node_rows(spec, ALLOWED, n, count, depots)
+    served = [set(nodes) for nodes in rows]
     words: dict[frozenset[int], str] = {}
     made = {}
     for site in (k for k in range(n) if k not in depots):
-        vehicles = frozenset(k for k, nodes in enumerate(rows) if site in nodes)
+        vehicles = frozenset(k for k, nodes in enumerate(served) if site in nodes)
         if len(vehicles) < len(rows):
             made[site] = words.setdefault(vehicles, f"as node {site + 1}"), vehicles
     return made
@@ -172,10 +180,23 @@ def _reloads(spec: Specification, n: int, depots: list[int], count: int) -> list
     return [tuple(nodes) for nodes in rows]
 
 
-def groups_of(spec: Specification, n: int, depots: list[int]) -> list[Group]:
+def groups_of(spec: Specification, n: int, depots: list[int], prizes: Floats | None) -> list[Group]:
     """Alternatives, of which exactly one is visited; one of a single customer says nothing."""
-    rows = _node_rows(spec, GROUPS, n, excluded=depots)[0] if GROUPS in spec.sections else []
-    return [Group(tuple(nodes)) for nodes in rows if len(nodes) > 1]
+    if GROUPS not in spec.sections:
+        return []
+    rows, lines = _node_rows(spec, GROUPS, n, excluded=depots)
+    groups = [(nodes, line) for nodes, line in zip(rows, lines, strict=True) if len(nodes) > 1]
+    seen: dict[int, int] = {}
+    for nodes, line in groups:
+        for node in nodes:
+            if node in seen:
+                raise InputError(
+                    f"site {node + 1} is in two groups, the other in line {seen[node]}", line=line, expected="one group a site"
+                )
+            if prizes is not None and prizes[node]:
+                raise InputError(f"site {node + 1} of a group has a prize of its own", line=line, expected="0", found=plain(prizes[node]))
+            seen[node] = line
+    return [Group(tuple(nodes)) for nodes, _ in groups]
 
 
 def _node_rows(
@@ -188,15 +209,17 @@ def _node_rows(
             f"{section} has a wrong number of rows", line=spec.section(section).line, expected=str(count), found=str(len(rows))
         )
     made: dict[int, tuple[list[int], int]] = {}
+    barred = set(excluded)
     for line, row in rows:
         number, *nodes = (whole(word, line, section, least=1) for word in row.split())
         if number in made or number > len(rows):
             raise InputError(
                 f"{section} has a row of a wrong number", line=line, expected=f"each of 1 to {len(rows)} once", found=str(number)
             )
+        twice = len(set(nodes)) < len(nodes)
         for node in nodes:
-            if node > n or node - 1 in excluded or nodes.count(node) > 1:
-                why = "that does not exist" if node > n else "that is a depot" if node - 1 in excluded else "twice in a row"
+            if node > n or node - 1 in barred or (twice and nodes.count(node) > 1):
+                why = "that does not exist" if node > n else "that is a depot" if node - 1 in barred else "twice in a row"
                 raise InputError(f"{section} names a node {why}", line=line, found=str(node))
         made[number] = [node - 1 for node in nodes], line
     ordered = [made[k] for k in sorted(made)]

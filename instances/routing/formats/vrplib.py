@@ -28,6 +28,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -132,13 +133,13 @@ def read(text: str, path: Path) -> RoutingInstance:
         demand, service, ready, due, lines = _sites(spec, flags, kind)
         pickup = backhauls_of(spec, n, depots)
     prizes = prizes_of(spec, n, depots)
-    groups = groups_of(spec, n, depots)
+    groups = groups_of(spec, n, depots, prizes)
     free = np.isin(np.arange(n), [site for group in groups for site in group.sites])
     worth |= {} if prizes is None else {"penalty": prizes, "required": (prizes == 0.0) & ~free}
     worth |= {"groups": groups, "skills": skills_of(spec, n, depots)}
     sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy, **worth)
     if is_rich(spec, depots) or prizes is not None or kind in RICH:
-        return _rich(spec, name, sites, travel, depots, notes, lines, kind == BACKHAULS)
+        return _rich(spec, (name, label(path.stem)), sites, travel, depots, notes, lines, kind == BACKHAULS)
     count = _fleet(spec, name, label(path.stem), notes) if not is_tsp or "VEHICLES" in spec.headers else 1
     capacity, longest = _limit(spec, "CAPACITY"), _limit(spec, "DISTANCE")
     if math.isfinite(longest):
@@ -170,11 +171,12 @@ def _meant(spec: Specification) -> str:
 
 
 def _rich(
-    spec: Specification, name: str, sites: Sites, travel: Travel, depots: list[int], notes: list[str], lines: list[int] | None, late: bool
-) -> RoutingInstance:
+    spec: Specification, names: tuple[str, str], sites: Sites, travel: Travel, depots: list[int], notes: list[str],
+    lines: list[int] | None, late: bool,
+) -> RoutingInstance:  # fmt: skip
     """Vehicles of several kinds or depots, sites that are worth a prize, and backhauls that come ``late``: after the deliveries."""
     longest = _limit(spec, "DISTANCE")
-    fleet = fleet_of(spec, len(sites), depots, longest)
+    fleet = fleet_of(spec, len(sites), depots, longest, partial(_fleet, spec, *names, notes))
     objective: tuple[str, ...] = ()
     if sites.penalty.any():
         notes.append("a customer with a prize may be left out, and its prize is then a cost")
@@ -184,7 +186,9 @@ def _rich(
         notes.append("no route goes from the depot to a backhaul, or from one to a delivery")
         moves = np.outer(sites.depot, sites.pickup > 0) | np.outer(sites.pickup > 0, sites.demand > 0)
         np.fill_diagonal(moves, False)
-    made = with_problems(RoutingInstance(name, "vrplib", sites, travel, fleet, objective=objective, notes=tuple(notes), forbidden=moves))
+    made = with_problems(
+        RoutingInstance(names[0], "vrplib", sites, travel, fleet, objective=objective, notes=tuple(notes), forbidden=moves)
+    )
     refuse_unreachable(made, lines)
     return made
 

@@ -74,6 +74,8 @@ def test_each_package_hands_its_solution_back_under_the_names_of_the_export(mode
         (np.full(76, np.nan), "holds a value that is not finite"),
         ({"x(0,1)": np.nan}, r"the value of variable x\(0,1\) is not finite"),
         ({"x(0,1)": None}, "the model holds no solution"),
+        ({"x(0,1)": "one"}, r"the value of variable x\(0,1\) must be a number; found .*one"),
+        ({"x(0,1)": [1.0]}, r"the value of variable x\(0,1\) must be a number"),
         ({"y": 1.0}, "names a variable that does not exist"),
     ],
 )
@@ -102,9 +104,62 @@ def test_a_model_without_a_solution_or_of_something_else_is_refused(model: Compi
         wb.judge(model.problem, other)
 
 
+@pytest.mark.parametrize("package", ["highs", "pulp", "cvxpy", "scip"])
+def test_a_solved_model_of_the_same_size_is_told_by_its_objective(package: str, tmp_path: Path) -> None:
+    own, other = (wb.read("demo-tiny", customers=3, convention=convention) for convention in ("exact", "trunc1"))
+    compiled = own.compile("two-index-mtz")
+    if package == "scip":
+        import pyscipopt
+
+        compiled.write(tmp_path / "model.mps")
+        made = pyscipopt.Model()
+        made.hideOutput()
+        made.readProblem(str(tmp_path / "model.mps"))
+    else:
+        made = getattr(compiled, f"to_{package}")()
+    _solve(package, made)
+    assert wb.judge(own, made, form="two-index-mtz").feasible
+    with pytest.raises(InputError, match=r"has the objective .* by its values; expected the objective that it states"):
+        wb.judge(other, made, form="two-index-mtz")
+
+
+def test_what_cbc_leaves_behind_of_an_infeasible_model_is_no_solution(model: Compiled) -> None:
+    import pulp
+
+    made = model.to_pulp()
+    made += pulp.lpSum(made.variables()) <= -1
+    _solve("pulp", made)
+    with pytest.raises(InputError, match="the model holds no solution"):
+        model.answer(made)
+
+
+def test_a_model_of_scip_without_a_problem_is_refused(model: Compiled) -> None:
+    import pyscipopt
+
+    made = pyscipopt.Model()
+    made.freeProb()
+    with pytest.raises(InputError, match="the model holds no solution"):
+        model.answer(made)
+
+
+def test_what_is_no_result_of_mathopt_is_refused(model: Compiled) -> None:
+    from ortools.math_opt.python import mathopt
+
+    for given in (model.to_mathopt(), mathopt.SolveParameters()):
+        with pytest.raises(InputError, match=f"MathOpt's {type(given).__name__} is no result; expected what mathopt.solve returned"):
+            wb.judge(model.problem, given)
+
+
+def test_values_in_text_are_numbers(model: Compiled) -> None:
+    assert vector_from(model.program, {"x(0,1)": "1"}).sum() == 1.0
+
+
 def _solve(package: str, model: Any) -> None:
     import pulp
 
+    if package == "scip":
+        model.optimize()
+        return
     if package == "highs":
         model.run()
     else:

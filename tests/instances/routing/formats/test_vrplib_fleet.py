@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,8 @@ import pytest
 
 import waybound as wb
 from waybound.instances.errors import InputError
+from waybound.instances.routing.formats._tsplib import Section, Specification
+from waybound.instances.routing.formats._vrplib_fleet import ALLOWED, skills_of
 
 HEAD = """NAME : tiny
 DIMENSION : 6
@@ -170,8 +173,10 @@ def test_reloads_allowed_clients_and_groups_are_those_that_pyvrp_reads(tmp_path:
         ("3 5 6\nM", "3 5 9\nM", "VEHICLES_ALLOWED_CLIENTS_SECTION names a node that does not exist; found 9"),
         ("1 3 5\n2 4", "1 3 1\n2 4", "MUTUALLY_EXCLUSIVE_GROUP_SECTION names a node that is a depot; found 1"),
         ("1 3 5\n2 4", "1 3 3\n2 4", "MUTUALLY_EXCLUSIVE_GROUP_SECTION names a node twice in a row; found 3"),
-        ("1 3 5\n2 4", "1 3 5\n2 4 3", "site 3 is in two groups"),
-        ("RELOADS : 2", "RELOADS : 1.5", "VEHICLES_MAX_RELOADS must be a whole number"),
+        ("1 3 5\n2 4", "1 3 5\n2 4 3", ":39: site 3 is in two groups, the other in line 38"),
+        ("MUTUALLY", PRIZES.replace("3 0", "3 9") + "MUTUALLY", ":45: site 3 of a group has a prize of its own; expected 0; found 9"),
+        ("RELOADS : 2", "RELOADS : 1.5", ":6: VEHICLES_MAX_RELOADS must be a whole number"),
+        ("RELOADS : 2", "RELOADS : 1e300", ":6: VEHICLES_MAX_RELOADS must be a whole number; expected 0 or more; found '1e+300'"),
     ],
 )
 def test_a_fault_of_reloads_allowed_clients_and_groups_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
@@ -179,6 +184,21 @@ def test_a_fault_of_reloads_allowed_clients_and_groups_is_refused(tmp_path: Path
     with pytest.raises(InputError) as caught:
         read(tmp_path, RELOADS.replace(old, new))
     assert message in str(caught.value) and str(tmp_path) in str(caught.value)
+
+
+@pytest.mark.parametrize("more", ["", "MUTUALLY_EXCLUSIVE_GROUP_SECTION\n1 3 5\n", PRIZES])
+def test_the_fleet_of_the_name_is_kept_beside_groups_and_prizes(tmp_path: Path, more: str) -> None:
+    text = HEAD.replace("tiny", "A-n6-k2") + PLACES.split("VEHICLES_DEPOT")[0].replace("\n2\n-1", "\n-1") + more
+    made = read(tmp_path, text)
+    assert made.vehicle_limit == 2 and any("A-n6-k2" in note for note in made.notes)
+
+
+def test_allowed_clients_are_read_in_a_time_that_grows_as_the_file(tmp_path: Path) -> None:
+    """Two vehicles and 6000 nodes: a search through the row for each of its nodes takes seconds."""
+    n = 6000
+    spec = Specification({}, {ALLOWED: Section(ALLOWED, 1, [(k + 1, f"{k} " + " ".join(map(str, range(2, n + 1)))) for k in (1, 2)])}, 3)
+    begun = time.process_time()
+    assert skills_of(spec, n, [0]) == {} and time.process_time() - begun < 0.5
 
 
 def test_mixed_fleets_by_kind(tmp_path: Path) -> None:
