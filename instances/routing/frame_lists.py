@@ -62,11 +62,10 @@ def windows_of(given: Any, index: Index, times: Times) -> dict[int, list[Window]
             found.setdefault(_at(row["site"], index, "windows"), []).append((window, k))
     names = list(index)
     for site, held in found.items():
-        held.sort()
-        for (one, _), (next_one, k) in pairwise(held):
+        for (one, _), (after, k) in pairwise(sorted(held)):
             with placed(given, k):
-                if next_one[0] <= one[1]:
-                    raise InputError(f"windows of {names[site]} are not apart from each other", found=f"{one} and {next_one}")
+                if after[0] <= one[1]:
+                    raise InputError(f"windows of {names[site]} are not apart from each other", found=f"{one} and {after}")
     return {site: [window for window, _ in held] for site, held in found.items()}
 
 
