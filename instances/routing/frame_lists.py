@@ -83,9 +83,10 @@ def _listed(given: Any, what: str, expected: str) -> list[Any]:
 
 
 def _window(pair: Any, site: str, times: Times) -> Window:
-    if isinstance(pair, str) or not isinstance(pair, Iterable) or len(pair := tuple(pair)) != 2:
+    ends = () if isinstance(pair, str) or not isinstance(pair, Iterable) else tuple(pair)
+    if len(ends) != 2:
         raise InputError(f"a window of {site} has an opening and a close", found=str(pair)[:80])
-    opens, closes = (times.moment(end, f"window of {site}") for end in pair)
+    opens, closes = (times.moment(end, f"window of {site}") for end in ends)
     return 0.0 if math.isnan(opens) else opens, math.inf if math.isnan(closes) else closes
 
 
@@ -107,13 +108,14 @@ def shipments_of(given: Any, index: Index) -> list[Shipment]:
 
 
 def _shipment(one: Any, index: Index) -> Shipment:
-    if isinstance(one, str) or not isinstance(one, Iterable) or len(one := tuple(one)) not in (2, 3):
+    parts = () if isinstance(one, str) or not isinstance(one, Iterable) else tuple(one)
+    if len(parts) not in (2, 3):
         raise InputError("a shipment has a pickup, a delivery and perhaps a load", found=str(one)[:80])
-    pickup, delivery = (_at(site, index, "shipments") for site in one[:2])
+    pickup, delivery = (_at(site, index, "shipments") for site in parts[:2])
     try:
-        return Shipment(pickup, delivery, one[2] if len(one) == 3 else (0.0,))
+        return Shipment(pickup, delivery, parts[2] if len(parts) == 3 else (0.0,))
     except (TypeError, ValueError):
-        raise InputError(f"load of the shipment from {one[0]} to {one[1]} must be a number", found=str(one[2])[:80]) from None
+        raise InputError(f"load of the shipment from {parts[0]} to {parts[1]} must be a number", found=str(parts[2])[:80]) from None
 
 
 def groups_of(given: Any, index: Index) -> list[Group]:
