@@ -157,6 +157,8 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
 
 def mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
     """``mapping`` from waybound's titles to the frame's, whichever way round it is given."""
+    if not isinstance(mapping, Mapping):
+        raise InputError("columns must be a mapping of titles", expected="{'demand': 'crates'}", found=str(mapping)[:80])
     found: dict[str, Any] = {}
     own: Any
     for one, other in mapping.items():

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..clock import Times
 from ..errors import InputError
 from ..suggestions import did_you_mean
 from .frame_columns import words_of
+from .frame_lists import placed
 from .json_vehicles import VEHICLE_KEYS, decode_vehicle
 from .sites import Sites
 from .vehicle_type import VehicleType
@@ -40,14 +41,16 @@ def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
             continue
         if not isinstance(row, Mapping):
             raise InputError(f"fleet[{k}] must be a mapping or a VehicleType", found=type(row).__name__)
-        held = _held(row, f"fleet[{k}]", times)
-        held.setdefault("name", f"vehicle {k + 1}" if len(rows) > 1 else "vehicle")
-        if framed and "count" not in given.columns:
-            held.setdefault("count", 1)
-        kinds.append(decode_vehicle(held, f"fleet[{k}]", index, sites))
+        with placed(given, k):
+            held = _held(row, f"fleet[{k}]", times)
+            held.setdefault("name", f"vehicle {k + 1}" if len(rows) > 1 else "vehicle")
+            if framed and "count" not in given.columns:
+                held.setdefault("count", 1)
+            kinds.append(decode_vehicle(held, f"fleet[{k}]", index, sites))
     names = [v.name for v in kinds]
     if len(set(names)) < len(names):
-        raise InputError("vehicle types must have different names", found=", ".join(names))
+        with placed(given, next(k for k, name in enumerate(names) if name in names[:k])):
+            raise InputError("vehicle types must have different names", found=", ".join(names))
     return tuple(kinds)
 
 
@@ -57,6 +60,8 @@ def see_times(given: Any, times: Times) -> None:
         for title in (*SHIFT, "shift"):
             if title in given.columns:
                 times.see(given[title])
+    elif given is not None and not isinstance(given, Iterable):
+        raise InputError("fleet must be a frame or a list", expected="[{'capacity': 5}]", found=str(given)[:80])
     elif isinstance(given, Sequence):
         for row in given:
             if isinstance(row, Mapping):
@@ -67,10 +72,11 @@ def _rows(frame: Any) -> list[dict[str, Any]]:
     import pandas as pd
 
     known = (*VEHICLE_KEYS, *SHIFT, *FURTHER)
-    for title in frame.columns:
-        if title not in known:
-            hint = did_you_mean(str(title), known)
-            raise InputError(f"the fleet has an unknown column {str(title)!r}{hint}", expected=", ".join((*VEHICLE_KEYS, *SHIFT)))
+    with placed(frame):
+        for title in frame.columns:
+            if title not in known:
+                hint = did_you_mean(str(title), known)
+                raise InputError(f"the fleet has an unknown column {str(title)!r}{hint}", expected=", ".join((*VEHICLE_KEYS, *SHIFT)))
     rows: list[dict[str, Any]] = frame.to_dict("records")
     if "name" not in frame.columns and not isinstance(frame.index, pd.RangeIndex):
         for name, row in zip(frame.index.tolist(), rows, strict=True):

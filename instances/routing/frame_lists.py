@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from itertools import pairwise
 from typing import Any
+
+import numpy as np
 
 from ..clock import Times
 from ..errors import InputError
@@ -18,6 +22,19 @@ COLUMNS = {"windows": ("site", "ready", "due"), "shipments": ("pickup", "deliver
 
 Index = Mapping[str, int]
 
+READ_FROM = "waybound.read_from"
+"""Attribute of a frame out of a file: the file, and the lines of its titles and of each row."""
+
+
+@contextmanager
+def placed(frame: Any, row: int = -1) -> Iterator[None]:
+    """Errors inside get the file of a frame that was read from one, with the line of ``row``, or of the titles."""
+    try:
+        yield
+    except InputError as error:
+        file, lines = getattr(frame, "attrs", {}).get(READ_FROM, (None, None))
+        raise error if lines is None else error.at(file, lines[row + 1]) from None
+
 
 def see_windows(given: Any, times: Times) -> None:
     """Let the moments of windows count for the origin of time."""
@@ -26,69 +43,110 @@ def see_windows(given: Any, times: Times) -> None:
             if title in given.columns:
                 times.see(given[title])
     else:
-        times.see([list(listed) for listed in (given or {}).values()])
+        times.see(list(_by_site(given).values()))
 
 
 def windows_of(given: Any, index: Index, times: Times) -> dict[int, list[Window]]:
     """Windows by site index, of a mapping from ids to pairs or a frame; a missing end is no limit."""
-    if hasattr(given, "columns"):
-        rows, given = _rows(given, "windows"), {}
-        for row in rows:
-            given.setdefault(row["site"], []).append((row.get("ready"), row.get("due")))
-    return {_at(site, index, "windows"): [_window(pair, str(site), times) for pair in listed] for site, listed in (given or {}).items()}
+    if not hasattr(given, "columns"):
+        return {
+            _at(site, index, "windows"): [_window(pair, str(site), times) for pair in _listed(listed, f"windows of {site}", "[(0, 4)]")]
+            for site, listed in _by_site(given).items()
+        }
+    found: dict[int, list[tuple[Window, int]]] = {}
+    for k, row in enumerate(_rows(given, "windows")):
+        with placed(given, k):
+            window = _window((row.get("ready"), row.get("due")), row["site"], times)
+            if window[0] > window[1]:
+                raise InputError(f"a window of {row['site']} closes before it opens", found=str(window))
+            found.setdefault(_at(row["site"], index, "windows"), []).append((window, k))
+    names = list(index)
+    for site, held in found.items():
+        for (one, _), (after, k) in pairwise(sorted(held)):
+            with placed(given, k):
+                if after[0] <= one[1]:
+                    raise InputError(f"windows of {names[site]} are not apart from each other", found=f"{one} and {after}")
+    return {site: [window for window, _ in held] for site, held in found.items()}
 
 
-def _window(pair: Sequence[Any], site: str, times: Times) -> Window:
-    if isinstance(pair, str) or len(pair) != 2:
+def _by_site(given: Any) -> Mapping[Any, Any]:
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError("windows must be a mapping or a frame", expected="{'a': [(0, 4), (9, 20)]}", found=str(given)[:80])
+    return given or {}
+
+
+def _listed(given: Any, what: str, expected: str) -> list[Any]:
+    """The entries of a list or any other iterable; None has none."""
+    if isinstance(given, str | Mapping) or not isinstance(given, Iterable | None):
+        raise InputError(f"{what} must be a list", expected=expected, found=str(given)[:80])
+    return [] if given is None else list(given)
+
+
+def _window(pair: Any, site: str, times: Times) -> Window:
+    ends = () if isinstance(pair, str) or not isinstance(pair, Iterable) else tuple(pair)
+    if len(ends) != 2:
         raise InputError(f"a window of {site} has an opening and a close", found=str(pair)[:80])
-    opens, closes = (times.moment(end, f"window of {site}") for end in pair)
+    opens, closes = (times.moment(end, f"window of {site}") for end in ends)
     return 0.0 if math.isnan(opens) else opens, math.inf if math.isnan(closes) else closes
 
 
 def shipments_of(given: Any, index: Index) -> list[Shipment]:
     """Of pairs of ids, perhaps with a load, or of a frame."""
     if hasattr(given, "columns"):
-        loads = [title for title in LOADS if title in given.columns]
-        given = [
-            (row["pickup"], row["delivery"], [0.0 if row[title] is None else row[title] for title in loads] or 0.0)
+        loads = LOADS[: max((k for k, title in enumerate(LOADS, start=1) if title in given.columns), default=0)]
+        listed: list[Any] = [
+            (row["pickup"], row["delivery"], [0.0 if row.get(title) is None else row[title] for title in loads] or 0.0)
             for row in _rows(given, "shipments")
         ]
+    else:
+        listed = _listed(given, "shipments", "[('a', 'b', 2)], or a frame")
     made = []
-    for one in given:
-        if isinstance(one, str) or len(one) not in (2, 3):
-            raise InputError("a shipment has a pickup, a delivery and perhaps a load", found=str(one)[:80])
-        pickup, delivery = (_at(site, index, "shipments") for site in one[:2])
-        try:
-            made.append(Shipment(pickup, delivery, one[2] if len(one) == 3 else (0.0,)))
-        except (TypeError, ValueError):
-            raise InputError(f"load of the shipment from {one[0]} to {one[1]} must be a number", found=str(one[2])[:80]) from None
+    for k, one in enumerate(listed):
+        with placed(given, k):
+            made.append(_shipment(one, index))
     return made
+
+
+def _shipment(one: Any, index: Index) -> Shipment:
+    parts = () if isinstance(one, str) or not isinstance(one, Iterable) else tuple(one)
+    if len(parts) not in (2, 3):
+        raise InputError("a shipment has a pickup, a delivery and perhaps a load", found=str(one)[:80])
+    pickup, delivery = (_at(site, index, "shipments") for site in parts[:2])
+    try:
+        return Shipment(pickup, delivery, parts[2] if len(parts) == 3 else (0.0,))
+    except (TypeError, ValueError):
+        raise InputError(f"load of the shipment from {parts[0]} to {parts[1]} must be a number", found=str(parts[2])[:80]) from None
 
 
 def groups_of(given: Any, index: Index) -> list[Group]:
     """Of lists of ids, or mappings with ``sites`` and ``required``, or of a frame."""
     if hasattr(given, "columns"):
-        given = _groups(_rows(given, "groups"))
+        return _groups(given, index)
     made = []
-    for one in given:
-        members = one["sites"] if isinstance(one, Mapping) else one
-        required = one.get("required", True) if isinstance(one, Mapping) else True
-        made.append(Group(tuple(_at(site, index, "groups") for site in members), bool(required)))
+    for one in _listed(given, "groups", "[['a', 'b']], or a frame"):
+        if isinstance(one, Mapping) and not {"sites"} <= one.keys() <= {"sites", "required"}:
+            raise InputError("a group has sites and perhaps required", expected="{'sites': ['a', 'b'], 'required': False}",
+                             found=str(one)[:80])  # fmt: skip
+        members, required = (one["sites"], one.get("required", True)) if isinstance(one, Mapping) else (one, True)
+        if not isinstance(required, bool | np.bool_):
+            raise InputError("required of a group must be True or False", found=repr(required)[:80])
+        made.append(Group(tuple(_at(site, index, "groups") for site in _listed(members, "sites of a group", "['a', 'b']")), bool(required)))
     return made
 
 
-def _groups(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+def _groups(frame: Any, index: Index) -> list[Group]:
     """Rows of one name are one group, required where nothing else is said in any of them."""
-    made: dict[Any, dict[str, Any]] = {}
-    for row in rows:
-        held = made.setdefault(row["group"], {"sites": []})
-        held["sites"].append(row["site"])
-        said = row.get("required")
-        if said is not None and said not in (True, False):
-            raise InputError("column required of groups must hold true and false", found=str(said))
-        if said is not None and held.setdefault("required", said) != said:
-            raise InputError(f"group {row['group']} is required in one row and not in another", expected="one of them")
-    return list(made.values())
+    sites: dict[str, list[int]] = {}
+    required: dict[str, bool] = {}
+    for k, row in enumerate(_rows(frame, "groups")):
+        with placed(frame, k):
+            group, said = row["group"], row.get("required")
+            sites.setdefault(group, []).append(_at(row["site"], index, "groups"))
+            if said is not None and said not in (True, False):
+                raise InputError("column required of groups must hold true and false", found=str(said))
+            if said is not None and required.setdefault(group, bool(said)) != said:
+                raise InputError(f"group {group} is required in one row and not in another", expected="one of them")
+    return [Group(tuple(members), required.get(group, True)) for group, members in sites.items()]
 
 
 def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
@@ -96,12 +154,17 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
     import pandas as pd
 
     known, names = COLUMNS[what], COLUMNS[what][: 1 if what == "windows" else 2]
-    for title in frame.columns:
-        if title not in known:
-            raise InputError(f"{what} have an unknown column {str(title)!r}{did_you_mean(str(title), known)}", expected=", ".join(known))
-    lacking = next((title for title in names if title not in frame.columns), None)
-    if lacking is not None:
-        raise InputError(f"{what} have no column {lacking!r}", expected=", ".join(known))
+    with placed(frame):
+        for title in frame.columns:
+            if title not in known:
+                raise InputError(
+                    f"{what} have an unknown column {str(title)!r}{did_you_mean(str(title), known)}", expected=", ".join(known)
+                )
+        lacking = next((title for title in names if title not in frame.columns), None)
+        if lacking is not None:
+            raise InputError(f"{what} have no column {lacking!r}", expected=", ".join(known))
+        if what == "windows" and not {"ready", "due"} & set(frame.columns):
+            raise InputError("windows have neither a column 'ready' nor 'due'", expected=", ".join(known))
     made = []
     for k, held in enumerate(frame.to_dict("records")):
         row = {str(key): None if pd.api.types.is_scalar(value) and pd.isna(value) else value for key, value in held.items()}

@@ -125,13 +125,14 @@ def _refuse_shape(shape: tuple[int, ...], ids: Ids, what: str) -> None:
 def _sized(matrix: Floats, ids: Ids, what: str) -> Floats:
     if matrix.shape != (len(ids), len(ids)):
         _refuse_shape(matrix.shape, ids, what)
-    bad = ~(matrix >= 0)
+    finite = what == "variance"
+    bad = ~(matrix >= 0) | (np.isinf(matrix) & finite)
     np.fill_diagonal(bad, False)
     if bad.any():
         i, j = np.argwhere(bad)[0].tolist()
         raise InputError(
-            f"{what} from site {ids[i]} to site {ids[j]} must be a number and not negative", expected="inf for a move that cannot be made",
-            found=str(matrix[i, j]),
+            f"{what} from site {ids[i]} to site {ids[j]} must be a number and not negative",
+            expected="a finite number" if finite else "inf for a move that cannot be made", found=str(matrix[i, j]),
         )  # fmt: skip
     return matrix
 

@@ -83,6 +83,25 @@ def test_tables_beside_a_csv_of_sites_say_what_python_says_with_lists(run, refus
     assert "shipments name the unknown site 'bb'; expected the id of a site" in refused("info", tmp_path / "s.csv", *beside)
 
 
+@pytest.mark.parametrize(
+    ("key", "text", "told"),
+    [
+        ("shipments", "pickup,delivery\na,b\na,zz\n", "3: shipments name the unknown site 'zz'"),
+        ("shipments", "\npickup,load\na,1\n", "2: shipments have no column 'delivery'"),
+        ("groups", "group,site\n1,a\n\n1,zz\n", "4: groups name the unknown site 'zz'"),
+        ("windows", "site,ready,due\na,0,4\nb,0,9\na,3,9\n", "4: windows of a are not apart from each other"),
+        ("fleet", "name,wheels\nvan,4\n", "1: the fleet has an unknown column 'wheels'"),
+        ("fleet", "name,start\nvan,o\ncar,zz\n", "3: fleet[1].start"),
+    ],
+)
+def test_a_fault_inside_a_table_is_told_with_its_file_and_line(refused, tmp_path, key, text, told):
+    (tmp_path / "beside.csv").write_text(text)
+    (tmp_path / "s.csv").write_text(f"# {key}: beside.csv\nid,x,y\no,0,0\na,3,0\nb,0,4\n")
+    assert f"error: {tmp_path / 'beside.csv'}:{told}" in refused("info", tmp_path / "s.csv")
+    (tmp_path / "beside.csv").unlink()
+    assert f"{tmp_path / 's.csv'}:1: {key} 'beside.csv' no such file" in refused("info", tmp_path / "s.csv")
+
+
 def test_conversion_names_what_a_format_cannot_express(run, refused, tmp_path):
     path, target = tmp_path / "least.json", tmp_path / "least.txt"
     assert run("convert", "demo-tiny", "--to", path).exit_code == 0
@@ -99,6 +118,17 @@ def test_conversion_does_not_overwrite_its_input(run, refused, tmp_path):
     kept = path.read_bytes()
     assert "overwrite the input" in refused("convert", path, "--to", path)
     assert path.read_bytes() == kept
+
+
+@pytest.mark.parametrize("setting", [True, False], ids=["set", "comment"])
+def test_nothing_overwrites_a_table_beside_the_input(refused, tmp_path, setting):
+    sites, pairs = tmp_path / "s.csv", tmp_path / "p.csv"
+    sites.write_text(f"{'' if setting else '# shipments: p.csv'}\nid,x,y\no,0,0\na,3,0\nb,0,4\n")
+    pairs.write_text("pickup,delivery\na,b\n")
+    asked = ("--set", f"shipments={pairs}") if setting else ()
+    for command, option in (("convert", "--to"), ("solve", "--out"), ("solve", "--log")):
+        assert "would overwrite the input" in refused(command, sites, *asked, option, pairs)
+    assert pairs.read_text() == "pickup,delivery\na,b\n"
 
 
 def test_generation_repeats_itself_from_the_seed(run, tmp_path):

@@ -106,7 +106,7 @@ def test_paths_that_could_not_be_written_are_refused_beforehand(tmp_path):
         (tmp_path / "in.sol", "overwrite the input"),
     ):
         with pytest.raises(UsageError, match=says):
-            output_path("--out", path, (".sol",), unlike=str(tmp_path / "in.sol"))
+            output_path("--out", path, (".sol",), unlike=[str(tmp_path / "in.sol")])
 
 
 def test_two_outputs_cannot_go_to_one_file(tmp_path):

@@ -26,6 +26,7 @@ from .options import (
     bounded,
     complain,
     distinct_paths,
+    inputs_of,
     log_path,
     output_path,
     read_problem,
@@ -71,9 +72,10 @@ def compare(
     bounded(time_limit=time_limit, bound_time=bound_time, seed=seed, threads=threads)
     asked = read_problem(file, format, problem, convention, settings, objective)
     distinct_paths(out=out, plot=plot)
-    output_path("--out", out, TABLE_SUFFIXES, unlike=file)
-    output_path("--plot", plot, PLOT_SUFFIXES, unlike=file)
-    log_path(log, file, out, plot)
+    inputs = inputs_of(file, settings)
+    output_path("--out", out, TABLE_SUFFIXES, unlike=inputs)
+    output_path("--plot", plot, PLOT_SUFFIXES, unlike=inputs)
+    log_path(log, inputs, out, plot)
     if plot is not None:
         from importlib.util import find_spec
 

@@ -17,6 +17,7 @@ from .options import (
     Set,
     Verbose,
     bounded,
+    inputs_of,
     output_path,
     parse_pairs,
     parse_settings,
@@ -42,7 +43,7 @@ def export(
     verbose: Verbose = False,
 ) -> None:
     """Write an instance as a mathematical program that any solver reads."""
-    output_path("--to", to, PROGRAM_SUFFIXES, unlike=file)
+    output_path("--to", to, PROGRAM_SUFFIXES, unlike=inputs_of(file, settings))
     made = read_problem(file, format, problem, convention, settings, objective).compile(form, relax=relax)
     made.write(to)
     program = made.program
@@ -67,7 +68,7 @@ def convert(
     from ..api import problem_of, read_source
     from ..instances.writing import write_instance
 
-    output_path("--to", to, unlike=file)
+    output_path("--to", to, unlike=inputs_of(file, settings))
     given = parse_settings(settings, objective)
     instance = read_source(file, format, problem, given)  # which takes out what its reader needs
     if given or problem is not None or convention is not None:

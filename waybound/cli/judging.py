@@ -24,6 +24,7 @@ from .options import (
     Threads,
     Verbose,
     bounded,
+    inputs_of,
     output_path,
     read_problem,
     remark,
@@ -147,7 +148,7 @@ def bound(
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
     asked = read_problem(file, format, problem, convention, settings, objective)
-    output_path("--certificate", certificate, (".json",), unlike=file)
+    output_path("--certificate", certificate, (".json",), unlike=inputs_of(file, settings))
 
     from ..formulations.answers import json_text
     from ..formulations.certificate_files import write_certificate

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 import os
@@ -9,6 +10,7 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
 
@@ -152,7 +154,7 @@ def bounded(**options: Any) -> None:
             check_number(name, value, above=0 if name in ("time_limit", "memory_limit") else None, option=option)
 
 
-def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *, unlike: str | None = None) -> None:
+def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *, unlike: Sequence[str] = ()) -> None:
     """Raise UsageError, before anything is run, if a file could not be written to ``path`` later.
 
     Parameters
@@ -162,8 +164,8 @@ def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *,
     path : Path or None
     suffixes : sequence of str
         Those allowed; all if empty.
-    unlike : str, optional
-        The input, which must not be overwritten.
+    unlike : sequence of str
+        Inputs, which must not be overwritten; see ``inputs_of``.
     """
     if path is None:
         return
@@ -175,8 +177,18 @@ def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *,
         check_writable(path)
     except InputError as fault:
         raise UsageError(f"{option} {fault}") from None
-    if unlike is not None and path.exists() and Path(unlike).exists() and path.samefile(unlike):
+    if path.exists() and any(Path(file).exists() and path.samefile(file) for file in unlike):
         raise UsageError(f"{option} {path} would overwrite the input")
+
+
+def inputs_of(file: str, settings: Sequence[str] | None) -> list[str]:
+    """The file, and whatever ``--set`` or its comment lines may name beside it."""
+    named = [value for value in parse_pairs(settings, "--set").values() if isinstance(value, str)]
+    if Path(file).is_file():  # a pipe is read once
+        with contextlib.suppress(OSError), Path(file).open(encoding="utf-8", errors="replace") as lines:  # its reader will say so
+            heads = takewhile(lambda line: line.lstrip("\ufeff").startswith("#") or not line.strip(), lines)
+            named += [str(Path(file).parent / value) for line in heads if (value := line.partition(":")[2].strip("\0 \t\r\n"))]
+    return [file, *named]
 
 
 def distinct_paths(**options: Path | None) -> None:
@@ -190,7 +202,7 @@ def distinct_paths(**options: Path | None) -> None:
             seen[real] = name
 
 
-def log_path(log: str | None, unlike: str, *outputs: Path | None) -> None:
+def log_path(log: str | None, unlike: Sequence[str], *outputs: Path | None) -> None:
     """Raise UsageError if the log could not be written, or would be written over the input or another output."""
     if log is not None and log != "-":
         output_path("--log", Path(log), unlike=unlike)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,6 +28,7 @@ from .options import (
     bounded,
     complain,
     distinct_paths,
+    inputs_of,
     log_path,
     output_path,
     parse_pairs,
@@ -116,8 +118,9 @@ def solve(
     )  # fmt: skip
     options = parse_pairs(option, "--option")
     asked = read_problem(file, format, problem, convention, settings, objective)
-    _check_outputs(asked, file, out, certificate, plot, view)
-    log_path(log, file, out, certificate, plot)
+    inputs = inputs_of(file, settings)
+    _check_outputs(asked, inputs, out, certificate, plot, view)
+    log_path(log, inputs, out, certificate, plot)
 
     from ..formulations.answers import json_text, read_answer
     from ..solving.solve import solve as search
@@ -169,12 +172,14 @@ def exit_code(solution: Solution) -> int:
     return 1 if solution.status == "error" else 4
 
 
-def _check_outputs(problem: Problem, file: str, out: Path | None, certificate: Path | None, plot: Path | None, view: str | None) -> None:
+def _check_outputs(
+    problem: Problem, inputs: Sequence[str], out: Path | None, certificate: Path | None, plot: Path | None, view: str | None
+) -> None:
     """Refuse now what could not be written after the search."""
     distinct_paths(out=out, certificate=certificate, plot=plot)
-    output_path("--out", out, unlike=file)
-    output_path("--certificate", certificate, (".json",), unlike=file)
-    output_path("--plot", plot, PLOT_SUFFIXES, unlike=file)
+    output_path("--out", out, unlike=inputs)
+    output_path("--certificate", certificate, (".json",), unlike=inputs)
+    output_path("--plot", plot, PLOT_SUFFIXES, unlike=inputs)
     if out is not None:
         from ..formulations.answers import check_answer_path
 

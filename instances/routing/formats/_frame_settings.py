@@ -15,7 +15,7 @@ from ...errors import InputError, UsageError
 from ...formats.table import delimiter_of, table_of
 from ...text import is_number, number, read_text, refuse, shown, whole
 from ..frame_fleet import SHIFT, SPANS
-from ..frame_lists import LOADS
+from ..frame_lists import LOADS, READ_FROM
 from ..routing_service import unit_of_distance
 from ..travel import METRICS
 from . import _cells
@@ -29,6 +29,7 @@ Given = Mapping[str, tuple[int | None, Any]]
 COSTS = ("max-distance", "fixed-cost", "unit-cost")
 MATRICES = {"matrix": "distance", "durations": "duration", "variances": "variance", "closing": "closing time"}
 """What the numbers of each are."""
+INFINITE = {"matrix": ", or inf for no move", "durations": ", or inf for no move", "closing": ", or inf for no limit"}
 TABLES = ("fleet", "windows", "shipments", "groups")
 KEYS = (
     "vehicles", "min-vehicles", "capacity", "max-duration", *COSTS, "speed", "time-unit", "distance-unit", "metric", *MATRICES, *TABLES,
@@ -64,9 +65,11 @@ def arguments(given: Given, folder: Path, n: int) -> dict[str, Any]:
 
 def _argument(key: str, line: int | None, value: Any, folder: Path, n: int) -> dict[str, Any]:
     name = key.replace("-", "_")
-    if not isinstance(value, str | int | float) or isinstance(value, bool):
+    if not isinstance(value, str | int | float) or (isinstance(value, bool) and key == "extra"):
         return {"travel" if key == "matrix" else name: value}  # from Python, as from_frame takes it
-    text = str(value)
+    text = str(value).lower() if isinstance(value, bool) else str(value)
+    if isinstance(value, bool) and key in (*MATRICES, *TABLES):
+        raise InputError(f"{key} takes a file", line=line, expected=f"{key}=FILE", found=text)
     if key == "vehicles":
         return {} if text.lower() == "unlimited" else {name: whole(text, line or 0, key, least=1)}
     if key == "min-vehicles":
@@ -90,7 +93,7 @@ def _argument(key: str, line: int | None, value: Any, folder: Path, n: int) -> d
     if key in MATRICES:
         return {"travel" if key == "matrix" else key: _matrix(_file(key, line, text, folder), key, line, text, n)}
     if key in TABLES:
-        return {name: _table(_file(key, line, text, folder), key)}
+        return {name: _table(_file(key, line, text, folder), key, line, text)}
     if key == "columns":
         pairs = [part.split("=") for part in text.split(",")]
         if any(len(pair) != 2 for pair in pairs):
@@ -127,25 +130,32 @@ def _file(key: str, line: int | None, name: str, folder: Path) -> Path:
     return file
 
 
+def _text(file: Path, key: str, line: int | None, name: str) -> str:
+    """What the file holds; one that cannot be read is refused where it is named."""
+    try:
+        return read_text(file)
+    except InputError as error:
+        if error.line is not None:
+            raise
+        raise InputError(f"{key} {shown(name)} {error.message}", line=line, found=error.found) from None
+
+
 def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> NDArray[np.float64] | str:
-    """A square table of numbers, in which ``inf`` stands for no move; a routing service's JSON is read by ``instance_from_frame``."""
+    """A square table of numbers, in some with ``inf``; a routing service's JSON is read by ``instance_from_frame``."""
     if file.suffix.lower() == ".json" and key == "matrix":
         return str(file)
-    try:
-        lines = [(k, row) for k, row in enumerate(read_text(file).split("\n"), start=1) if row.strip()]
-    except InputError as error:
-        raise InputError(f"matrix {shown(name)} {error.message}", line=line, found=error.found) from None
+    lines = [(k, row) for k, row in enumerate(_text(file, key, line, name).split("\n"), start=1) if row.strip()]
     if len(lines) != n:
-        raise InputError("matrix has a wrong number of rows", file=file, line=lines[min(n, len(lines) - 1)][0], expected=str(n),
+        raise InputError(f"{key} has a wrong number of rows", file=file, line=lines[min(n, len(lines) - 1)][0], expected=str(n),
                          found=str(len(lines)))  # fmt: skip
     made = np.empty((n, n))
     delimiter = delimiter_of(lines[0][1])
     for k, (at, row) in enumerate(lines):
         cells = [cell.strip() for cell in (row.split(delimiter) if delimiter in row else row.split())]
-        bad = next((cell for cell in cells if not is_number(cell) and cell.lower() != "inf"), None)
+        bad = next((cell for cell in cells if not is_number(cell) and (cell.lower() != "inf" or key not in INFINITE)), None)
         if bad is not None:
-            raise InputError("matrix holds something that is no finite number", file=file, line=at, expected="a number, or inf for no move",
-                             found=shown(bad))  # fmt: skip
+            raise InputError(f"{key} holds something that is no finite number", file=file, line=at,
+                             expected=f"a number{INFINITE.get(key, '')}", found=shown(bad))  # fmt: skip
         if len(cells) != n:
             raise InputError("row of the matrix has a wrong length", file=file, line=at, expected=str(n), found=str(len(cells)))
         made[k] = [float(cell) for cell in cells]
@@ -157,21 +167,24 @@ def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> NDArra
     return made
 
 
-def _table(file: Path, key: str) -> pd.DataFrame:
-    """A frame of vehicles, one row a type, or of windows, shipments or groups."""
+def _table(file: Path, key: str, line: int | None, name: str) -> pd.DataFrame:
+    """A frame of vehicles, one row a type, or of windows, shipments or groups; it keeps the lines that it was read from."""
     import pandas as pd
 
-    known = _READ[key]
+    known, text = _READ[key], _text(file, key, line, name)
     try:
-        table = table_of(read_text(file), 0, str.strip if key == "fleet" else known, "vehicles" if key == "fleet" else key)
+        table = table_of(text, 0, str.strip if key == "fleet" else known, "vehicles" if key == "fleet" else key)
         held: dict[str, list[Any]] = {}
         for k, title in enumerate(table.titles):
-            cells = [(row[k], line) for row, line in zip(table.rows, table.at, strict=True)]
+            cells = [(row[k], at) for row, at in zip(table.rows, table.at, strict=True)]
             read = known.get(title)
-            held[title] = _cells.kept([cell for cell, _ in cells]) if read is None else [read(cell, line, title) for cell, line in cells]
+            held[title] = _cells.kept([cell for cell, _ in cells]) if read is None else [read(cell, at, title) for cell, at in cells]
     except InputError as error:
         raise error.at(file=file) from None
-    return pd.DataFrame({title: pd.Series(values, dtype=object) for title, values in held.items()})
+    frame = pd.DataFrame({title: pd.Series(values, dtype=object) for title, values in held.items()})
+    titles = next(k for k, row in enumerate(text.split("\n"), start=1) if row.strip())
+    frame.attrs[READ_FROM] = str(file), (titles, *table.at)
+    return frame
 
 
 def _word(cell: str, line: int | None, what: str) -> str:

@@ -41,6 +41,12 @@ def test_a_frame_and_a_list_tell_the_same_shipments() -> None:
     )
 
 
+def test_a_load_is_told_by_its_title_alone() -> None:
+    frame = pd.DataFrame({"pickup": ["a"], "delivery": ["b"], "load": [2], "load3": [5]})
+    assert shipments_of(frame, INDEX) == [Shipment(1, 2, (2, 0, 5))]
+    assert shipments_of(frame.drop(columns="load"), INDEX) == [Shipment(1, 2, (0, 0, 5))]
+
+
 def test_a_frame_and_a_list_tell_the_same_groups() -> None:
     frame = pd.DataFrame({"group": ["x", "y", "x"], "site": ["a", 7, "b"], "required": [None, False, None]})
     assert (
@@ -54,7 +60,7 @@ def test_a_frame_and_a_list_tell_the_same_groups() -> None:
     [
         (windows, pd.DataFrame({"sites": ["a"]}), "windows have an unknown column 'sites'; did you mean 'site'?"),
         (windows, pd.DataFrame({"ready": [1]}), "windows have no column 'site'"),
-        (windows, pd.DataFrame({"site": ["a", None]}), "row 1 of windows has no site"),
+        (windows, pd.DataFrame({"site": ["a", None], "due": 1}), "row 1 of windows has no site"),
         (windows, {"a": [(1, 2, 3)]}, "a window of a has an opening and a close"),
         (windows, {"z": [(1, 2)]}, "windows name the unknown site 'z'"),
         (shipments_of, pd.DataFrame({"pickup": ["a"]}), "shipments have no column 'delivery'"),
@@ -63,6 +69,22 @@ def test_a_frame_and_a_list_tell_the_same_groups() -> None:
         (groups_of, pd.DataFrame({"group": [1, 1], "site": ["a", "b"], "required": [True, False]}), "group 1 is required in one row and"),
         (groups_of, pd.DataFrame({"group": [1], "site": ["a"], "required": ["si"]}), "column required of groups must hold true and false"),
         (groups_of, [["a", "c"]], "groups name the unknown site 'c'"),
+        (windows, True, "windows must be a mapping or a frame"),
+        (windows, [("a", 0, 4)], "windows must be a mapping or a frame"),
+        (windows, {"a": (0, 4)}, "a window of a has an opening and a close"),
+        (windows, {"a": 4}, "windows of a must be a list"),
+        (windows, pd.DataFrame({"site": ["a"]}), "windows have neither a column 'ready' nor 'due'"),
+        (windows, pd.DataFrame({"site": ["a", "a"], "ready": [0, 3], "due": [4, 9]}), "windows of a are not apart from each other"),
+        (windows, pd.DataFrame({"site": ["a"], "ready": [5], "due": [4]}), "a window of a closes before it opens"),
+        (shipments_of, True, "shipments must be a list"),
+        (shipments_of, [5], "a shipment has a pickup, a delivery and perhaps a load"),
+        (groups_of, True, "groups must be a list"),
+        (groups_of, {"far": ["7", "a"]}, "groups must be a list"),
+        (groups_of, ["7a"], "sites of a group must be a list"),
+        (groups_of, [{"sites": "7a"}], "sites of a group must be a list"),
+        (groups_of, [{"members": ["7"]}], "a group has sites and perhaps required"),
+        (groups_of, [{"sites": ["7"], "require": False}], "a group has sites and perhaps required"),
+        (groups_of, [{"sites": ["7"], "required": "false"}], "required of a group must be True or False; found 'false'"),
     ],
 )  # fmt: skip
 def test_what_makes_no_sense_is_refused(read: Any, given: Any, message: str) -> None:

@@ -58,6 +58,8 @@ def test_what_comes_from_python_is_handed_on() -> None:
         ("distance-unit", "league", "line 4: unknown unit of distance 'league'"),
         ("fleet", ".", "line 4: fleet '.' is no plain file"),
         ("columns", "a=b=c", "line 4: columns must pair titles"),
+        ("variances", "no.csv", "line 4: variances 'no.csv' no such file"),
+        ("windows", "no.csv", "line 4: windows 'no.csv' no such file"),
     ],
 )
 def test_a_setting_that_makes_no_sense_is_refused_with_its_line(key: str, text: str, message: str, tmp_path: Path) -> None:
@@ -76,6 +78,9 @@ def test_a_setting_that_makes_no_sense_is_refused_with_its_line(key: str, text: 
         ("groups", "group,site,required\n1,a,perhaps\n", "2: required must be true or false"),
         ("groups", "group,site\n", "1: holds no groups"),
         ("variances", "0 -1\n1 0\n", "1: variance is negative"),
+        ("variances", "0 inf\n1 0\n", "1: variances holds something that is no finite number; expected a number; found 'inf'"),
+        ("closing", "0 x\n1 0\n", "1: closing holds something that is no finite number; expected a number, or inf for no limit; found 'x'"),
+        ("durations", "0 1\n", "1: durations has a wrong number of rows"),
     ],
 )
 def test_what_a_file_beside_holds_is_refused_with_its_line(key: str, text: str, message: str, tmp_path: Path) -> None:
@@ -84,7 +89,13 @@ def test_what_a_file_beside_holds_is_refused_with_its_line(key: str, text: str, 
         arguments({key: (4, "beside.csv")}, tmp_path, 2)
 
 
-@pytest.mark.parametrize("given", [{"speed": "fast"}, {"vehicles": 0}, {"capacity": -1}, {"columns": "crates"}, {"matrix": "no.csv"}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"speed": "fast"}, {"vehicles": 0}, {"capacity": -1}, {"columns": "crates"}, {"matrix": "no.csv"}, {"closing": "no.csv"},
+        {"groups": "no.csv"}, {"shipments": True}, {"matrix": False}, {"columns": True},
+    ],
+)  # fmt: skip
 def test_a_setting_of_the_command_line_has_no_line(given: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=f"^--set {next(iter(given))}") as caught:
         arguments(of_set(given), Path(), 2)

@@ -244,7 +244,7 @@ def test_inf_in_a_matrix_is_a_move_that_cannot_be_made(tmp_path: Path, read_text
         (PEOPLE.replace("crates", "demnd"), {}, "expected --set columns=demand=demnd to use it, --set extra=demnd to keep it only"),
         (PEOPLE.replace("crates", "demand").replace("stars", "demands"), {}, "columns 'demand' and 'demands' both tell demand"),
         (PEOPLE.replace("45.81", "145.81"), {"time-unit": "min", "speed": 9}, "latitude of site Yard is out of range"),
-        (GOOD, {"fleet": "no.csv"}, "no.csv: no such file"),
+        (GOOD, {"fleet": "no.csv"}, "fleet 'no.csv' no such file"),
         (GOOD, {"matrix": "no.csv"}, "matrix 'no.csv' no such file"),
         (GOOD.replace("service", ""), {}, "column 7 has no title"),
     ],
