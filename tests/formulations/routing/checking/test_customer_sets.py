@@ -142,13 +142,10 @@ RELOADS = {"depot": [True, True, False, False], "demand": [0, 0, 1, 1], "due": [
         (
             on_a_line(
                 [0, 2, 1, 3], VehicleType(1, 1.0, reloads=(1,), energy=Energy(50.0, charge="elapsed-fixed-start")),
-                ready=[opening, 0, 125, 125], **RELOADS,
+                ready=[100, 0, 125, 125], **RELOADS,
             ),
             (2, 1, 3),
-        )
-        for opening in (0, 100)
-    ]
-    + [
+        ),
         (on_a_line([0, 1, 5], VehicleType(), TotalCost() - 0.5 * Penalties(), penalty=[0, 4, 4]), (1, 2)),
         (on_a_line([0, 1, 5], VehicleType(), Reward() + 0.5 * Penalties(), penalty=[0, 4, 4]), (1, 2)),
         (on_a_line([0, 0, 0], VehicleType(unit_cost=1e20), Weighted(((1e308, TotalCost()),))), (1, 2)),
@@ -158,7 +155,7 @@ RELOADS = {"depot": [True, True, False, False], "demand": [0, 0, 1, 1], "due": [
 def test_extreme_data_prove_nothing_false(problem: RoutingProblem, route: tuple[int, ...]) -> None:
     verdict = problem.evaluate(wb.Routes.of([route]))
     assert verdict.feasible
-    bounds = [check_customer_sets(problem, {}), *([] if (b := wb.bound(problem, seconds=1.0).bound) is None else [b])]
+    bounds = [check_customer_sets(problem, {}), *([] if (b := wb.bound(problem, bound_time=1.0).bound) is None else [b])]
     for bound in bounds:
         assert beyond(problem, bound, verdict.values[0]) <= 1e-9 or verdict.values[0] == math.inf > bound
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,8 +10,6 @@ import pytest
 
 import waybound as wb
 from waybound.instances.errors import InputError
-from waybound.instances.routing.formats._tsplib import Section, Specification
-from waybound.instances.routing.formats._vrplib_fleet import ALLOWED, skills_of
 
 HEAD = """NAME : tiny
 DIMENSION : 6
@@ -191,14 +188,6 @@ def test_the_fleet_of_the_name_is_kept_beside_groups_and_prizes(tmp_path: Path, 
     text = HEAD.replace("tiny", "A-n6-k2") + PLACES.split("VEHICLES_DEPOT")[0].replace("\n2\n-1", "\n-1") + more
     made = read(tmp_path, text)
     assert made.vehicle_limit == 2 and any("A-n6-k2" in note for note in made.notes)
-
-
-def test_allowed_clients_are_read_in_a_time_that_grows_as_the_file(tmp_path: Path) -> None:
-    """Two vehicles and 6000 nodes: a search through the row for each of its nodes takes seconds."""
-    n = 6000
-    spec = Specification({}, {ALLOWED: Section(ALLOWED, 1, [(k + 1, f"{k} " + " ".join(map(str, range(2, n + 1)))) for k in (1, 2)])}, 3)
-    begun = time.process_time()
-    assert skills_of(spec, n, [0]) == {} and time.process_time() - begun < 0.5
 
 
 def test_mixed_fleets_by_kind(tmp_path: Path) -> None:
