@@ -61,6 +61,8 @@ def tail(x: float) -> float:
 @functools.lru_cache(maxsize=1024)
 def quantile(risk: float) -> float:
     """The number that a standard normal one exceeds with probability ``risk``, which is above 0 and 1/2 at most."""
+    if risk >= 0.5:
+        return 0.0  # halving would end above it
     low, high = 0.0, 40.0
     while low < (middle := 0.5 * (low + high)) < high:
         low, high = (middle, high) if tail(middle) > risk else (low, middle)

@@ -158,3 +158,7 @@ def test_risks_are_set_by_name() -> None:
         RoutingProblem.from_instance(instance, settings={"risk": "low"})
     with pytest.raises(UsageError, match="durations of i are certain"):
         RoutingProblem.from_instance(replace(instance, travel=replace(asked.travel, variances=None)), settings={"risk": 0.1})
+
+
+def test_an_even_chance_needs_the_mean_and_no_hair_more() -> None:
+    assert quantile(0.5) == 0.0  # at a limit of 0 there is no slack for the least number above it
