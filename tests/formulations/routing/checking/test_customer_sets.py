@@ -112,8 +112,8 @@ def test_a_stop_a_large_problem_and_much_work_prove_nothing(monkeypatch: pytest.
     assert check_customer_sets(many, {}) == math.inf
 
 
-@pytest.mark.parametrize("limits", [3.0, [1.0, "x"], [2.0, 1.0], [math.inf], [True], [0.0] * 65])
-def test_limits_must_be_numbers_in_order(limits) -> None:
+@pytest.mark.parametrize("limits", [3.0, [1.0, "x"], [math.inf], [True], [0.0] * 65])
+def test_limits_must_be_finite_numbers(limits) -> None:
     with pytest.raises(InputError, match="limits"):
         check_customer_sets(weighed(small("capacity", 0, "exact"), LongestRoute(), 2.0), {"longest-route": limits})
 
