@@ -65,7 +65,8 @@ def faults_of(family: str, case: int, methods: int = 1) -> list[str]:
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize("family", FAMILIES)
 def test_no_false_word_of_ours(family: str, share: Callable[[int, int], int], tally: Any) -> None:
-    cases = share(60, 20_000) // len(FAMILIES)
+    dear = {"routing-at-risk": 1_000, "routing": 1_600}  # they take ten times as long; 20,000 in all
+    cases = share(60 // len(FAMILIES), dear.get(family, (20_000 - sum(dear.values())) // (len(FAMILIES) - len(dear)) + 1))
     found = {case: faults for case in range(cases) if (faults := faults_of(family, case))}
     tally[f"random problems against brute force: {family}"] += cases
     assert not found, f"{len(found)} of {cases}: {dict(list(found.items())[:5])}"
@@ -73,7 +74,7 @@ def test_no_false_word_of_ours(family: str, share: Callable[[int, int], int], ta
 
 SOLVERS = {
     "highs": 150, "scip": 60, "cpsat": 60, "pulp": 30, "pulp:HiGHS": 5, "mathopt:highs": 5, "mathopt:gscip": 60, "mathopt:glop": 30,
-    "mathopt:cp-sat": 30, "mathopt:pdlp": 10, "cvxpy": 3, "cvxpy:HIGHS": 3, "cvxpy:SCS": 3, "pyvrp": 50, "ortools": 12,
+    "mathopt:cp-sat": 30, "mathopt:pdlp": 10, "cvxpy": 2, "cvxpy:HIGHS": 2, "cvxpy:SCS": 2, "pyvrp": 50, "ortools": 12,
     "vroom": 12,
 }  # fmt: skip
 """Solvers of others, and how many problems of each family they get."""

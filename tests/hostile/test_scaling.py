@@ -39,7 +39,7 @@ CLAIM = 1e-5
 
 SOLVERS = {
     "highs": 60, "saddle": 60, "scip": 20, "cpsat": 20, "pulp": 10, "pulp:HiGHS": 3, "mathopt:highs": 3, "mathopt:gscip": 10,
-    "mathopt:glop": 10, "mathopt:cp-sat": 10, "mathopt:pdlp": 5, "cvxpy": 2, "cvxpy:HIGHS": 2, "cvxpy:SCS": 2, "pyvrp": 20, "ortools": 10,
+    "mathopt:glop": 10, "mathopt:cp-sat": 10, "mathopt:pdlp": 5, "cvxpy": 1, "cvxpy:HIGHS": 1, "cvxpy:SCS": 1, "pyvrp": 20, "ortools": 10,
     "vroom": 10, "supported-paths": 60, "non-dominated-paths": 30, "risk-labels": 60, "path-enumeration": 30, "convex-allocation": 60,
     "exact-joint": 10, "lapjv": 100, "min-cost-flow": 10, "threshold-matching": 100,
 }  # fmt: skip
