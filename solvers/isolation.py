@@ -81,7 +81,7 @@ def run_in_process(work: Any, options: Options, control: Control) -> RawResult:
     ----------
     work : callable
         Picklable, with ``modules``: names of what is loaded before time and memory are counted, as a library's own size is nobody's
-        choice.
+        choice; and perhaps with ``prepare()``, done before them too.
     options : Options
         ``memory_limit`` counts megabytes on top of an idle process that has loaded the modules; kept on Linux only.
     control : Control
@@ -249,6 +249,8 @@ def serve(descriptor: int) -> None:
     try:
         for module in work.modules:
             importlib.import_module(module)
+        if hasattr(work, "prepare"):
+            work.prepare()
         enforced = options.memory_limit is None or _limit_memory(options.memory_limit)
         relay.send("searching")
         result = work(relay)

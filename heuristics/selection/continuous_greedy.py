@@ -106,7 +106,8 @@ def _by_item(
 
     items, everything = weights.num_items, np.arange(weights.entries, dtype=np.float64)
     starts, elements, entries = transpose(stop.flag, items, AT_ENTRY, weights.indptr, weights.indices, everything)
-    entries = entries.astype(np.int64)
+    with np.errstate(invalid="ignore"):  # not filled where the time was up
+        entries = entries.astype(np.int64)
     sorted_weights, position = np.empty(len(entries)), np.zeros(len(entries), np.int64)
     first = 0
     while first < items and not stop.reached():

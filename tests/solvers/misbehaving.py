@@ -6,9 +6,10 @@ import os
 import signal
 import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.solvers.backend import Control, RawResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +23,22 @@ class Misbehaving(RoutingProblem):
         if os.getpid() != self.home:
             DEEDS[self.deed]()
         return super().features()
+
+
+@dataclass
+class SlowToBegin:
+    """Work that takes ``seconds`` of preparing."""
+
+    seconds: float
+    ready: bool = False
+    modules: ClassVar[tuple[str, ...]] = ()
+
+    def prepare(self) -> None:
+        time.sleep(self.seconds)
+        self.ready = True
+
+    def __call__(self, control: Control) -> RawResult:
+        return RawResult("unknown", answer=self.ready and not control.stopped)
 
 
 def _crash() -> None:

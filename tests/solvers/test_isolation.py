@@ -130,6 +130,14 @@ def test_a_hanging_child_is_ended_at_its_time_limit(misbehaving, monkeypatch: py
     assert not children()
 
 
+def test_what_is_prepared_takes_no_time_of_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(HERE))
+    from misbehaving import SlowToBegin
+
+    monkeypatch.setattr(isolation, "OVERTIME", 0.3)
+    assert isolation.run_in_process(SlowToBegin(2.0), Options(time_limit=0.5), Control()).answer
+
+
 def test_a_hanging_child_is_ended_on_an_interrupt(misbehaving) -> None:
     control = Control()
     threading.Timer(1.0, control.stop).start()

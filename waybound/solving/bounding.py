@@ -60,15 +60,7 @@ def find_bounds(
     if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    methods: list[BoundMethod] = []
-    others = replaced(problem)
-    for method in sorted(BOUNDS.values(), key=lambda method: method.order):
-        try:
-            if (searching or not method.aims) and method.name not in others and not method.missing(problem):
-                method.prepare()
-                methods.append(method)
-        except Exception as fault:
-            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+    methods = prepared_methods(problem, failed, searching=searching)
     stop, linear = Stop(bound_time), linear or LinearPrograms()
     control.on_stop(stop.ask)
 
@@ -92,6 +84,20 @@ def find_bounds(
         if evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target)):
             break
     return found
+
+
+def prepared_methods(problem: Problem, failed: list[str], *, searching: bool = True) -> list[BoundMethod]:
+    """The methods that apply, cheapest first, with their loops compiled; ``failed`` receives a line for each that cannot say."""
+    methods: list[BoundMethod] = []
+    others = replaced(problem)
+    for method in sorted(BOUNDS.values(), key=lambda method: method.order):
+        try:
+            if (searching or not method.aims) and method.name not in others and not method.missing(problem):
+                method.prepare()
+                methods.append(method)
+        except Exception as fault:
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+    return methods
 
 
 def proved(problem: Problem, evidence: Evidence) -> float | None:
