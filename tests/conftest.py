@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import signal
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -68,8 +69,16 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of hostile tests those of all loops come first."""
+    """Of hostile tests those of all loops come first; of the cases of a test with a ``share`` the others are slow."""
     root = Path(__file__).parent
+    seen: Counter[str] = Counter()
+    for item in items:
+        share = item.get_closest_marker("share")
+        if share is not None and not any(item.get_closest_marker(name) for name in ("long", "hostile")):
+            test = item.nodeid.partition("[")[0]
+            if seen[test] % share.args[0]:
+                item.add_marker(pytest.mark.slow)
+            seen[test] += 1
 
     def place(item: pytest.Item) -> tuple[int, bool]:
         folder = item.path.relative_to(root).parts[0]

@@ -59,6 +59,7 @@ def test_an_unknown_name_is_an_attribute_error():
         wb.no_such_thing  # noqa: B018
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("before", ["", "import waybound.solving.solve", "import waybound.heuristics.heuristic, waybound.solvers"])
 @pytest.mark.parametrize("after", ["", "import waybound.solvers.backend; import waybound.heuristics.routing.savings"])
 def test_solvers_and_heuristics_are_callable_whatever_was_imported_first(before, after):

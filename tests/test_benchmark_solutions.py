@@ -163,6 +163,7 @@ def test_every_solution_file_is_rejected_without_a_visit_that_is_asked_for_and_w
             assert [v.site for v in found] == [site], row.name
 
 
+@pytest.mark.slow
 def test_every_file_of_orienteering_is_worth_less_without_a_visit_and_rejected_beyond_its_limit(benchmarks: Path) -> None:
     beyond = 0
     for row in rows(benchmarks):
@@ -179,6 +180,7 @@ def test_every_file_of_orienteering_is_worth_less_without_a_visit_and_rejected_b
     assert beyond > 300
 
 
+@pytest.mark.slow
 def test_every_pair_that_is_turned_round_and_every_load_beyond_the_capacity_is_rejected(benchmarks: Path) -> None:
     turned = loaded = 0
     for row in rows(benchmarks):

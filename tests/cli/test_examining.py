@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
 
+
+@pytest.mark.slow
 def test_solvers_are_examined_on_programs_whose_optima_are_known(run, strict_json):
     told = run("solvers", "--examine", "highs", "--count", 20, "-q")
     assert told.exit_code == 0, told.stderr

@@ -58,6 +58,7 @@ def test_a_certificate_is_verified(run, strict_json, solved):
     assert strict_json(result.stdout)["bound"] == json.loads(solved[1].read_text())["bound"]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("change", "code", "says"),
     [
@@ -77,6 +78,7 @@ def test_a_certificate_that_does_not_hold_is_refused(refused, solved, change, co
     assert says in refused("check", "demo-tiny", solved[0], "--certificate", solved[1], code=code)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("text", ["", "[1, 2]", "{", "\x00"])
 def test_a_file_that_is_no_certificate_is_refused_by_name(refused, solved, text):
     solved[1].write_text(text)

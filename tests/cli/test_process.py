@@ -111,6 +111,7 @@ def made(number: str, body: str, more: str, *arguments: str) -> subprocess.Compl
     return done
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ["SIGTERM", *(pytest.param(name, marks=pytest.mark.long) for name in ("SIGINT", "SIGHUP"))])
 def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
     done = made(number, WAITS, "", *SOLVE)
@@ -118,6 +119,7 @@ def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
     assert json.loads(done.stdout)["answer"] is None
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("number", "body", "more"),
     [("SIGINT", ANSWERS, WHILE_JUDGING), ("SIGTERM", DEAF, ""), pytest.param("SIGHUP", DEAF, "", marks=pytest.mark.long)],
@@ -229,6 +231,7 @@ def test_help_and_version_load_no_solver_no_pandas_and_no_scipy(arguments):
     assert done.stdout
 
 
+@pytest.mark.slow
 def test_checking_a_certificate_loads_no_solver(tmp_path):
     solved = subprocess.run(
         [
@@ -271,6 +274,7 @@ def test_bad_input_in_a_process_is_exit_2_with_one_line(tmp_path):
     assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
 
 
+@pytest.mark.slow
 def test_standard_output_in_ascii_does_not_break_the_tables():
     environment = {**os.environ, "COLUMNS": "120", "PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0"}
     done = subprocess.run([*COMMAND, "solve", "demo-tiny", "--iterations", "20", "-q"], capture_output=True, text=True, env=environment)

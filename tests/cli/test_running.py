@@ -124,6 +124,7 @@ def test_two_methods_are_filmed_side_by_side(run, tmp_path):
     assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF")
 
 
+@pytest.mark.slow
 def test_days_of_different_lengths_are_filmed_side_by_side_to_their_ends(run, tmp_path):
     from PIL import Image
 

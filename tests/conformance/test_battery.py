@@ -56,6 +56,7 @@ def faults(solver: str, chosen: list[Case]) -> tuple[list[str], dict[str, int]]:
     return found, tally
 
 
+@pytest.mark.slow
 def test_every_exact_form_of_every_family_is_in_it():
     every = drawn(SHORT)
     assert all(math.gcd(STEP, many) == 1 for many in (SHORT, LONG, len(KINDS)))
@@ -64,6 +65,7 @@ def test_every_exact_form_of_every_family_is_in_it():
     assert {case.truth.status for case in every} == {"optimal", "infeasible", "unbounded"}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     "solver", [pytest.param(s, marks=pytest.mark.long) if s.startswith("outer-approximation:") else s for s in examinable()]
 )

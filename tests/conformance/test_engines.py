@@ -64,6 +64,7 @@ def middling(customers: int = 60, convention: str = "exact", seed: int = 0) -> R
 DRAWN = [("round", 0), ("trunc1", 1), ("exact", 2)]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("feature", "convention", "seed"),
     [pytest.param(f, *d, marks=() if (k + m) % 2 == 0 else pytest.mark.long) for k, f in enumerate(FEATURES) for m, d in enumerate(DRAWN)],
@@ -84,6 +85,7 @@ def test_each_declared_feature_gives_the_optimum_of_small_problems(engine_name, 
         assert result.objective == pytest.approx(verdict.values[0], abs=1e-5)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("hetero", [False, True])
 def test_engines_agree_with_enumeration_on_any_mix_of_features(engine_name, hetero):
     engine = BACKENDS[engine_name]()
@@ -111,6 +113,7 @@ def test_engines_agree_with_enumeration_on_any_mix_of_features(engine_name, hete
     agree()
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("convention", ["exact", "trunc1", "trunc2", "round"])
 def test_fractional_data_give_feasible_answers_of_the_value_told(engine_name, convention):
     problem = middling(25, convention)
@@ -161,6 +164,7 @@ def test_iterations_repeat_to_the_bit(engine_name):
     assert first.answer == second.answer
 
 
+@pytest.mark.share(3)
 def test_a_time_limit_is_named(engine_name):
     began = time.perf_counter()
     result = run(engine_name, middling(BUSY.get(engine_name, 60)), time_limit=0.5)
@@ -180,6 +184,7 @@ def test_no_optimum_is_claimed(engine_name):
     assert result.bound is None
 
 
+@pytest.mark.share(3)
 def test_an_interrupt_in_mid_run_keeps_the_best_answer(engine_name):
     problem, control = middling(BUSY.get(engine_name, 60)), Control()
     threading.Timer(1.5 if BACKENDS[engine_name].needs_process else 0.5, control.stop).start()

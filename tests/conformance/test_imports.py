@@ -113,10 +113,12 @@ def live_together(*names: str) -> None:
     assert done.stdout.strip().endswith("sound"), f"{' then '.join(names)}:\n{done.stdout[-500:]}{done.stderr[-2000:]}"
 
 
+@pytest.mark.slow
 def test_all_packages_live_in_one_process() -> None:
     live_together(*PACKAGES)
 
 
+@pytest.mark.slow
 def test_all_packages_live_in_one_process_in_the_other_order() -> None:
     live_together(*reversed(PACKAGES))
 

@@ -42,6 +42,7 @@ GOALS: dict[str, Composable] = {
 }  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("feature", ["vehicles", "reward-then-cost"])
 def test_every_solver_reaches_the_optimum_of_each_level(feature: str, solver: str) -> None:

@@ -31,6 +31,7 @@ def problem(feature: str, seed: int = 1, customers: int = 3):
     return varied(next(k for k in WHOLE_FAMILY if NAMES.get(k, k) == feature), seed, customers)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", FEATURES)
 def test_no_solver_takes_a_problem_that_none_of_its_forms_expresses(feature):
     asked = problem(feature)
@@ -49,6 +50,7 @@ def test_no_solver_takes_a_problem_that_none_of_its_forms_expresses(feature):
                 solve(asked, heuristic=name)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", FEATURES)
 def test_engines_reach_and_keep_the_optimum_with_each_feature_they_declare(engine_name, feature):
     engine = BACKENDS[engine_name]()
@@ -180,6 +182,7 @@ def pairs():
             yield pytest.param(form, name, marks=() if (name, form) in QUICK else pytest.mark.long, id=f"{name}-{form}")
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize(("form", "solver"), [*pairs()])
 def test_exact_solvers_find_the_optimum_with_each_feature_of_a_form(form, solver):
     if not BACKENDS[solver].installed():
@@ -197,6 +200,7 @@ def test_exact_solvers_find_the_optimum_with_each_feature_of_a_form(form, solver
     cover(FORMS[form].features, FORMS[form].missing, solved)
 
 
+@pytest.mark.share(3)
 def test_engines_find_the_optimum_with_each_feature(engine_name):
     engine, missed = BACKENDS[engine_name](), []
 
@@ -214,6 +218,7 @@ def test_engines_find_the_optimum_with_each_feature(engine_name):
     assert len(missed) <= 1, missed  # they promise nothing
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", declared_by_heuristics())
 def test_heuristics_find_answers_that_pass_every_check_with_each_feature(name):
     def solved(problem) -> bool | None:

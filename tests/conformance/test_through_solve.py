@@ -27,6 +27,7 @@ def solver(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("feature", "convention"),
     [("capacity", "round"), ("time-windows", "exact"), ("service-times", "round"), ("limited-fleet", "exact")],
@@ -48,6 +49,7 @@ def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, progr
     assert solution.objective == pytest.approx(9.0)
 
 
+@pytest.mark.share(3)
 def test_isolation_changes_nothing_but_the_process(solver: str) -> None:
     problem = small("capacity", 0, "round")
     work = {"iterations": 100} if solver in ROUTING else {}

@@ -61,6 +61,7 @@ def test_every_format_and_generator_is_told() -> None:
     assert {f"`{name}`" for name in (*FORMATS, *GENERATORS)} <= {row[0] for row in cells(page)}
 
 
+@pytest.mark.slow
 def test_every_solver_takes_some_variant_and_every_cell_is_the_tables_own_word() -> None:
     rows = cells(variants_page.page())
     told = " ".join(row[1] for row in rows)

@@ -265,6 +265,7 @@ def running_at(instant: float, case: Case, path: Path, folder: Path, rng: np.ran
     return run, instant
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_answer(part, share, tally, instances, tmp_path) -> None:
     rng = np.random.default_rng(part)

@@ -263,6 +263,7 @@ CASES = [
 ]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("name", "kind", "options"), CASES)
 def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[str, Any], share: Any, tally: Any) -> None:
     problem, rng = large(kind), np.random.default_rng(7)
@@ -316,6 +317,7 @@ def test_bounding_ends(kind: str, share: Any, tally: Any) -> None:
         tally["boundings that were asked to stop"] += 1
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("h", [0, 1000])
 def test_saddle_ends(h: int, share: Any, tally: Any) -> None:
     engine = BACKENDS["saddle"]()

@@ -277,6 +277,7 @@ def bounded_memory() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_AS, limits)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("part", range(4))
 def test_no_mutated_file_does_harm(part: int, share: Callable[[int, int], int], tally: Any, tmp_path: Path) -> None:
     rng = random.Random(30 + part)
@@ -323,6 +324,7 @@ def test_depth_is_refused_wherever_json_is_read(kind: str, depth: int, tmp_path:
         read(kind, "csv", path)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("kind", "text"),
     [

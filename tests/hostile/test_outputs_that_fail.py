@@ -164,6 +164,7 @@ def test_an_interrupt_at_any_line_of_handing_over_costs_no_answer(
 COMMAND = [sys.executable, "-m", "waybound", "solve", "demo-tiny", "--heuristic", "savings", "--bound-time", "0", "-q"]
 
 
+@pytest.mark.slow
 def test_a_file_that_outgrows_its_limit_leaves_the_answer_and_no_half_file(tmp_path: Path) -> None:
     plot, out = tmp_path / "p.png", tmp_path / "a.json"
     limited = subprocess.run(
@@ -176,6 +177,7 @@ def test_a_file_that_outgrows_its_limit_leaves_the_answer_and_no_half_file(tmp_p
     assert [p.name for p in tmp_path.iterdir()] == ["a.json"]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("to", "words"),
     [
@@ -193,6 +195,7 @@ def test_standard_output_that_is_full_left_or_closed_costs_no_file(to: str, word
     assert TINY.evaluate(answer_in(out.read_text())).feasible
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("to", ["2>/dev/full", pytest.param("2>&-", marks=pytest.mark.hostile)])
 def test_standard_error_that_nobody_reads_costs_nothing(to: str, tmp_path: Path) -> None:
     command = " ".join(part for part in COMMAND if part != "-q")

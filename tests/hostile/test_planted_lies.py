@@ -287,6 +287,7 @@ def planted(lie: Lie) -> Iterator[tuple[Problem, float | None, Data]]:
             yield problem, best, data
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", LIES)
 def test_lies_that_can_be_told_are_refused(name: str) -> None:
     told = 0

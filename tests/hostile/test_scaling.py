@@ -245,6 +245,7 @@ def test_heuristics_in_other_units(family: str, share: Callable[[int, int], int]
     assert not found, f"{len(found)}: {found[:5]}"
 
 
+@pytest.mark.share(2)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning", "ignore::FutureWarning")
 @pytest.mark.parametrize("solver", [pytest.param(s, marks=[] if s in QUICK else pytest.mark.hostile) for s in SOLVERS])
 def test_solvers_in_other_units(solver: str, share: Callable[[int, int], int], tally: Any) -> None:

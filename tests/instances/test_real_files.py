@@ -53,6 +53,7 @@ def files_of(folder: Path, suffix: str) -> list[Path]:
     return found
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("family", FAMILIES_READ)
 def test_every_benchmark_file_is_read_and_survives_json_and_its_own_format(
     family: str, benchmarks: Path, differences: Callable[..., list[str]]
@@ -119,6 +120,7 @@ def rows(benchmarks: Path) -> Iterator[dict[str, str]]:
                 yield row
 
 
+@pytest.mark.slow
 def test_every_published_solution_costs_what_its_row_says(benchmarks: Path) -> None:
     """Distances alone, summed here: loads, windows and fleets belong to the judge and its tests."""
     count = {"tsplib": 0, "cvrp": 0, "vrptw-solomon": 0, "vrptw-homberger": 0}
@@ -155,6 +157,7 @@ def test_half_to_even_rounding_would_give_the_lower_values_that_the_sources_warn
     assert costs["even"] < 724
 
 
+@pytest.mark.slow
 def test_the_package_vrplib_reads_the_same_numbers_where_it_can(benchmarks: Path) -> None:
     vrplib = pytest.importorskip("vrplib", reason="vrplib is not installed: the readers are not compared")
     for path in files_of(benchmarks / "cvrp", ".vrp"):

@@ -75,11 +75,13 @@ def check_bottlenecks(point, trials):
     assert (found["ILP"] <= found["LP"] + 1e-9).all()
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("point", [(50, 15, 8), (50, 30, 12)])
 def test_winner_takes_all_has_the_means_of_another_implementation(point):
     check_winners(point, 20)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("point", [(50, 15, 12), (50, 30, 8)])
 def test_bottleneck_has_the_means_of_another_implementation(point):
     check_bottlenecks(point, 20)

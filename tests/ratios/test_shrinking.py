@@ -103,6 +103,7 @@ def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
     assert optimum(problem).value >= optimum(BottleneckSATA(problem.graph)).value * (1 - 1e-9)
 
 
+@pytest.mark.slow
 def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
     """A heuristic that takes the first elements and claims 1/2 is caught on an instance of two elements at most."""
     from waybound.formulations.evidence import Guarantee

@@ -75,6 +75,7 @@ def test_the_suite_runs_on_all_solvers() -> None:
     assert set(MIQP) >= {"cpsat", "mathopt:gscip"}
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("case", "solver"), pairs(MILP))
 def test_bottleneck_of_whole_actions(case: str, solver: str) -> None:
     made = BottleneckSATA(CASES[case].graph).compile("max-min")
@@ -95,6 +96,7 @@ def test_bottleneck_of_shares(case: str, solver: str) -> None:
         assert known.lp - 1e-9 <= verified_bound(problem, evidence) == evidence.value <= known.lp + EXACT
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("case", "solver"), pairs(MILP))
 def test_winner_takes_all_through_every_linear_form(case: str, solver: str) -> None:
     problem = WinnerTakesAllSATA(CASES[case].graph)
@@ -110,6 +112,7 @@ def test_winner_takes_all_as_a_product(case: str, solver: str) -> None:
     check_answer(made, run(solver, made.program), CASES[case].winner)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("case", "solver"), pairs(LP))
 def test_relaxations_have_their_known_values_and_prove_bounds(case: str, solver: str) -> None:
     known = CASES[case]
@@ -139,6 +142,7 @@ def test_known_choices_are_best(case: str) -> None:
             assert problem.evaluate(answer).values[0] == pytest.approx(value)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("form", [*LINEAR_FORMS, "max-min", "lp"])
 def test_certificates_hold_without_a_solver(case: str, form: str) -> None:

@@ -100,6 +100,7 @@ print(solution.status, solution.limit)
 """
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "solver", ["cpsat", "scip", *(pytest.param(name, marks=pytest.mark.long) for name in ("mathopt:cp-sat", "mathopt:gscip"))]
 )

@@ -67,6 +67,7 @@ def test_all_that_take_linear_programs_are_tried_here() -> None:
     assert ("scip" in PRICING) == Scip.installed()
 
 
+@pytest.mark.share(3)
 @by_name(PRICING)
 def test_row_duals_prove_the_value_whoever_tells_them(name: str, relaxations: list[tuple[Compiled, float]]) -> None:
     for made, value in relaxations:
@@ -94,6 +95,7 @@ def test_those_who_tell_no_duals_solve_and_prove_nothing(name: str) -> None:
 # -- ends when asked to -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     "name",
     ["highs", "scip", "pulp", *(pytest.param(n, marks=pytest.mark.long) for n in ("mathopt:glop", "mathopt:highs", "cvxpy:CLARABEL"))],

@@ -60,6 +60,7 @@ def test_the_form_decides_which_solver_is_taken() -> None:
     assert wb.solve(BottleneckSATA(S3), form="max-min", bound_time=0).solver == "highs"
 
 
+@pytest.mark.slow
 def test_a_relaxation_is_solved_as_a_linear_program() -> None:
     assert wb.solve(WinnerTakesAllSATA(S3), relax=True, bound_time=0).solver == "highs"
     assert wb.solve(BottleneckSATA(S3), "cvxpy:CLARABEL", relax=True, bound_time=0).bound == pytest.approx(10.0, abs=1e-6)

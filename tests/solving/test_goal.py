@@ -24,6 +24,7 @@ def test_where_the_data_prove_that_there_is_no_answer_none_is_searched(solver: s
     assert solution.certificate.infeasible
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("given", [{"iterations": 50}, {"time_limit": 1.0, "bound_time": 0.0}])
 def test_nothing_is_proved_before_a_run_that_shall_repeat_or_that_asks_for_no_bound(monkeypatch, given) -> None:
     monkeypatch.setattr("waybound.solving.solve.first_evidence", lambda *_: pytest.fail("asked"))

@@ -141,6 +141,7 @@ def test_an_opinion_whose_solver_crashes_costs_nothing(registered, says):
     assert solution.opinions and "crasher" not in {o.solver for o in solution.opinions}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("given", "alone"), [({}, False), ({"isolate": True}, True), ({"memory_limit": 4000.0}, True)])
 def test_whoever_is_asked_keeps_to_the_isolation_of_the_first(monkeypatch, given, alone):
     asked: list[float | None] = []

@@ -182,6 +182,7 @@ def test_trees_whose_leaves_say_anything_never_prove_more_than_the_optimum(seed:
             assert proved <= sign * float(best[0]) + 1e-9
 
 
+@pytest.mark.slow
 def test_a_tree_of_another_program_proves_no_more_of_this_one_than_is_true() -> None:
     problems = [p for p in map(random_program, range(60)) if p.program.num_rows == 3 and p.program.integer.all()]
     trees = [e for p in problems if (e := branching_tree_bound(p, Stop(5.0))) is not None]

@@ -52,6 +52,7 @@ def test_sets_of_paths_that_share_an_edge_with_each_other():
     assert cheaper_probability(PathSet.of([(3, 5)]), PathSet.of([(5, 3), (5, 3)])) == pytest.approx(0.651216, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_random_graphs_agree_with_sampling_and_overlap_is_overrated_by_independence():
     for seed in range(3):
         g = random_graph(np.random.default_rng(seed), 5, 0.6)

@@ -87,6 +87,7 @@ def test_work_beyond_the_hours_of_the_fleet_is_told():
     assert "driving and service" in reasons(replace(asked, fleet=(VehicleType(2, max_duration=12.0),)))[0]
 
 
+@pytest.mark.slow
 def test_too_many_sites_before_one_hour_are_told():
     """Fourteen at one place, 10 away, served in 1 each and due at 21.5: the last would begin at 23."""
     asked = problem([1] * 14, count=1, capacity=99.0, due=21.5, service=1.0, xy=[(0, 0), *[(10, 0)] * 14])

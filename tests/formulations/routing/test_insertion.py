@@ -50,6 +50,7 @@ def grown(problem, kind, seed):
         visits = good[int(rng.integers(len(good)))] if good else None
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", [f for f in WHOLE_FAMILY if f not in ("several-windows", "closing-moves", "route-risk")])
 def test_every_place_is_as_the_judge_has_it(feature):
     compared = 0
@@ -63,6 +64,7 @@ def test_every_place_is_as_the_judge_has_it(feature):
     assert compared > 40
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("charge", "store"), [("travel", 60), ("elapsed", 80), ("elapsed-fixed-start", 90), ("windows", 95)])
 def test_windows_service_and_every_way_to_charge_a_store(charge, store):
     rng, broken = np.random.default_rng(5), dict.fromkeys(LIMITS, 0)

@@ -51,6 +51,7 @@ def loss(problem, before, after):
     )  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_every_reason_is_true(feature):
     told, rng = 0, np.random.default_rng(2)

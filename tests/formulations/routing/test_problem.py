@@ -105,6 +105,7 @@ def test_the_reward_of_a_depot_counts_without_a_visit(scored):
     assert dataclasses.replace(scored, objective=wb.TotalCost()).constant == 0
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("solver", "options"), [("highs", {}), ("highs", {"form": "three-index"}), ("ortools", {}), ("pyvrp", {})])
 def test_the_reward_of_a_depot_is_part_of_what_solvers_find_and_prove(scored, solver, options):
     tours = [list(order) for n in range(5) for order in itertools.permutations(range(1, 5), n)]

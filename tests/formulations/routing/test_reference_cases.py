@@ -123,6 +123,7 @@ THROUGH_FORMS = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("case", THROUGH_FORMS)
 def test_every_form_finds_it(case):
     problem, best = THROUGH_FORMS[case]

@@ -39,6 +39,7 @@ def answers(problem, truth, rng):
     return found
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_the_judge_says_what_brute_force_says(feature):
     rng, feasible, infeasible = np.random.default_rng(3), 0, 0

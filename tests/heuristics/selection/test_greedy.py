@@ -53,6 +53,7 @@ def test_cover_30_with_every_evaluation() -> None:
     assert run("greedy", problem, evaluation="plain").statistics["evaluations"] == 165
 
 
+@pytest.mark.slow
 def test_greedy_is_optimal_on_cover_30_for_three_and_four_sets() -> None:
     assert value(cover_30(3), run("greedy", cover_30(3))) == 84 == optimum(cover_30(3))
     assert value(cover_30(4), run("greedy", cover_30(4))) == 105 == optimum(cover_30(4))

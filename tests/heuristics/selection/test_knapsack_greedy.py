@@ -90,6 +90,7 @@ def test_where_nothing_fits_nothing_is_chosen(problem: SubmodularSelection) -> N
     assert outcome.guarantee is not None
 
 
+@pytest.mark.slow
 def test_the_depth_follows_from_the_size_by_itself() -> None:
     rng = np.random.default_rng(1)
 

@@ -21,6 +21,7 @@ def few(count: int, most: int) -> list[int]:
     return [number for number in range(6 * count) if len(drawn(1, number).customers) <= most][:count]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("turn", range(len(SOLVERS)))
 def test_solvers_agree_with_enumeration_in_turn(turn: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(benchmark, "BOUND_TIME", 0.02)

@@ -68,6 +68,7 @@ def member(kind: str) -> RoutingProblem:
 KINDS = ("several depots", "pickups", "shipments", "orienteering", "orienteering with windows", "makespan", "longest route")
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize(("engine", "work"), [("pyvrp", 40), ("ortools", 20), ("vroom", 1)])
 @pytest.mark.parametrize("kind", [kind if k % 2 == 0 else pytest.param(kind, marks=pytest.mark.long) for k, kind in enumerate(KINDS)])
 def test_each_family_gets_the_bare_librarys_routes(kind: str, engine: str, work: int) -> None:

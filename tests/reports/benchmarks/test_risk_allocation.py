@@ -7,6 +7,7 @@ import pytest
 from waybound.reports.benchmarks import risk_allocation as benchmark
 
 
+@pytest.mark.slow
 def test_methods_stand_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     lines, slow, quick = benchmark.side_by_side(benchmark.stalling(), 1)
     text = "\n".join(lines)

@@ -99,6 +99,7 @@ def test_a_mission_without_pictures_is_refused():
         Film(Dark())
 
 
+@pytest.mark.slow
 def test_two_methods_are_shown_beside_each_other(film, tmp_path):
     other = Film(Tracking())
     run(other.mission, steps=4, seed=2, policy="stay", watch=other, **SMALL)

@@ -64,6 +64,7 @@ def test_an_unknown_suffix_is_refused(solution, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_file_needs_no_display_and_no_global_state(tmp_path):
     code = (
         "import sys, waybound as wb\nfrom waybound.reports.plots import save_plot\n"

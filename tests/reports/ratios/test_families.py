@@ -23,6 +23,7 @@ def test_a_case_depends_on_its_number_and_the_seed_alone(family):
         assert all(family.case(k, seed).problem.digest() == digest for (k, seed), digest in digests.items())
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("family", RANDOM, ids=lambda family: family.name)
 def test_every_case_can_be_solved(family):
     for k in range(30):

@@ -101,6 +101,7 @@ def test_unknown_parameters_and_values_are_refused(extra, message: str, tmp_path
         PuLP().run(knapsack(), Options(extra=extra), Control())
 
 
+@pytest.mark.slow
 def test_the_terminals_interrupt_does_not_reach_cbc(tmp_path) -> None:
     # Ctrl-C goes to the whole foreground group; only the parent may decide what it means.
     script = tmp_path / "script.py"

@@ -58,6 +58,7 @@ def test_a_whole_point_on_the_way_takes_the_place_of_a_worse_target() -> None:
     assert verified_bound(knapsack(), evidence) == pytest.approx(14.0)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seconds", [0.0, 0.01, 0.3, 1.0])
 def test_it_stops_in_time_with_the_bound_that_it_has(seconds: float) -> None:
     problem = hard()

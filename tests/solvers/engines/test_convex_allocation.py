@@ -158,6 +158,7 @@ def parts(rng: np.random.Generator, many: int) -> list[list[int]]:
     return [np.nonzero(group == g)[0].tolist() for g in np.unique(group)]
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(8))
 def test_budgets_of_parts_are_worth_no_more_than_the_whole_and_as_much_where_they_are_those_of_the_best(seed: int) -> None:
     rng = np.random.default_rng(seed)

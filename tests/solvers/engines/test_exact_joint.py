@@ -12,6 +12,7 @@ from waybound.solvers.engines.exact_joint import ExactJoint
 from waybound.solving.solve import solve
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("p", "value"),
     [

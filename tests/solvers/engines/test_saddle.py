@@ -132,6 +132,7 @@ def test_weights_of_any_size(size):
     assert result.objective / size == pytest.approx(optimum(graph), rel=1e-6)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("decades", [20, 120, 290])
 def test_weights_of_all_sizes_at_once_end_in_true_claims(seed, decades):

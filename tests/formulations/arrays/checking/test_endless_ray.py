@@ -54,6 +54,7 @@ def test_products_with_the_point_count() -> None:
     assert not check_endless_ray(problem, {"point": [0.0, 1.0], "ray": [1.0, 0.0]})
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["linear", "mixed-integer", "integer", "unbounded"])
 def test_no_ray_proves_a_program_endless_that_is_not(kind: str) -> None:
     told = 0

@@ -176,6 +176,7 @@ def test_rows_are_those_of_the_formulas():
     assert program.integer.tolist() == [True] * 6 + [False]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("sense", ["max", "min"])
 @pytest.mark.parametrize("algorithm", [{}, {"run_crossover": "off"}, {"solver": "simplex"}])
 def test_packing_and_covering_rows_agree_with_scipy_and_are_proved(sense, algorithm):

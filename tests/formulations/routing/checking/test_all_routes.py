@@ -25,6 +25,7 @@ FEATURES = (
 )  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", FEATURES)
 @pytest.mark.parametrize("convention", ["exact", "round"])
 def test_the_optimum_of_the_first_level_is_proved(feature: str, convention: str) -> None:
@@ -38,6 +39,7 @@ def test_the_optimum_of_the_first_level_is_proved(feature: str, convention: str)
             assert bound <= best[0] + 1e-12 * abs(best[0]) if problem.sense == "min" else bound >= best[0] - 1e-12 * abs(best[0])
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("term", [LongestRoute(), Makespan(), 3.0 * Makespan()])
 @pytest.mark.parametrize("feature", ["time-windows", "heterogeneous-fleet", "elapsed", "limited-fleet"])
 def test_the_largest_of_all_routes_is_proved(feature: str, term) -> None:

@@ -18,6 +18,7 @@ from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_no_claim_excludes_the_optimum(feature):
     rng = np.random.default_rng(5)

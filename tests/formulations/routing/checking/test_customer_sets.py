@@ -35,6 +35,7 @@ def beyond(problem: RoutingProblem, bound: float, best: float) -> float:
     return (bound - best if problem.sense == "min" else best - bound) / max(1.0, abs(best))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("feature", EXACT)
 def test_the_optimum_of_simple_problems_is_proved(feature: str) -> None:
     for seed in range(4):
@@ -46,6 +47,7 @@ def test_the_optimum_of_simple_problems_is_proved(feature: str) -> None:
             assert -1e-9 <= beyond(problem, bound, float(best[0])) <= 1e-12
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_no_feature_of_the_family_is_bounded_beyond_the_optimum(feature: str) -> None:
     for seed in range(8):

@@ -17,6 +17,7 @@ from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, *FEATURES])
 def test_no_prices_however_wrong_exclude_the_optimum(feature):
     judged = 0

@@ -75,6 +75,7 @@ def holds_as_decided(answer: Routes, made: set[tuple[str, str]], decision: tuple
     return truth is holds
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", FEATURES)
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 6))])
 def test_restricted_problems_keep_every_answer_of_their_decisions_and_no_evidence_beats_the_best(feature: str, seed: int) -> None:

@@ -20,6 +20,7 @@ from waybound.reports.benchmarks.exact_routing import best_values
 GOALS = (Reward(), TotalCost() - Reward(), TotalCost() + Penalties(), Reward() - 0.25 * Makespan())
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, "reward", "prizes"])
 def test_no_price_excludes_the_optimum(feature):
     for seed in range(2):

@@ -74,6 +74,7 @@ def claims(problem, rng):
             yield "too-little-time", {"sites": list(chosen), "from": low, "until": low + float(rng.integers(0, 40))}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_no_evidence_proves_more_than_is_true(feature):
     rng, judged = np.random.default_rng(9), 0
@@ -91,6 +92,7 @@ def test_no_evidence_proves_more_than_is_true(feature):
     assert judged >= 2
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_no_bound_method_finds_more_than_is_true(feature):
     methods = [m for m in BOUNDS.values() if m.name in ("spanning-tree", "infeasible-site", "too-few-vehicles", "too-small-fleet")]

@@ -68,6 +68,7 @@ def expected(problem: RoutingProblem, prices: np.ndarray) -> float:
     return float(prices[problem.customers].sum()) + min(k * min(reduced) for k in range(relaxed.fewest, relaxed.most + 1))
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("feature", ["capacity", "time-windows", "service-times", "depot-windows", "max-distance", "limited-fleet",
                                      "fixed-cost", "travel", "open-routes"])  # fmt: skip
 @pytest.mark.parametrize("seed", range(6))

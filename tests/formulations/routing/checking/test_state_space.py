@@ -23,6 +23,7 @@ def excluded(problem, bound, best):
     return bound > best + 1e-9 * max(1.0, abs(best)) if problem.sense == "min" else bound < best - 1e-9 * max(1.0, abs(best))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, *FEATURES])
 def test_no_prices_however_wrong_exclude_the_optimum(feature):
     judged = 0

@@ -14,6 +14,7 @@ from waybound.instances.routing.instance import Energy, VehicleType
 from waybound.reports.benchmarks.exact_routing import best_values
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("feature", ["reloads", "recharging"])
 def test_no_optimum_gets_worse(feature):
     for seed in range(4):

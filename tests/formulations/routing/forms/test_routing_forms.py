@@ -72,6 +72,7 @@ def exact_forms(problem: RoutingProblem) -> list[str]:
     return [form for form in problem.forms() if FORMS[form].exactness is Exactness.EXACT]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "initial-energy")])
 def test_forms_agree_with_enumeration_on_every_feature_of_the_family(feature: str) -> None:
     taken = 0
@@ -144,6 +145,7 @@ LIMITS: dict[str, Any] = {
 }
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("limit", LIMITS)
 @pytest.mark.parametrize("form", ROUTING_FORMS)
 def test_reference_values_of_min_cost_hold_for_every_way_to_limit_a_route(form: str, limit: str) -> None:
@@ -164,6 +166,7 @@ TW_4_TABLE = {  # store: travel, elapsed-fixed-start, windows
 }  # fmt: skip
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("form", EVERY_FORM)
 @pytest.mark.parametrize("store", TW_4_TABLE)
 def test_windows_and_energy_give_the_reference_values_in_every_charge(store: int, form: str) -> None:

@@ -49,6 +49,7 @@ def value(problem: RoutingProblem, form: str, solver: str = "highs") -> float:
     return found.objective
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize(
     ("risk", "team_risk", "best"),
     [
@@ -63,6 +64,7 @@ def test_the_example_of_risks_lies_between_them(risk: float | None, team_risk: f
     assert team_risk is not None or low == best == high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "solver",
     [n if n == "scip" else pytest.param(n, marks=pytest.mark.long) for n in ("scip", "pulp", "mathopt") if BACKENDS[n].installed()],
@@ -72,6 +74,7 @@ def test_solvers_of_linear_programs_take_the_risk_of_a_team(solver: str) -> None
     assert (value(problem, CHORDS, solver), value(problem, TANGENTS, solver)) == (pytest.approx(26.0), pytest.approx(36.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [2.0**-20, 2.0**30])
 def test_times_in_other_units_change_nothing(scale: float) -> None:
     problem = line(None, 0.15, scale)

@@ -34,6 +34,7 @@ def holds(problem: Problem, evidence: Evidence, best: float) -> float:
     return bound
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("constraint", selection_problems.CONSTRAINTS)
 @pytest.mark.parametrize("function", ["coverage", "facility-location", "dense"])
 @pytest.mark.parametrize("seed", range(12))
@@ -58,6 +59,7 @@ def test_prices_and_gains_hold_for_decided_elements(function: str, constraint: s
             assert exact == pytest.approx(best), "nothing is left to choose"
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(40))
 def test_weights_of_targets_hold_for_decided_actions(seed: int) -> None:
     rng = np.random.default_rng(seed)

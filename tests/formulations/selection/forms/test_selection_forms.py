@@ -66,6 +66,7 @@ def test_the_product_form_agrees_with_enumeration_on_random_problems():
         assert judged.values[0] == pytest.approx(optimum(problem), abs=1e-6)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("form", [*LINEAR, "product"])
 def test_robots_and_targets_agree_with_enumeration(form):
     rng = np.random.default_rng(7)
@@ -86,6 +87,7 @@ def test_the_relaxations_of_two_forms_are_equal_and_the_weak_one_is_no_better():
         assert values["strong-linearisation"] >= optimum(problem) - 1e-6
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("extra", [{}, {"solver": "simplex"}])
 def test_prices_from_each_form_prove_its_relaxation_or_more(extra):
     for problem in random_problems(60, seed=9):

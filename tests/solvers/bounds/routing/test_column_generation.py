@@ -152,6 +152,7 @@ def test_it_ends_when_it_is_asked_to_and_hands_over_what_it_has() -> None:
             assert verified_bound(problem, evidence) == evidence.value
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_evidence() -> None:
     first, second = (column_generation_bound(plane(2, 12, 25.0), Stop(120.0)) for _ in range(2))
     assert first == second and first is not None

@@ -23,6 +23,7 @@ def gap(problem, seconds=5.0):
     return verified_bound(problem, evidence)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, *FEATURES])
 def test_every_problem_of_the_family_has_a_verified_bound(feature):
     for seed in range(1, 3):

@@ -24,6 +24,7 @@ PROVED = (
 )  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", PROVED)
 @pytest.mark.parametrize("seed", range(6 if ALL else 2))
 def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:

@@ -33,6 +33,7 @@ def check(seeds: range, most_robots: int) -> None:
         assert worst_excess(graph, best, 3, smoothing="ball", normalise=False) <= 1e-7, f"seed {seed}, ball"
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("block", range(4))
 def test_no_random_instance_breaks_the_guarantee(block: int) -> None:
     check(range(100 * block, 100 * (block + 1)), 12)
@@ -43,6 +44,7 @@ def test_none_of_ten_thousand_random_instances_breaks_the_guarantee() -> None:
     check(range(1000, 11000), 20)
 
 
+@pytest.mark.slow
 def test_the_step_search_would_break_a_guarantee_with_the_step_in_place_of_eps() -> None:
     # Small weights: a step of 0.1 is no relative precision of 0.1, and the run says so.
     rng, broken = np.random.default_rng(5), 0

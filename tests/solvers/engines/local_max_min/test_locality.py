@@ -48,6 +48,7 @@ def changed_beyond(graph: SensingGraph, near: np.ndarray, rng: np.random.Generat
     return graph_of_edges(owner, action, target, weight, robots=robots, targets=targets), number
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("h", [1, 2, 3, 4])
 @pytest.mark.parametrize("replaced", [False, True])

@@ -46,6 +46,7 @@ def test_the_compiled_game_is_the_game_by_its_definition(make_game):
     assert matching._mean_prices == pytest.approx(prices, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_means_are_answers_and_prices_and_the_gap_between_them_shrinks(make_game):
     graph = even_graph(2, 1000)
     game, gaps = make_game(graph), []
