@@ -44,6 +44,7 @@ def waits(registered, monkeypatch):
     return Waits
 
 
+@pytest.mark.slow
 def test_a_search_ends_when_the_bound_beside_it_meets_its_answer(waits, monkeypatch):
     problem = wb.generate("random", seed=1, customers=4)
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
@@ -52,6 +53,7 @@ def test_a_search_ends_when_the_bound_beside_it_meets_its_answer(waits, monkeypa
     assert (solution.status, solution.limit, solution.bound_kind) == ("optimal", "none", "verified")
 
 
+@pytest.mark.slow
 def test_a_search_ends_when_it_is_proved_beside_it_that_there_is_no_answer(waits):
     problem = wb.generate("random", seed=1, customers=6, vehicles=1, capacity=10)
     solution = wb.solve(problem, "waits", time_limit=60)
