@@ -324,7 +324,7 @@ def test_depth_is_refused_wherever_json_is_read(kind: str, depth: int, tmp_path:
         read(kind, "csv", path)
 
 
-@pytest.mark.share(2)
+@pytest.mark.slow  # and not traced
 @pytest.mark.parametrize(
     ("kind", "text"),
     [
