@@ -144,9 +144,10 @@ def is_optimal(problem, answer) -> bool:
 
 
 def narrow(feature: str, features):
-    """Problems with a feature and little else, for what takes few; with a risk too, for what may ask for one."""
+    """Problems with a feature and little else, for what takes few; with a risk too, for what may ask for one: of time, or of energy where
+    a vehicle may have to wait."""
     goals = sorted(name for name in features if name.startswith("objective:"))
-    risks = (("route-risk",), ()) if "route-risk" in features else ((),)
+    risks = (("route-risk",), ("energy:travel", "route-risk"), ()) if "route-risk" in features else ((),)
     wanted = [dict.fromkeys((feature, goal, *more)) for goal in goals for more in risks]
     drawn_for = (with_features(names, seed) for seed in range(40) for names in wanted)
     return (problem for problem in drawn_for if problem is not None and len(problem.customers) in (2, 3))
