@@ -65,7 +65,7 @@ def test_what_fails_beside_a_search_costs_no_answer(waits, monkeypatch):
     problem = wb.read("demo-tiny")
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
     monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda *_: 1 / 0)
-    solution = wb.solve(problem, "waits", time_limit=0.5, bound_time=1.5)
+    solution = wb.solve(problem, "waits", time_limit=0.5, bound_time=30)
     assert solution.objective == pytest.approx(384.7341401)
     assert solution.bound_kind == "verified"  # found after the search, as where no core is free
 
