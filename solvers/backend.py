@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import threading
 import time
 from abc import ABC, abstractmethod
@@ -21,6 +20,7 @@ from ..formulations.stop import Stop
 from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..instances.registry import Registry
 from .own_options import own_options
+from .packages import is_installed, version_of
 
 STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unbounded", "unknown", "error")
 LIMITS = ("none", "time", "iterations", "gap", "nodes", "memory", "interrupt")
@@ -265,15 +265,15 @@ class Backend(ABC):
     @classmethod
     def installed(cls) -> bool:
         """Whether its modules can be found; imports nothing heavy."""
-        return all(importlib.util.find_spec(m.split(".")[0]) is not None for m in cls.modules)
+        return all(is_installed(m.split(".")[0]) for m in cls.modules)
 
     @classmethod
     def version(cls) -> str:
         """Version of the distribution, without importing it."""
-        from importlib.metadata import PackageNotFoundError, version
+        from importlib.metadata import PackageNotFoundError
 
         try:
-            return version(cls.package)
+            return version_of(cls.package)
         except PackageNotFoundError:
             return "not installed"
 

@@ -9,10 +9,13 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typer.main
+import typer.testing
 from draws import draws
 from hypothesis import settings
 
@@ -26,6 +29,9 @@ for name in ("SIGHUP", "SIGQUIT"):  # ignored under nohup or in the background o
         signal.signal(getattr(signal, name), signal.SIG_DFL)
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+typer.testing._get_command = cache(typer.main.get_command)  # a runner makes all commands anew each time it runs one
 
 
 @pytest.fixture(scope="session")

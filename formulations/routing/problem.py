@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -110,6 +109,12 @@ class RoutingProblem(Problem):
         )  # fmt: skip
         check_moves(sites, forbidden)
         check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk)
+
+    def altered(self, **parts: Any) -> RoutingProblem:
+        """A problem of other parts, which are not checked again. Nothing is kept that was derived from the former ones."""
+        made = object.__new__(type(self))
+        made.__dict__.update({field.name: getattr(self, field.name) for field in fields(self)} | parts)
+        return made
 
     # -- construction ------------------------------------------------------------------------------------------------
 
@@ -276,6 +281,10 @@ class RoutingProblem(Problem):
 
     def features(self) -> frozenset[str]:
         """Features a solver must support: those of ``instances.routing.features`` that restrict routes, and those of the objective."""
+        return self._features
+
+    @cached_property
+    def _features(self) -> frozenset[str]:
         return restrictions(self) | self.objective.features()
 
     @property
@@ -332,10 +341,8 @@ class RoutingProblem(Problem):
             if not depot[j]:
                 moves[:, j] = True
             moves[i, j] = kept
-        made = copy.copy(self)
         fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in self.fleet)
-        made.__dict__.update(forbidden=moves, min_vehicles=least, fleet=fleet if most < len(self.sites) else self.fleet)
-        return made
+        return self.altered(forbidden=moves, min_vehicles=least, fleet=fleet if most < len(self.sites) else self.fleet)
 
     def given(self, values: Sequence[float]) -> RoutingProblem | None:
         """The levels after those of ``values``. Where a level before counts vehicles alone, there are no more of them than its value
@@ -344,17 +351,15 @@ class RoutingProblem(Problem):
         levels = self.objective.levels()
         if not 0 < len(values) < len(levels):
             return None
-        made = copy.copy(self)
+        fleet, sites = self.fleet, self.sites
         for level, value in zip(levels, values, strict=False):
             ((weight, term), *others) = level.terms
             if isinstance(term, Vehicles) and not others and weight > 0 and math.isfinite(value):
                 most = max(1, math.floor(value / weight * (1.0 + 1e-9)))
-                fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in made.fleet)
-                made.__dict__.update(fleet=fleet)
+                fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in fleet)
             elif isinstance(term, Reward | Penalties) and not others and weight > 0 and math.isfinite(value):
-                made.__dict__.update(sites=_with_needed(made.sites, term, value / weight))
-        made.__dict__.update(objective=Objective(levels[len(values) :]))
-        return made
+                sites = _with_needed(sites, term, value / weight)
+        return self.altered(fleet=fleet, sites=sites, objective=Objective(levels[len(values) :]))
 
     def in_words(self, statement: Any, holds: bool) -> str:
         tail, head = statement["arc"]

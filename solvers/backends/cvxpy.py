@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import time
 import warnings
 from itertools import chain
@@ -14,6 +13,7 @@ from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from ...instances.errors import MissingPackageError, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
+from ..packages import is_installed
 from ..program_backend import ProgramBackend
 from .highs import named_options, sound
 
@@ -93,7 +93,7 @@ class CVXPY(ProgramBackend):
 
 def solvers_found() -> tuple[str, ...]:
     """Solvers of ``PROGRAMS`` whose library is there."""
-    return tuple(solver for solver, library in LIBRARIES.items() if importlib.util.find_spec(library) is not None)
+    return tuple(solver for solver, library in LIBRARIES.items() if is_installed(library))
 
 
 def _solved(program: Program, solver: str, chosen: dict[str, Any], end: float) -> Any:

@@ -46,9 +46,7 @@ def totals(problem: RoutingProblem) -> RoutingProblem | None:
         limits = {} if long else {"max_distance": math.inf}
         fleet.append(replace(v, travel=explicit(counted, move), speed=1.0, **free, **limits))  # type: ignore[arg-type]
     travel = relaxed.travel if long else explicit(fleet[0].travel.distances, fleet[0].travel.durations)  # type: ignore[union-attr]
-    made = with_fleet(relaxed, fleet, travel)
-    made.__dict__.update(objective=Objective.of(TotalCost()))
-    return made
+    return with_fleet(relaxed, fleet, travel).altered(objective=Objective.of(TotalCost()))
 
 
 @CHECKERS.register("averaged-tour")

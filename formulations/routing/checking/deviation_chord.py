@@ -98,8 +98,7 @@ def without_risks(problem: RoutingProblem) -> RoutingProblem | None:
     made = with_fleet(problem, fleet, replace(problem.travel, variances=None, closing=None))
     zeros = np.zeros(len(sites))
     timeless = replace(sites, ready=zeros, due=np.full(len(sites), math.inf), service=zeros, windows=())
-    made.__dict__.update(sites=timeless, team_risk=None)
-    return made
+    return made.altered(sites=timeless, team_risk=None)
 
 
 def _certain(problem: RoutingProblem, vehicle: VehicleType) -> VehicleType:

@@ -6,7 +6,6 @@ starts anew there is no longer limited. Distances and durations are shortened ea
 
 from __future__ import annotations
 
-import copy
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -28,10 +27,7 @@ Floats = NDArray[np.float64]
 
 def with_fleet(problem: RoutingProblem, fleet: Sequence[VehicleType], travel: Travel | None = None) -> RoutingProblem:
     """The same problem with other vehicles."""
-    made = copy.copy(problem)
-    made.__dict__.pop("_travels", None)  # which is cached
-    made.__dict__.update(fleet=tuple(fleet), travel=travel or problem.travel)
-    return made
+    return problem.altered(fleet=tuple(fleet), travel=travel or problem.travel)
 
 
 def explicit(distances: Floats, durations: Floats) -> Travel:
@@ -50,9 +46,8 @@ def without_stops(problem: RoutingProblem) -> RoutingProblem:
         loads = {"capacity": math.inf, "further_capacity": (), "reloads": (), "max_reloads": None} if v.reloads else {}
         store = {"energy": None} if v.stations else {}
         fleet.append(replace(v, travel=explicit(distances, durations), speed=1.0, **loads, **store))  # type: ignore[arg-type]
-    made = with_fleet(problem, fleet, explicit(problem.travel.distances, problem.travel.durations))
-    made.__dict__.update(forbidden=None)  # what is forbidden is a move without a stop between
-    return made
+    travel = explicit(problem.travel.distances, problem.travel.durations)
+    return with_fleet(problem, fleet, travel).altered(forbidden=None)  # what is forbidden is a move without a stop between
 
 
 def _over(matrix: Floats, stops: NDArray[np.int64]) -> Floats:

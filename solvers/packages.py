@@ -1,0 +1,23 @@
+"""What is installed, told without importing it."""
+
+from __future__ import annotations
+
+import importlib.util
+from functools import cache
+
+_FOUND: set[str] = set()
+
+
+def is_installed(module: str) -> bool:
+    """Whether a top-level module can be found; what was is not looked for again, what is missing is, for it may be installed now."""
+    if module not in _FOUND and importlib.util.find_spec(module) is not None:
+        _FOUND.add(module)
+    return module in _FOUND
+
+
+@cache
+def version_of(package: str) -> str:
+    """Version of an installed distribution; raises PackageNotFoundError."""
+    from importlib.metadata import version
+
+    return version(package)
