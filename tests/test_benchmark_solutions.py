@@ -127,9 +127,9 @@ def with_everything_left_out(problem: RoutingProblem, answer: Routes) -> Routes 
     return Routes((Route(first.visits + left, first.vehicle), *answer.routes[1:])) if left else None
 
 
-@pytest.mark.parametrize("step", [8, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.parametrize("step", [pytest.param(8, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.long)])
 def test_every_solution_file_is_accepted_at_its_value(step: int, benchmarks: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """All of them in the long run, in the fast suite one of eight."""
+    """All of them in the long run, among the slow tests one of eight."""
     accepted: Counter[str] = Counter()
     lacking: dict[str, Counter[str]] = defaultdict(Counter)
     for row in itertools.islice(every_row(benchmarks), 0, None, step):

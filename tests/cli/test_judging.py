@@ -114,6 +114,7 @@ def test_a_bound_is_told_with_its_source(run, strict_json, tmp_path):
     assert "verified:" in run("bound", "demo-tiny", "--bound-time", "1", "-q").stdout
 
 
+@pytest.mark.slow
 def test_each_level_of_an_objective_is_bounded(run, strict_json, tmp_path):
     proof, answer = tmp_path / "b.json", tmp_path / "a.json"
     asked = ("demo-tiny", "--objective", "vehicles then total-cost")

@@ -119,6 +119,7 @@ def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
     assert json.loads(done.stdout)["answer"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("number", "body", "more"),
@@ -171,7 +172,11 @@ api.read_source = reads
 
 
 @pytest.mark.parametrize(
-    ("number", "wait"), [("SIGHUP", "time.sleep(60)"), ("SIGTERM", "hashlib.pbkdf2_hmac('sha256', b'1', b'2', 2**31 - 1)")]
+    ("number", "wait"),
+    [
+        ("SIGHUP", "time.sleep(60)"),
+        pytest.param("SIGTERM", "hashlib.pbkdf2_hmac('sha256', b'1', b'2', 2**31 - 1)", marks=pytest.mark.slow),
+    ],
 )
 def test_a_signal_ends_a_command_that_has_nothing_to_lose_though_it_is_in_native_code(number, wait):
     began = time.perf_counter()

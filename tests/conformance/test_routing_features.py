@@ -183,7 +183,7 @@ def pairs():
             yield pytest.param(form, name, marks=() if (name, form) in QUICK else pytest.mark.long, id=f"{name}-{form}")
 
 
-@pytest.mark.share(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(("form", "solver"), [*pairs()])
 def test_exact_solvers_find_the_optimum_with_each_feature_of_a_form(form, solver):
     if not BACKENDS[solver].installed():

@@ -66,7 +66,8 @@ def test_demand_beyond_the_fleet_has_no_answer(solver: str) -> None:
     assert solution.status in ("infeasible", "unknown")
 
 
-@pytest.mark.parametrize("solver", ["ortools", "pyvrp"])
+@pytest.mark.share(2)
+@pytest.mark.parametrize("solver", ["pyvrp", "ortools"])
 def test_an_interrupt_of_the_user_returns_a_verified_answer(solver: str) -> None:
     import _thread
 

@@ -84,6 +84,7 @@ def within(seconds: float, condition: Callable[[], bool]) -> bool:
     return condition()
 
 
+@pytest.mark.slow
 def test_deadlines_are_kept_in_any_order() -> None:
     flags = [Stop(seconds).flag for seconds in (60.0, 0.3, 0.1, 0.2, 30.0, 0.1)]
     assert within(5.0, lambda: sum(int(flag[0]) for flag in flags) == 4)

@@ -290,6 +290,7 @@ def test_a_signal_at_any_instant_ends_a_command_in_two_seconds_with_its_best_ans
     assert not faults, "\n".join(faults)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(2))
 def test_a_parent_that_is_killed_or_hung_up_on_takes_its_children_along(part, share, tally, instances, tmp_path) -> None:
     rng, faults = np.random.default_rng(part), []

@@ -151,11 +151,11 @@ def large(kind: str, part: int = 1) -> Problem:
             used = rng.uniform(1, 100, shape)
             return GeneralisedAssignment.from_arrays(used + rng.uniform(0, 1, shape), used, used.sum(axis=1) / 200, "profit")
         case "errands":
-            robots, bins, requests = (np.random.default_rng(k).uniform(0, 1e4, (k, 2)) for k in (of(3_001), of(3_000), 4))
+            robots, bins, requests = (np.random.default_rng(k).uniform(0, 1e4, (k, 2)) for k in (of(2_001), of(2_000), 4))
             away = lambda a, b: np.hypot(*(a[:, None] - b).transpose(2, 0, 1))  # noqa: E731
             return JointAssignment.from_arrays(away(robots, bins), away(robots, requests), away(requests, bins))
         case "pairs":
-            return BinAssignment(generate("assignment", 1, robots=of(3_000), bins=of(3_000), costs="euclidean"))
+            return BinAssignment(generate("assignment", 1, robots=of(2_000), bins=of(2_000), costs="euclidean"))
         case "tasks":
             return problem_from_instance(generate("robot-tasks", 1, robots=4, tasks=of(4_000)))
         case "parts":

@@ -277,7 +277,7 @@ def bounded_memory() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_AS, limits)
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("part", range(4))
 def test_no_mutated_file_does_harm(part: int, share: Callable[[int, int], int], tally: Any, tmp_path: Path) -> None:
     rng = random.Random(30 + part)

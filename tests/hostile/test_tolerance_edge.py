@@ -198,7 +198,7 @@ def _contradicts(problem: Problem, evaluation: Any, evidence: Any) -> bool:
         ("vectors", 250, 20_000),
         ("choices", 200, 20_000),
         ("routes", 200, 14_000),
-        ("late", 100, 3_000),
+        ("late", 40, 3_000),
         ("allocations", 100, 10_000),
     ],
 )

@@ -34,7 +34,7 @@ def test_there_is_a_study_for_every_heuristic_of_routes_or_with_a_guarantee():
     assert tested >= {name for name in HEURISTICS if "routing" in HEURISTICS[name].families}
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", GUARANTEES)
 def test_no_stated_guarantee_is_broken(name, tmp_path):
     report = STUDIES[name](StudySetting(2, seed=11))

@@ -95,6 +95,7 @@ def test_those_who_tell_no_duals_solve_and_prove_nothing(name: str) -> None:
 # -- ends when asked to -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.share(3)
 @pytest.mark.parametrize(
     "name",

@@ -138,6 +138,7 @@ def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
         wb.solve(asking(Reward() + LongestRoute(), **charged))
 
 
+@pytest.mark.slow
 def test_where_no_solver_takes_a_problem_the_heuristic_that_opens_it_does_and_others_are_named() -> None:
     problem = asking(TotalCost(), max_duration=60.0)
     many = Sites.of(range(31), demand=1)

@@ -140,6 +140,7 @@ def test_a_contradiction_that_no_argument_finds_is_told_by_rows_of_a_form_and_by
     assert {r.evidence for r in made.reasons} == {None}
 
 
+@pytest.mark.slow
 def test_without_a_form_evidence_tells_all_the_same(monkeypatch, three_at_once):
     monkeypatch.setattr(wb.RoutingProblem, "forms", lambda self: [])
     made = explain(three_at_once, time_limit=4)

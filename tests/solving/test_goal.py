@@ -7,6 +7,7 @@ from waybound.instances.errors import InputError
 from waybound.solving import goal
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("solver", ["pyvrp", "ortools"])
 def test_an_answer_that_reaches_a_verified_bound_ends_the_search(solver: str) -> None:
     problem = wb.generate("random", seed=1, customers=4)

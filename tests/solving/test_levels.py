@@ -37,6 +37,7 @@ def bounds(problem: Any, evaluation: Any, proved: Any, claimed: Any) -> Any:
     return bounds_of_levels(problem, evaluation, proved, claimed, "highs (a form)", evaluation.values[0], "verified", "loads")
 
 
+@pytest.mark.slow
 def test_verified_levels_stay_verified(problem: Any, evaluation: Any) -> None:
     made = bounds(problem, evaluation, proved(problem, evaluation, 300.0), {})
     assert made == ([2.0, 300.0], "verified", "loads, then some evidence")

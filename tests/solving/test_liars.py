@@ -79,6 +79,7 @@ def test_an_engine_that_lies_is_told_so_beside_the_answer(engine: Any, said: Raw
     assert any(fault in line for line in found.faults), found.faults
 
 
+@pytest.mark.slow
 def test_an_engines_false_optimum_is_refuted_by_a_verified_bound(engine: Any) -> None:
     with pytest.raises(CheckFailedError, match=r"claims the optimum 2\.0, but the verified bound is"):
         wb.solve(SQUARE, engine(RawResult("optimal", objective=2.0)), bound_time=5)
@@ -151,6 +152,7 @@ def test_a_solver_refuses_by_name_what_it_does_not_keep_to(solver: str) -> None:
         wb.solve(SQUARE, solver, no_improvement=5)
 
 
+@pytest.mark.slow
 def test_a_heuristic_runs_in_a_process_of_its_own_with_the_same_answer_and_guarantee() -> None:
     graph = wb.SensingGraph.from_edges([0, 1, 1], [0, 1, 2], [0, 1, 0], np.array([3.0, 2.0, 1.0]))
     problem = wb.WinnerTakesAllSATA(graph)

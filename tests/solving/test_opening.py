@@ -66,6 +66,7 @@ def test_the_solver_gets_the_answer_and_the_time_that_is_left() -> None:
     assert options.time_limit == pytest.approx(8.0 - seconds)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not BACKENDS["scip"].installed(), reason="SCIP is not installed")
 def test_no_answer_is_worse_than_the_start() -> None:
     with finding(ALONE):

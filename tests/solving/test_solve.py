@@ -257,6 +257,7 @@ def test_who_cannot_be_that_solver_is_refused_before_the_search(
         solve(square, **(given or {"solver": engine_that(lambda *_: pytest.fail("searched"))}), lp_solver=name)
 
 
+@pytest.mark.slow
 def test_a_bound_has_all_levels_where_there_is_no_answer(square: RoutingProblem, engine_that: Callable[..., str]) -> None:
     name = engine_that(lambda problem, options, control: RawResult("unknown"))
     solution = solve(replace(square, objective=Objective.of(TotalCost().then(TotalCost()))), name, bound_time=2.0)

@@ -110,6 +110,7 @@ def test_three_sites_of_which_any_two_fit_are_told_together():
     assert reasons(three_at_once(count=2)) == []
 
 
+@pytest.mark.slow
 def test_the_few_sites_to_blame_are_found_among_many():
     asked = three_at_once(count=1)
     far = Sites.of(

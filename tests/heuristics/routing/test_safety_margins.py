@@ -51,7 +51,8 @@ def test_the_example_of_risks(risk: float | None, team_risk: float | None, cost:
         assert judged.feasible and judged.values == (cost,)
 
 
-@pytest.mark.parametrize("feature", ["route-risk", "team-risk"])
+@pytest.mark.share(2)
+@pytest.mark.parametrize("feature", ["team-risk", "route-risk"])
 def test_answers_keep_all_limits_and_most_are_optimal(feature: str) -> None:
     found = best = 0
     for seed in range(24):

@@ -42,6 +42,7 @@ def test_it_costs_no_more_than_partitioning_the_same_tour(seed: int, n: int) -> 
     assert split.guarantee is not None and cut.guarantee is not None and split.guarantee.ratio == cut.guarantee.ratio
 
 
+@pytest.mark.slow
 @settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 6))
 def test_the_routes_of_an_optimum_in_a_row_are_split_into_an_optimum(seed: int, n: int) -> None:

@@ -79,6 +79,7 @@ def test_highs_is_examined_and_right():
     assert {o.verdict for o in made.outcomes} == {RIGHT}
 
 
+@pytest.mark.slow
 def test_a_case_that_ends_the_process_costs_itself_alone(monkeypatch):
     real, deaths = examining.run_in_process, []
 

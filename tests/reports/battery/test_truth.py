@@ -28,7 +28,7 @@ def small(cost, matrix, low, high, lower, upper, integer=(), sense="min", quadra
     return Program("small", sense, columns, (rows,), 0.0, None if quadratic is None else sp.csr_matrix(np.array(quadratic, float)))
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(3)
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("products", "squares", "unbounded")])
 def test_two_accounts_of_the_truth_agree(kind):
     # They share no code; that of the tests takes no quadratic objectives, and enumerates no variable without bounds.

@@ -38,6 +38,7 @@ def test_everything_agrees_with_enumeration(part: int) -> None:
     assert not [fault for record in found for fault in record.faults]
 
 
+@pytest.mark.slow
 def test_every_feature_is_drawn_thirty_times_in_a_thousand() -> None:
     counts = Counter(name for number in range(1000) for name in features_of(drawn(1, number)))
     assert min(counts[name] for name in TURNS) >= 30

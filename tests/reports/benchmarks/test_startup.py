@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from waybound.reports.benchmarks import startup
 
 
@@ -14,5 +16,6 @@ def test_help_and_import_load_nothing_heavy():
         assert startup.heavy_modules(action) == []
 
 
+@pytest.mark.slow
 def test_every_case_is_measured():
     assert set(startup.measure(repeats=1)) == set(startup.CASES)

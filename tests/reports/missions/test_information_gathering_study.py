@@ -8,6 +8,7 @@ import pytest
 from waybound.reports.missions import information_gathering_study as study
 
 
+@pytest.mark.slow
 def test_the_short_study_writes_tables_and_figures(tmp_path, capsys):
     assert study.main(["--out", str(tmp_path / "made"), "--short"]) == 0
     text = capsys.readouterr().out

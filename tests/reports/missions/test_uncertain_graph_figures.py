@@ -19,6 +19,7 @@ def walks():
     return pd.DataFrame(rows)
 
 
+@pytest.mark.slow
 def test_methods_without_excess_are_drawn_too(tmp_path, walks):
     figures.histograms(walks.assign(excess=0.0), tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 1000

@@ -97,6 +97,7 @@ def test_single_runs_below_a_guarantee_in_expectation_are_no_fault(measured):
     assert "Hoeffding" in " ".join(report.notes)
 
 
+@pytest.mark.slow
 def test_many_instances_show_what_single_ones_cannot(measured):
     """Three runs an instance prove nothing about it; the mean over all of them does."""
     report = measured("bad-unlucky", repeats=3, instances=200)

@@ -60,7 +60,7 @@ def check(benchmarks, family, instance, percent, seconds):
         assert not math.isnan(sum(bounds))
 
 
-@pytest.mark.share(2)
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("family", "instance", "percent"), SAMPLE)
 def test_bounds_stay_below_best_known_values(benchmarks, family, instance, percent):
     check(benchmarks, family, instance, percent, 10.0)

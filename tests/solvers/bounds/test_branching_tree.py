@@ -116,6 +116,7 @@ def test_a_program_is_proved_alike_in_every_unit(power: int) -> None:
     assert verified_bound(ArrayProblem(p), evidence) == pytest.approx(float(best[0]), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_an_engine_that_tells_nonsense_proves_nothing_false(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(1)
     honest = branching_tree.LinearSession.solve

@@ -21,7 +21,8 @@ from waybound.solvers.bounds.endless_ray import endless_ray
 ENDLESS = ArrayProblem(program([-3.0, 1.0], [[1.0, -3.0]], 0, 0, 0, INF, integer=[1]))
 
 
-@pytest.mark.parametrize("kind", ["linear", "mixed-integer", "unbounded"])
+@pytest.mark.share(2)
+@pytest.mark.parametrize("kind", ["mixed-integer", "linear", "unbounded"])
 def test_endless_programs_are_proved_to_be_so(kind: str) -> None:
     told = 0
     for seed in range(40):

@@ -86,6 +86,7 @@ def test_work_limits_repeat_and_are_kept() -> None:
     assert runs[0].statistics["iterations"] == runs[1].statistics["iterations"] <= 150 + runs[0].statistics["limits_tried"]
 
 
+@pytest.mark.slow
 def test_the_time_limit_holds_for_all_limits_together() -> None:
     rng = np.random.default_rng(1)
     sites = Sites.of(range(81), demand=np.append(0.0, rng.integers(1, 9, 80)))

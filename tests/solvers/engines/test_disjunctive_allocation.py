@@ -22,6 +22,7 @@ def test_the_best_side_of_a_box() -> None:
     assert found.answer.decision == pytest.approx([-1.328971, 0.0], abs=1e-5)
 
 
+@pytest.mark.slow
 def test_it_is_the_best_of_all_choices() -> None:
     p = wb.generate("risk-allocation", family="obstacles", steps=4, obstacles=1, seed=2)
     found = run(DisjunctiveAllocation, p)

@@ -29,6 +29,7 @@ def test_independent_noise_has_its_known_optimum(p, value: float) -> None:
     assert 0.0999 < risk.value <= risk.high <= 0.1
 
 
+@pytest.mark.slow
 def test_it_uses_what_an_allocation_leaves() -> None:
     p = problem(risk__kind="joint")
     best, allocated = solve(p, bound_time=2), solve(p, "convex-allocation", bound_time=0)

@@ -51,6 +51,7 @@ def test_bottlenecks_are_refused_by_name() -> None:
         wb.solve(worked("O", objective="bottleneck"), "lapjv")
 
 
+@pytest.mark.slow
 def test_what_holds_the_lock_runs_in_a_process_of_its_own() -> None:
     engine = BACKENDS["lapjv"]()
     few, many = (BinAssignment(generate("assignment", 1, robots=n, bins=n, arcs=3)) for n in (50, 2_100))

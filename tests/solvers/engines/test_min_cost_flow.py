@@ -33,6 +33,7 @@ def test_whole_costs_are_exact_and_others_are_rounded_which_is_said() -> None:
     assert raw.holds is Exactness.RESTRICTION and raw.links[0].told.startswith("costs counted in steps of")
 
 
+@pytest.mark.slow
 def test_through_solve_its_prices_prove_the_optimum() -> None:
     found = wb.solve(worked("K4"), "min-cost-flow", bound_time=60)
     assert (found.objective, found.bound, found.bound_kind, found.status) == (OPTIMA["K4"], 38.0, "verified", "optimal")

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pytest
 from small_routing import small
 
 from waybound.solvers.backend import Control, Options
@@ -8,6 +9,7 @@ from waybound.solvers.engines.ortools_model import Model
 from waybound.solvers.engines.routing_integers import integer_routing
 
 
+@pytest.mark.slow
 def test_it_asks_for_a_process_because_it_holds_the_global_lock() -> None:
     # The lock is held during the whole search: a thread that should tick every 10 ms hears nothing.
     import threading

@@ -81,6 +81,7 @@ def integer_feasible(problem: RoutingProblem, visits: tuple[int, ...]) -> bool:
     return earliest - low <= data.max_duration[0]
 
 
+@pytest.mark.slow
 @settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(rough_problems())
 def test_what_is_feasible_for_the_integers_is_feasible_for_the_data(problem: RoutingProblem) -> None:

@@ -219,6 +219,7 @@ def test_evidence_comes_back_from_a_process_of_its_own():
     assert solution.gap <= 1e-3
 
 
+@pytest.mark.slow
 def test_evidence_outlives_a_process_that_is_ended(monkeypatch):
     monkeypatch.setattr("waybound.solvers.isolation.GRACE", 0.0)
     control = Control()
@@ -261,6 +262,7 @@ def test_a_tiny_time_limit_leaves_an_answer_and_a_bound():
     assert 0 < result.objective < result.bound < np.inf
 
 
+@pytest.mark.slow
 def test_a_time_limit_is_kept():
     run(random_graph(8))  # compiles
     began = time.perf_counter()

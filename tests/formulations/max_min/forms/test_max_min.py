@@ -35,6 +35,7 @@ def lp_value(graph) -> float:
     return -float(linprog(np.append(np.zeros(n), -1.0), left, right, bounds=[(0, None)] * (n + 1), method="highs").fun)
 
 
+@pytest.mark.slow
 def test_whole_actions_agree_with_enumeration_on_random_graphs():
     rng = np.random.default_rng(0)
     for _ in range(200):

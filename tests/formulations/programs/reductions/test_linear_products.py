@@ -58,7 +58,9 @@ def test_the_optimum_stays_where_it_was(seed: int) -> None:
     values = [p.value(x) for x in points if p.residual(x) <= 1e-9]
     result = Highs().run(p, Options(), Control())
     best = min(values) if sense == "min" else max(values)
-    assert (result.status, result.objective) == ("optimal", pytest.approx(best))
+    assert result.objective == pytest.approx(best) and result.status in ("optimal", "feasible")
+    worth = 1e-6 * (np.abs(p.cost).sum() + (np.abs(q) @ np.maximum(np.abs(low), np.abs(high))).sum())  # of what HiGHS takes for whole
+    assert result.status == "optimal" or abs(result.bound - best) <= worth
     assert "linear-products" in [link.name for link in result.links] or not q.any()
 
 

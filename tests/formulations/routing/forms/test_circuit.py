@@ -101,6 +101,7 @@ def test_it_agrees_with_enumeration(problem: RoutingProblem) -> None:
     agrees(problem, "circuit", optimum(problem))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_it_agrees_with_enumeration_where_stores_are_filled_up_on_the_way(seed: int) -> None:
     """``test_routing_forms`` has the other features of the family."""

@@ -87,6 +87,7 @@ def test_the_relaxations_of_two_forms_are_equal_and_the_weak_one_is_no_better():
         assert values["strong-linearisation"] >= optimum(problem) - 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.share(2)
 @pytest.mark.parametrize("extra", [{}, {"solver": "simplex"}])
 def test_prices_from_each_form_prove_its_relaxation_or_more(extra):
@@ -256,6 +257,7 @@ def test_the_bound_by_linear_relaxation_takes_every_new_family():
         assert verified_bound(problem, found[-1]) == pytest.approx(value, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_bound_by_linear_relaxation_passes_over_forms_that_are_not_linear(monkeypatch):
     from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
 

@@ -131,6 +131,7 @@ def test_where_labels_are_too_many_it_says_nothing(monkeypatch: pytest.MonkeyPat
     assert column_generation_bound(plane(1, 10, 30.0), Stop(10.0)) is None
 
 
+@pytest.mark.slow
 def test_what_proves_nothing_to_the_checker_counts_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     from waybound.formulations.routing.checking import set_partitioning_duals
 
@@ -139,6 +140,7 @@ def test_what_proves_nothing_to_the_checker_counts_for_nothing(monkeypatch: pyte
     assert evidence is None or verified_bound(plane(1, 10, 30.0), evidence) == -math.inf
 
 
+@pytest.mark.slow
 def test_it_ends_when_it_is_asked_to_and_hands_over_what_it_has() -> None:
     problem = plane(5, 60, 60.0)
     for seconds in (0.0, 0.05, 0.8):

@@ -7,6 +7,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from waybound import generate
 from waybound.formulations.certificate import verified_bound
@@ -25,6 +26,7 @@ def risky(limit: float, team_risk: float | None) -> RoutingProblem:
     return replace(made, team_risk=team_risk)
 
 
+@pytest.mark.slow
 def test_what_is_found_is_verified_and_more_than_the_means_prove() -> None:
     METHOD.prepare()
     problem, found = risky(240.0, 0.05), deviation_chord_bound(risky(240.0, 0.05), Stop(2.0))
@@ -50,6 +52,7 @@ def test_it_ends_when_it_is_told_and_applies_where_there_are_risks() -> None:
     assert METHOD.missing(generate("sata")) == {"max-min problems"}
 
 
+@pytest.mark.slow
 def test_it_stands_for_slow_methods_where_it_leaves_nothing_out() -> None:
     plain = risky(240.0, 0.05)
     assert METHOD.replaces(plain) == {"state-space", "column-generation"} and not METHOD.replaces(risky(240.0, None))

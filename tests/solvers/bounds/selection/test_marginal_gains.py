@@ -100,6 +100,7 @@ def test_a_slow_users_function_keeps_to_the_budget() -> None:
     assert evidence is not None and verified_bound(problem, evidence) >= 10.0
 
 
+@pytest.mark.slow
 def test_large_functions_are_bounded_close_to_what_greedy_reaches() -> None:
     rng = np.random.default_rng(1)
     n, items = 20_000, 500
