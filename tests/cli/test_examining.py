@@ -15,6 +15,7 @@ def test_solvers_are_examined_on_programs_whose_optima_are_known(run, strict_jso
     assert (data["count"], data["seed"], data["solvers"][0]["cases"], data["solvers"][0]["wrong_optimum"]) == (5, 3, 5, 0)
 
 
+@pytest.mark.slow
 def test_a_solver_that_says_what_is_false_ends_with_5_and_the_programs(run, strict_json, tmp_path):
     asked = ("--kind", "time-windows", "--form", "two-index-mtz", "--count", 20, "--option", "presolve_rule_off=0", "-q")
     told = run("solvers", "--examine", "highs", *asked, "--out", tmp_path / "wrong", "--json")

@@ -223,6 +223,7 @@ def test_a_reader_that_hangs_up_causes_no_traceback():
     assert b"internal error" not in told
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("arguments", [("--help",), ("--version",), ("solve", "--help"), ("instances", "--help")])
 def test_help_and_version_load_no_solver_no_pandas_and_no_scipy(arguments):
     code = (

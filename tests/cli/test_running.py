@@ -52,6 +52,7 @@ def test_options_reach_the_heuristic(run, refused):
     assert "ties" in refused("run", "tracking", "--heuristic", "lp-rounding", "--option", "ties=none", "--steps", 1, "-q", *SMALL)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("suffix", ["gif", "html"])
 def test_an_animation_is_written(run, tmp_path, suffix):
     path = tmp_path / f"film.{suffix}"

@@ -65,7 +65,7 @@ def test_every_exact_form_of_every_family_is_in_it():
     assert {case.truth.status for case in every} == {"optimal", "infeasible", "unbounded"}
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(4)
 @pytest.mark.parametrize(
     "solver", [pytest.param(s, marks=pytest.mark.long) if s.startswith("outer-approximation:") else s for s in examinable()]
 )

@@ -148,6 +148,7 @@ def needs_iterations(engine_name):
         pytest.skip(f"{engine_name} counts no iterations")
 
 
+@pytest.mark.share(3)
 def test_repeated_without_a_clock_it_comes_out_the_same(engine_name):
     if "iterations" in BACKENDS[engine_name]().honours:
         pytest.skip(f"{engine_name} repeats itself by iterations")
@@ -205,6 +206,7 @@ def test_an_interrupt_in_mid_run_keeps_the_best_answer(engine_name):
     assert problem.evaluate(result.answer).feasible
 
 
+@pytest.mark.share(3)
 def test_incumbents_are_published_in_order_and_are_feasible(engine_name):
     problem, seen = middling(40), []
     control = Control(lambda event: seen.append(event["objective"]))
@@ -214,6 +216,7 @@ def test_incumbents_are_published_in_order_and_are_feasible(engine_name):
     assert result.objective <= seen[-1] + 1e-9
 
 
+@pytest.mark.share(3)
 def test_a_start_is_never_made_worse(engine_name):
     problem = middling(40)
     good = run(engine_name, problem, time_limit=0.3)

@@ -211,7 +211,7 @@ def test_a_second_model_with_other_threads_in_one_process(program, backend_name,
     assert values == pytest.approx([values[0]] * 3)
 
 
-@pytest.mark.share(3)
+@pytest.mark.slow
 def test_a_feasible_start_is_used(knapsack, backend_name, solve_with):
     if backend_name in NO_START:
         pytest.skip(f"{backend_name} takes no start")

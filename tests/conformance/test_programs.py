@@ -75,6 +75,7 @@ def test_an_unbounded_lp_is_unbounded_and_has_no_answer(program, solve_with):
     assert result.answer is None
 
 
+@pytest.mark.share(3)
 def test_an_unbounded_milp_is_not_called_infeasible(program, solve_with):
     result = solve_with(program([-1, -1], [[1, -1]], -1, 1, integer=[0, 1]))
     assert result.status in ("unbounded", "infeasible_or_unbounded", "unknown")
@@ -259,6 +260,7 @@ def test_a_product_of_two_binaries_is_maximised(program, solve_with, check_optim
     check_optimum(miqp, solve_with(miqp), 3.5)
 
 
+@pytest.mark.share(3)
 def test_products_under_a_row_meet_enumeration(program, solve_with, check_optimum):
     rng = np.random.default_rng(11)
     for sense in ("min", "max"):
@@ -340,6 +342,7 @@ def test_unknown_options_are_refused(program, solve_with):
         solve_with(program([1], [[1]], 1, INF), extra={"no_such_option": 1})
 
 
+@pytest.mark.share(3)
 def test_random_lps_meet_kkt_and_agree(program, solve_with, check_optimum):
     from scipy.optimize import linprog
 

@@ -201,7 +201,7 @@ def test_exact_solvers_find_the_optimum_with_each_feature_of_a_form(form, solver
     cover(FORMS[form].features, FORMS[form].missing, solved)
 
 
-@pytest.mark.share(3)
+@pytest.mark.slow
 def test_engines_find_the_optimum_with_each_feature(engine_name):
     engine, missed = BACKENDS[engine_name](), []
 

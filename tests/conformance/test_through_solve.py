@@ -50,6 +50,7 @@ def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, progr
 
 
 @pytest.mark.share(3)
+@pytest.mark.share(3)
 def test_isolation_changes_nothing_but_the_process(solver: str) -> None:
     problem = small("capacity", 0, "round")
     work = {"iterations": 100} if solver in ROUTING else {}
@@ -58,6 +59,7 @@ def test_isolation_changes_nothing_but_the_process(solver: str) -> None:
     assert (apart.status, apart.objective) == (here.status, here.objective)
 
 
+@pytest.mark.share(3)
 def test_demand_beyond_the_fleet_has_no_answer(solver: str) -> None:
     problem = small("capacity", 1, "round")
     problem = RoutingProblem(problem.sites, problem.travel, (VehicleType(1, 10.0),))

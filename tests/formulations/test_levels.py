@@ -23,6 +23,7 @@ from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
 from waybound.solvers.bounds.routing.vehicles_needed import vehicles_needed
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_the_problem_of_the_next_level_keeps_every_answer_that_is_as_good_before(feature: str) -> None:
     goals = (Vehicles().then(TotalCost()), TotalCost().then(Vehicles()), Reward().then(TotalCost()), Penalties().then(TotalCost()))

@@ -120,6 +120,7 @@ PARTS = [
 ]
 
 
+@pytest.mark.share(3)
 @ways
 @pytest.mark.parametrize(("case", "name", "part"), PARTS)
 def test_a_bound_that_fails_is_no_bound(
@@ -147,6 +148,7 @@ def test_a_bound_that_fails_costs_no_other_bound() -> None:
             assert wb.bound(problem, bound_time=5).bound == 5.0
 
 
+@pytest.mark.share(4)
 @ways
 @pytest.mark.parametrize("case", range(len(PROBLEMS)))
 def test_evidence_whose_checker_fails_proves_nothing(case: int, fault: Any, words: str, registered: Any, engine: Any, tally: Any) -> None:
@@ -161,6 +163,7 @@ def test_evidence_whose_checker_fails_proves_nothing(case: int, fault: Any, word
     tally["faults injected"] += 1
 
 
+@pytest.mark.share(2)
 @ways
 def test_evidence_of_a_solver_that_proves_nothing_costs_no_bound_of_ours(fault: Any, words: str, registered: Any, engine: Any) -> None:
     registered(CHECKERS, "broken", failing(fault, 1 if fault is KeyboardInterrupt else float("inf")))

@@ -35,6 +35,8 @@ from waybound.solvers.bounds.routing.column_generation import column_generation_
 Data = dict[str, Any]
 Lie = Callable[[Data, random.Random], bool]
 
+pytestmark = pytest.mark.slow  # proving the optima of so many takes several seconds
+
 MANY = 40 if ALL else 24
 """Programs, and problems with products, whose optima are proved."""
 
@@ -287,7 +289,6 @@ def planted(lie: Lie) -> Iterator[tuple[Problem, float | None, Data]]:
             yield problem, best, data
 
 
-@pytest.mark.share(3)
 @pytest.mark.parametrize("name", LIES)
 def test_lies_that_can_be_told_are_refused(name: str) -> None:
     told = 0

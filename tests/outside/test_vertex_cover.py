@@ -51,6 +51,7 @@ def test_its_file_is_solved_written_and_checked_by_the_command_line(cover: Path,
     assert "edge c a is not met" in broken.stdout
 
 
+@pytest.mark.slow
 def test_its_heuristic_states_its_guarantee_and_proves_its_bound(cover: Path) -> None:
     told = json.loads(command("solve", cover, "--heuristic", "edge-payments", "--json", "-q", "--bound-time", "0").stdout)
     assert told["certificate"]["guarantee"]["ratio"] == 2.0
@@ -97,6 +98,7 @@ def test_every_backend_for_integer_programs_solves_it(cover: Path) -> None:
     assert all(found == ["optimal", 4.0, [1, 2], True] for found in told.values()), told
 
 
+@pytest.mark.slow
 def test_bad_lines_are_refused_in_one(tmp_path: Path) -> None:
     path = tmp_path / "bad.cover"
     path.write_text(TEXT + "edge a x\n")

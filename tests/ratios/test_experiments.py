@@ -113,6 +113,7 @@ def test_heights_have_the_means_of_another_implementation_over_100_instances(rob
     assert abs(found["h=5"].mean() - found["h=8"].mean()) < 0.05
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", ["winner-takes-all", "bottleneck", "layers"])
 def test_an_experiment_runs_through_without_a_contradiction(name):
     report = STUDIES[name](StudySetting(1))

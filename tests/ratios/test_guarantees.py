@@ -35,7 +35,7 @@ def test_there_is_a_study_for_every_heuristic_of_routes_or_with_a_guarantee():
 
 
 @pytest.mark.share(4)
-@pytest.mark.parametrize("name", GUARANTEES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "local" else n for n in GUARANTEES])
 def test_no_stated_guarantee_is_broken(name, tmp_path):
     report = STUDIES[name](StudySetting(2, seed=11))
     assert not report.num_faults, complaint(report, tmp_path)

@@ -73,6 +73,7 @@ CLAIMS = {
 }
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", CLAIMS)
 def test_the_guarantee_holds_on_drawn_instances(name):
     strategy, claim = CLAIMS[name]

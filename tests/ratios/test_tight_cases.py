@@ -21,6 +21,7 @@ def value(problem, name, **options):
     return problem.evaluate(run_heuristic(problem, name, options, 1).answer).values[0]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "family",
     [

@@ -153,6 +153,7 @@ def test_the_quantile_of_equal_independent_risks(many: int, quantile: float) -> 
     assert found.value == pytest.approx(0.05, abs=2e-5 * many)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("total", "left"), [(0.01, 0.00995), (0.05, 0.04877), (0.1, 0.09516), (0.5, 0.39347), (0.9, 0.59343)])
 def test_many_equal_independent_risks_fail_as_the_exponential_says(total: float, left: float) -> None:
     many = 400

@@ -82,6 +82,7 @@ def test_bottleneck_of_whole_actions(case: str, solver: str) -> None:
     check_answer(made, run(solver, made.program), CASES[case].bottleneck)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("case", "solver"), pairs(LP))
 def test_bottleneck_of_shares(case: str, solver: str) -> None:
     known = CASES[case]
@@ -105,6 +106,7 @@ def test_winner_takes_all_through_every_linear_form(case: str, solver: str) -> N
         check_answer(made, run(solver, made.program), CASES[case].winner)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("case", "solver"), pairs(MIQP))
 def test_winner_takes_all_as_a_product(case: str, solver: str) -> None:
     made = WinnerTakesAllSATA(CASES[case].graph).compile("product")

@@ -50,6 +50,7 @@ def test_every_routing_problem_survives_the_journey(feature: str) -> None:
     assert pickle.loads(pickle.dumps(problem)).digest() == problem.digest()
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("engine", ["pyvrp", "ortools"])
 def test_the_answer_is_the_one_found_without_isolation(engine: str) -> None:
     from waybound.solvers.backend import BACKENDS
@@ -155,6 +156,7 @@ def test_the_memory_limit_is_kept(misbehaving) -> None:
     assert "200 MB" in result.message
 
 
+@pytest.mark.share(2)
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps limits on the address space")
 @pytest.mark.parametrize("engine", ["pyvrp", "ortools"])
 def test_a_sufficient_memory_limit_does_no_harm(engine: str) -> None:

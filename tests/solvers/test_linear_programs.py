@@ -77,6 +77,7 @@ def test_row_duals_prove_the_value_whoever_tells_them(name: str, relaxations: li
         assert verified_bound(made.problem, made.dual_evidence(duals)) == pytest.approx(value, rel=1e-6)
 
 
+@pytest.mark.share(2)
 @by_name(["highs", "pulp", "mathopt:glop", "mathopt:highs"])
 def test_the_bound_of_a_problem_is_the_same_whoever_solves_its_relaxation(name: str, relaxations: list[tuple[Compiled, float]]) -> None:
     for made, value in relaxations:

@@ -71,6 +71,7 @@ def test_a_solution_may_be_given_itself_as_json_and_as_a_file(solution: wb.Solut
         assert told(problem, start).canonical() == solution.answer.canonical()
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("how", [{"solver": "pyvrp"}, {"solver": "ortools"}, {"solver": "highs"}])
 def test_a_search_starts_from_what_is_given(how: dict[str, str]) -> None:
     for start in ([["a", "b"], ["c", "d"]], [[1, 2], [3, 4]]):

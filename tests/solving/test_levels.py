@@ -67,6 +67,7 @@ proved  no answer as good before is below 384.7341401 at level 2 (evidence: stat
 proved  384.7341401 is the least at level 2: bound and answer meet"""
 
 
+@pytest.mark.slow
 def test_levels_are_bounded_while_they_are_closed_and_then_all_is_proved(problem: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
     real = levels.find_bounds

@@ -100,6 +100,7 @@ def test_few_customers_with_too_many_routes_for_an_exact_form_are_its_own() -> N
     assert (found.solver, found.status, limits) == (NAME, "feasible", [8.0])
 
 
+@pytest.mark.slow
 def test_who_names_a_solver_or_a_form_gets_it_alone() -> None:
     with finding(RuntimeError("not asked")) as limits:
         for asked in ({"solver": "outer-approximation"}, {"form": "three-index-cones"}):

@@ -217,6 +217,7 @@ def no_trees(registered: Any) -> None:
     registered(BOUNDS, "branching-tree", replace(BOUNDS["branching-tree"], missing=lambda problem: frozenset({"time"})))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("given", LINEAR_WORK, ids=["heuristic", "bounding", "engine"])
 @pytest.mark.usefixtures("no_trees")
 def test_heuristics_bounds_and_engines_use_the_lp_solver_that_is_named(registered: Any, given: dict[str, Any]) -> None:

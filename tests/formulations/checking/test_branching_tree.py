@@ -159,6 +159,7 @@ def test_families_without_statements_refuse_trees() -> None:
         verified_bound(shares, tree({"branch": {"taken": 0}}, {}, {}))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(draws(150)))
 def test_trees_whose_leaves_say_anything_never_prove_more_than_the_optimum(seed: int) -> None:
     problem, rng = random_program(seed), np.random.default_rng(seed)

@@ -39,6 +39,7 @@ def test_two_that_are_nearly_the_same_or_opposite(correlation: float, sign: floa
     assert found.value == pytest.approx(_by_slices(a, b, r), rel=1e-10)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("size", [3, 6])
 def test_it_agrees_with_scipy(size: int) -> None:
     rng = np.random.default_rng(size)

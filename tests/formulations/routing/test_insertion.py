@@ -65,6 +65,7 @@ def test_every_place_is_as_the_judge_has_it(feature):
 
 
 @pytest.mark.share(2)
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("charge", "store"), [("travel", 60), ("elapsed", 80), ("elapsed-fixed-start", 90), ("windows", 95)])
 def test_windows_service_and_every_way_to_charge_a_store(charge, store):
     rng, broken = np.random.default_rng(5), dict.fromkeys(LIMITS, 0)

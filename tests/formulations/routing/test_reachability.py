@@ -177,6 +177,7 @@ def test_each_feature_has_its_words_which_the_checker_confirms(case):
     assert [reason.where for reason in problem.infeasibility_reasons()][:1] == (["a"] if required else [])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("feature", ["several-loads", "pickups", "shipments", "skills", "initial-energy", "shifts", "vehicle-travel"])
 def test_who_is_out_of_reach_is_on_no_route(feature):
     found = 0

@@ -69,6 +69,7 @@ def test_windows_and_what_energy_is_charged_for(store, travel, fixed, windows):
         assert best_values(problem) == (None if best is None else pytest.approx((best,))), charge
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("name", "vehicles", "limit", "reward", "makespan", "mixed"),
     [

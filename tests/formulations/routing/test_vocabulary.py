@@ -99,6 +99,7 @@ def test_info_tells_it(name):
     assert told in text, text
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", CASES)
 def test_its_answers_are_drawn_and_what_they_leave_out_is_told(name):
     problem = wb.RoutingProblem.from_instance(of(name)[0], "min-cost-vrp")

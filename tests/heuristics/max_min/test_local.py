@@ -49,6 +49,7 @@ def test_the_answer_is_a_vector_of_shares_with_the_guarantee_that_was_checked() 
     assert outcome.message == ""
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("search", ["secant", "step"])
 @pytest.mark.parametrize("messages", [False, True])
 def test_the_stated_ratio_holds(search: str, messages: bool) -> None:

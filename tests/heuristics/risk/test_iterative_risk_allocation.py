@@ -47,6 +47,7 @@ def test_it_is_the_loop_that_writes_its_model_anew() -> None:
     assert p.value(found.answer.decision)[0] == pytest.approx(value, abs=1e-6)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_every_round_is_allowed_and_no_worse(seed: int) -> None:
     p, told = random_problem(np.random.default_rng(seed)), list[Allocation]()

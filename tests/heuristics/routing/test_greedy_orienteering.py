@@ -36,6 +36,7 @@ def tours(seed: int, n: int, windows: bool, fleet: int, *, ends: bool = False) -
     return RoutingProblem(sites, Travel("euclidean", rng.integers(0, 20, (size, 2))), (vehicle,), Reward())
 
 
+@pytest.mark.slow
 @settings(max_examples=draws(120), deadline=None)
 @example(555, 1, True, 1, True)  # which must set out before the first site opens, and waits there for longer than it may be under way
 @given(st.integers(0, 10**6), st.integers(1, 6), st.booleans(), st.integers(1, 3), st.booleans())

@@ -36,6 +36,7 @@ def line(risk: float | None = None, team_risk: float | None = None, vehicles: in
     return RoutingProblem(sites, travel, (vehicle,), team_risk=team_risk)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("risk", "team_risk", "cost"),
     [(0.15, None, 26.0), (0.06, None, 36.0), (None, 0.3, 26.0), (None, 0.15, 34.0), (0.05, None, None), (None, 0.06, None)],

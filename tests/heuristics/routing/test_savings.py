@@ -129,6 +129,7 @@ def test_more_sites_than_there_is_memory_for_are_refused(monkeypatch: pytest.Mon
         HEURISTICS["savings"].run(scattered(2_500), CONTEXT)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("n", [300, 3_000])
 def test_cut_short_it_has_joined_fewer_routes(n: int) -> None:
     problem = scattered(n, capacity=100.0)

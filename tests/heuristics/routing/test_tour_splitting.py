@@ -43,6 +43,7 @@ def test_no_worse_than_the_published_cuts_of_a_shortest_tour(
     assert found.guarantee is not None and found.guarantee.ratio == pytest.approx(2.5 - 1 / vehicles)
 
 
+@pytest.mark.slow
 @settings(max_examples=draws(60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(1, 4), st.booleans(), st.sampled_from(["exact", "round"]))
 def test_its_ratio_holds(seed: int, n: int, vehicles: int, timed: bool, convention: str) -> None:

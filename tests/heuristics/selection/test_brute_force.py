@@ -66,6 +66,7 @@ def test_bottlenecks_by_plain_enumeration(seed: int) -> None:
     assert len(outcome.answer) == sum(o != [None] for o in options)
 
 
+@pytest.mark.share(3)
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("seed", range(8))
 def test_highs_agrees(seed: int) -> None:

@@ -65,6 +65,7 @@ def test_the_sense_decides_what_is_too_good():
     assert verdict(case(FIVE, "max"), found("feasible", 4.0, 4.5)) == "wrong optimum"
 
 
+@pytest.mark.slow
 def test_highs_is_examined_and_right():
     told = []
     made = examine("highs", Draw(19), told=lambda done, total: told.append((done, total)))

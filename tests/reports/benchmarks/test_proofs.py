@@ -14,6 +14,7 @@ from waybound.reports.benchmarks.proofs import FALSE, VERIFIED, battery, beside_
 from waybound.solving.solve import solve
 
 
+@pytest.mark.slow
 def test_what_is_verified_is_counted_by_kind(capsys: pytest.CaptureFixture[str]) -> None:
     assert battery(19, 10.0, 1) == 0
     said = capsys.readouterr().out

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pandas as pd
+import pytest
 
 from waybound.reports.missions import _gathering_figures as figures
 from waybound.reports.missions.information_gathering_study import METHODS, METRICS
 
 
+@pytest.mark.slow
 def test_three_metrics_are_drawn(tmp_path):
     rows = [
         {"robots": m, "method": method, **{f"{name}{end}": 1.0 for name in METRICS for end in ("", "_half", "_above", "_above_half")}}

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pandas as pd
+import pytest
 
 from waybound.reports.missions import _orchard_figures as figures
 from waybound.reports.missions.orchard_study import METHODS
 
 
+@pytest.mark.slow
 def test_one_row_a_number_of_groups_is_drawn(tmp_path):
     steps = pd.DataFrame(
         {"groups": g, "robots": m, "method": method, "least": 50, "steps": 400 / m, "steps_half": 3.0}

@@ -48,6 +48,7 @@ def test_answers_without_pictures_are_refused_by_their_problem(registered, tmp_p
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("suffix", "head"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
 def test_files_are_whole_and_repeat_themselves(solution, tmp_path, suffix, head):
     for name in "ab":

@@ -84,6 +84,7 @@ def test_a_crash_is_a_fault_with_its_instance_and_not_the_end_of_the_study(measu
     assert any(write_faults(report, tmp_path))
 
 
+@pytest.mark.slow
 def test_a_guarantee_in_expectation_is_tested_on_the_mean(measured):
     low = measured("bad-unlucky", repeats=60, instances=10)
     assert kinds(low) >= {"ratio"}

@@ -14,6 +14,7 @@ from waybound.reports.ratios.studies.tours import metric, partition_ratio
 SMALL = 5
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("make", ["salesman", "loads", "shared", "rewarded", "risky"])
 def test_the_optimum_of_a_random_problem_is_that_of_the_brute_force(make: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(families, "MOST", SMALL)

@@ -148,6 +148,7 @@ def test_routing_programs_whose_levels_are_differences_can_be_counted():
             assert result.objective == pytest.approx(best_values(problem)[0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_circuits_are_those_of_enumeration_whatever_is_fixed():
     """Random graphs of up to four nodes, arcs fixed to be used or not: one circuit with loops, or several without."""
     rng, statuses = np.random.default_rng(5), []

@@ -41,6 +41,7 @@ def test_solvers_without_integers_say_so():
         run(program([1], [[2]], 3, INF, 0, 9, integer=[0]), "SCS")
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("solver", CONTINUOUS)
 @pytest.mark.parametrize("sense", ["min", "max"])
 def test_duals_of_ranges_equalities_and_both_sides(solver, sense):

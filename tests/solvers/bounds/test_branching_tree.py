@@ -22,6 +22,7 @@ from waybound.solvers.bounds import BOUNDS, branching_tree
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(draws(200)))
 def test_optimum_and_infeasibility_of_small_programs_are_proved(seed: int) -> None:
     problem = random_program(seed)

@@ -73,6 +73,7 @@ def test_it_ends_where_its_evidence_outgrows_the_memory_that_it_may_take(monkeyp
     assert evidence is not None and math.isfinite(verified_bound(hard(), evidence))
 
 
+@pytest.mark.slow
 def test_evidence_that_no_leaf_can_need_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(proof_tree, "SWEEP", 4)
     for seed in range(40):

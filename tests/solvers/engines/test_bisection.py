@@ -41,6 +41,7 @@ def asking(problem: RoutingProblem, *goals: Composable) -> RoutingProblem:
     return replace(problem, objective=first)
 
 
+@pytest.mark.share(2)
 @pytest.mark.share(3)
 @pytest.mark.parametrize(
     "goals",

@@ -91,6 +91,7 @@ def test_what_is_feasible_for_the_integers_is_feasible_for_the_data(problem: Rou
             assert not [v for v in verdict.violations if v.check != "visits"]
 
 
+@pytest.mark.slow
 @settings(max_examples=draws(100), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(rough_problems())
 def test_exactly_scaled_data_lose_no_answer(problem: RoutingProblem) -> None:

@@ -57,6 +57,7 @@ def test_tiny_graphs_are_solved_to_their_optimum(graph):
     assert result.bound >= best * (1 - 1e-9)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("gap", [0.1, 1e-2, 1e-4])
 @pytest.mark.parametrize("make", [random_graph, even_graph, chain_graph])
 @pytest.mark.parametrize("seed", range(2 if ALL else 1))

@@ -22,6 +22,7 @@ PRODUCT = ArrayProblem(program([1.0, 1.0], [[1.0, 1.0]], -INF, 3.0, [0, -1], [1,
 """x + y - 3 x y, x binary and -1 <= y <= 2: -3 at (1, 2)."""
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("kind", "seed"), [(kind, seed) for kind in ("squares", "products") for seed in range(draws(60))])
 def test_no_duals_shares_and_points_prove_more_than_is_true(kind: str, seed: int) -> None:
     rng = np.random.default_rng([seed, 7])

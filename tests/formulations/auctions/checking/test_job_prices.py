@@ -16,6 +16,7 @@ from waybound.formulations.auctions.generalised_assignment import GeneralisedAss
 from waybound.instances.errors import InputError
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("scale", [1.0, 2.0**-40, 1e-9, 1e9, 1e140])
 def test_any_prices_prove_no_more_than_what_holds(scale: float) -> None:
     rng = np.random.default_rng(3)

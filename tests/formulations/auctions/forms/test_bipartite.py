@@ -15,6 +15,7 @@ from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.certificate import verified_bound
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("solver", ["highs", "cpsat", "pulp", "mathopt:highs", "scip"])
 def test_solvers_agree_on_worked_assignments(solver: str) -> None:
     for name in ("E", "K4"):

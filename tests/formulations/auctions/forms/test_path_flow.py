@@ -28,6 +28,7 @@ def test_every_answer_is_a_point_at_its_value(objective):
             assert made.decode(vector) == paths
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("objective", OBJECTIVES)
 @pytest.mark.parametrize("scale", [1e-7, 1.0, 1e7])
 def test_its_optimum_is_that_of_the_problem(objective, scale):

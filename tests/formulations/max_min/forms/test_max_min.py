@@ -47,6 +47,7 @@ def test_whole_actions_agree_with_enumeration_on_random_graphs():
         assert problem.evaluate(made.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("algorithm", [{}, {"run_crossover": "off"}, {"solver": "simplex"}])
 def test_shares_agree_with_scipy_and_their_duals_prove_it(algorithm):
     rng = np.random.default_rng(1)
@@ -177,6 +178,7 @@ def test_rows_are_those_of_the_formulas():
     assert program.integer.tolist() == [True] * 6 + [False]
 
 
+@pytest.mark.share(2)
 @pytest.mark.share(3)
 @pytest.mark.parametrize("sense", ["max", "min"])
 @pytest.mark.parametrize("algorithm", [{}, {"run_crossover": "off"}, {"solver": "simplex"}])

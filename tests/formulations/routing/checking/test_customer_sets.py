@@ -60,6 +60,7 @@ def weighed(problem: RoutingProblem, term, weight: float) -> RoutingProblem:
     return RoutingProblem(problem.sites, problem.travel, problem.fleet, TotalCost() + weight * term)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("term", [LongestRoute(), Makespan()])
 @pytest.mark.parametrize("feature", ["limited-fleet", "multiple-depots", "service-times"])
 def test_any_limits_divide_answers_by_their_largest_route(feature: str, term) -> None:

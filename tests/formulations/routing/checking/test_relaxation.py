@@ -21,6 +21,7 @@ from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 
+@pytest.mark.slow
 @settings(max_examples=draws(60), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_every_feasible_answer_is_in_the_relaxation_at_no_greater_cost(random_problem, seed):

@@ -19,6 +19,7 @@ from waybound.reports.benchmarks.exact_routing import best_values
 TERMS = {"makespan": Makespan(), "longest-route": LongestRoute(), "latest-return": LatestReturn()}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)
 def test_no_bound_exceeds_the_optimum(feature):
     for seed in range(2):

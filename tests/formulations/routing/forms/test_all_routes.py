@@ -9,6 +9,7 @@ from waybound.formulations.routing.forms._all_routes import MOST_ROUTES, Walk, o
 from waybound.reports.benchmarks.exact_routing import Roads
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "initial-energy", "reloads")])
 def test_routes_and_what_they_add_up_to_are_those_of_brute_force(feature: str) -> None:
     some = 0

@@ -33,6 +33,7 @@ LEVELS: tuple[Composable, ...] = (
 )
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("first", [0, 2, 4])
 @pytest.mark.parametrize("feature", ["overtime", "penalties", "committed-vehicles", "duration-cost", "shifts"])
 def test_an_answer_has_the_judges_value_at_every_level(feature: str, first: int) -> None:

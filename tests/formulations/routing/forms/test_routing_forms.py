@@ -72,7 +72,7 @@ def exact_forms(problem: RoutingProblem) -> list[str]:
     return [form for form in problem.forms() if FORMS[form].exactness is Exactness.EXACT]
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "initial-energy")])
 def test_forms_agree_with_enumeration_on_every_feature_of_the_family(feature: str) -> None:
     taken = 0
@@ -251,6 +251,7 @@ def test_forms_say_what_they_lack() -> None:
         routing(xy=SQUARE_4, objective=Reward() + LongestRoute()).compile()
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("form", EVERY_FORM)
 def test_coincident_sites_and_a_site_on_the_depot_make_no_cycles(form: str) -> None:
     xy = np.array([(0, 0), (0, 0), (3, 4), (3, 4), (3, 4), (6, 8)], dtype=float)

@@ -49,6 +49,7 @@ def value(problem: RoutingProblem, form: str, solver: str = "highs") -> float:
     return found.objective
 
 
+@pytest.mark.share(2)
 @pytest.mark.share(4)
 @pytest.mark.parametrize(
     ("risk", "team_risk", "best"),
@@ -88,6 +89,7 @@ def test_narrower_pieces_find_the_optimum(monkeypatch: pytest.MonkeyPatch) -> No
     assert value(line(None, 0.15), TANGENTS) == pytest.approx(34.0)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("feature", ["route-risk", "team-risk"])
 def test_the_optimum_of_enumeration_lies_between_them(feature: str) -> None:
     met = 0
@@ -104,6 +106,7 @@ def test_the_optimum_of_enumeration_lies_between_them(feature: str) -> None:
     assert met >= 0.2 * draws(40)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("form", [CHORDS, TANGENTS])
 def test_answers_are_points(form: str) -> None:
     """The optimum is one of the relaxation, and what the restriction finds is one of both."""

@@ -314,7 +314,7 @@ def test_unit_flow_connects_every_customer_to_the_depot() -> None:
     agrees(problem, "two-index-unit-flow", optimum(problem))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("feature", [name for name in WHOLE_FAMILY if name not in ("recharging", "reloads", "initial-energy")])
 def test_two_index_forms_agree_with_enumeration_on_features_of_one_type(feature: str) -> None:
     for seed in range(4):

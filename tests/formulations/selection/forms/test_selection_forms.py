@@ -42,6 +42,7 @@ def random_problems(count: int, seed: int):
         yield random_problem(rng, function, constraint, most=7, whole=k % 3 == 0)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("form", LINEAR)
 def test_each_linear_form_agrees_with_enumeration_on_random_problems(form):
     for problem in random_problems(draws(200), seed=5):
@@ -67,6 +68,7 @@ def test_the_product_form_agrees_with_enumeration_on_random_problems():
 
 
 @pytest.mark.share(2)
+@pytest.mark.share(2)
 @pytest.mark.parametrize("form", [*LINEAR, "product"])
 def test_robots_and_targets_agree_with_enumeration(form):
     rng = np.random.default_rng(7)
@@ -79,6 +81,7 @@ def test_robots_and_targets_agree_with_enumeration(form):
         assert problem.evaluate(made.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_relaxations_of_two_forms_are_equal_and_the_weak_one_is_no_better():
     for problem in random_problems(60, seed=8):
         values = {form: solved(problem.compile(form, relax=True).program).objective for form in LINEAR}
@@ -107,6 +110,7 @@ def test_prices_from_each_form_prove_its_relaxation_or_more(extra):
             assert optimum(problem) - 1e-9 <= bound <= solved(program).objective + slack
 
 
+@pytest.mark.slow
 def test_duals_of_an_interior_point_without_crossover_prove_nothing_false():
     for problem in random_problems(40, seed=9):
         for form in LINEAR:

@@ -16,6 +16,7 @@ def made(kind: str, **settings: Any) -> Any:
     return generate("solomon", 11, **{"class": kind}, **settings)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", sorted(CLASSES))
 def test_a_class_has_the_figures_of_the_published_files(kind: str) -> None:
     i = made(kind)

@@ -64,6 +64,7 @@ def test_a_ball_that_is_everything_is_exact(graph):
     assert verified_bound(problem(graph), evidence) == pytest.approx(optimum(graph), rel=1e-6)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_a_far_bottleneck_is_found_by_its_coverage_and_priced_exactly(seed):
     graph = random_graph(seed, robots=400, targets=250)

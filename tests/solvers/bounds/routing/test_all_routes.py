@@ -21,6 +21,7 @@ from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.all_routes import all_routes_bound
 
 
+@pytest.mark.slow
 def test_a_fleet_of_several_types_and_optional_sites_are_proved_optimal() -> None:
     for feature in ("heterogeneous-fleet", "prizes"):
         problem = next(p for p in (small(feature, seed, "exact") for seed in range(9)) if best_values(p) is not None)

@@ -44,6 +44,7 @@ def leaves(evidence: Evidence) -> list[dict[str, Any]]:
     return [node for node in evidence.data["nodes"] if "branch" not in node]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("feature", PROVED)
 @pytest.mark.parametrize("seed", range(6 if ALL else 3))
 def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
@@ -117,6 +118,7 @@ def test_a_fleet_that_is_too_small_for_the_packing_is_proved_so() -> None:
     assert evidence is not None and verified_bound(problem, evidence) == math.inf
 
 
+@pytest.mark.slow
 def test_more_is_remembered_where_a_route_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(column_generation, "MEMORY", 0)
     for seed in range(4):

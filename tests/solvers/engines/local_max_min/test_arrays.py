@@ -145,6 +145,7 @@ def value_at_exact_levels(graph: SensingGraph, h: int) -> float:
     return value(graph, found)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("graph", "values"), SMALL_CASES)
 def test_values_of_small_cases(graph: SensingGraph, values: tuple[float, ...]) -> None:
     assert [value_at_exact_levels(graph, h) for h in (1, 2, 5, 10, 30)] == pytest.approx(values, abs=5.1e-5)
@@ -196,6 +197,7 @@ def test_a_robot_of_two_nested_actions_has_a_closed_form_on_which_the_bound_is_m
 # -- the exact oracle ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=draws(60))
 @given(st.integers(0, 10**6), st.integers(1, 4), st.sampled_from([0.02, 0.1, 0.5]))
 @example(123, 4, 0.02)  # a copy that is in no tree of the root falls to -5e6 caps

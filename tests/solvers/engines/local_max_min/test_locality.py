@@ -84,6 +84,7 @@ def test_messages_do_not_come_from_beyond_the_radius_either(h: int, search: str)
         assert before.tobytes() == after.tobytes()
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("h", [1, 2])
 def test_the_radius_is_sharp(h: int) -> None:
     rng, moved = np.random.default_rng(h), 0

@@ -16,6 +16,7 @@ def check(game, best):
     assert record.bound >= best * (1 - 1e-9)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6])
 @pytest.mark.parametrize("seed", range(4))
 def test_a_gap_that_is_a_matter_of_clusters_is_closed(seed, gap, make_game):
