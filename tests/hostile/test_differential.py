@@ -65,7 +65,7 @@ def faults_of(family: str, case: int, methods: int = 1) -> list[str]:
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize("family", FAMILIES)
 def test_no_false_word_of_ours(family: str, share: Callable[[int, int], int], tally: Any) -> None:
-    dear = {"routing-at-risk": 1_000, "routing": 1_600}  # they take ten times as long; 20,000 in all
+    dear = {"routing-at-risk": 700, "routing": 1_200}  # they take ten times as long; 20,000 in all
     cases = share(60 // len(FAMILIES), dear.get(family, (20_000 - sum(dear.values())) // (len(FAMILIES) - len(dear)) + 1))
     found = {case: faults for case in range(cases) if (faults := faults_of(family, case))}
     tally[f"random problems against brute force: {family}"] += cases

@@ -363,7 +363,7 @@ def small(rng: np.random.Generator, kind: str) -> Problem:
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # sums beyond the largest number
 def test_extreme_weights_end(kind: str, share: Any, tally: Any) -> None:
     rng = np.random.default_rng(11)
-    for _ in range(share(2, 300)):
+    for _ in range(share(2, 150)):
         problem = small(rng, kind)
         for name in HEURISTICS:
             if HEURISTICS[name].missing(problem):

@@ -136,7 +136,7 @@ def faults_of(family: str, case: int) -> list[str]:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
-@pytest.mark.parametrize(("family", "few", "full"), [("uncertain-path", 12, 400), ("risky-path", 12, 400), ("risk-allocation", 6, 200)])
+@pytest.mark.parametrize(("family", "few", "full"), [("uncertain-path", 12, 400), ("risky-path", 12, 400), ("risk-allocation", 6, 120)])
 def test_no_false_word_on_problems_at_risk(
     family: str, few: int, full: int, share: Callable[[int, int], int], tally: Any
 ) -> None:  # fmt: skip

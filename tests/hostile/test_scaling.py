@@ -343,7 +343,7 @@ def checked(family: str, case: int) -> tuple[list[str], list[str]]:
 def test_checkers_in_other_units(share: Callable[[int, int], int], tally: Any) -> None:
     found, kinds = [], set()
     for family in FAMILIES | AT_RISK:
-        for case in range(share(4, 450)):
+        for case in range(share(4, 250)):
             some, wrong = checked(family, case)
             kinds.update(some)
             found += wrong
