@@ -148,3 +148,12 @@ def test_a_usual_objective_is_no_hindrance_to_other_formats(tmp_path):
 def test_each_level_of_priority_is_shown_with_its_sense() -> None:
     shown = repr(wb.read("demo-tiny", objective="vehicles then total-cost"))
     assert ", min vehicles, then min total-cost, convention" in shown
+
+
+def test_other_parts_leave_nothing_behind_of_the_former_ones(problem) -> None:
+    distances = problem.travel_of(0).distances
+    asked = problem.features()
+    made = problem.altered(fleet=(wb.VehicleType(speed=2.0, max_duration=50.0),), min_vehicles=1)
+    assert made.features() == (asked - {"capacity", "limited-fleet"}) | {"vehicle-speeds", "max-duration", "min-vehicles"}
+    assert made.travel_of(0).durations == pytest.approx(distances / 2.0)
+    assert problem.features() == asked and problem.travel_of(0).distances is distances
