@@ -84,8 +84,9 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
         if timed:
             inserted = insertion(problem, replace(context, stop=stop, publish=lambda answer: None)).answer
             orders.insert(0, _given(inserted, node_of, len(costs.nodes)))
-            judged = problem.evaluate(inserted)
-            if judged.feasible:
+            if stop.reached():
+                best = inserted  # of a route for each customer that was not inserted yet: they would take long to judge
+            elif (judged := problem.evaluate(inserted)).feasible:
                 best, rank = inserted, (0, 0, judged.values[0])
     if starts > 1:
         orders += [
