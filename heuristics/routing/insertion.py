@@ -81,16 +81,15 @@ def insertion(
     rank: tuple[bool, tuple[float, ...]] = (True, (math.inf,))
     used: dict[str, Any] = {}
     for m, weight, a, seed in itertools.product(*choices):
-        if best is not None and stop.reached():
-            break
         order, last = sequential_insertion(
             stop.flag, data, problem.fleet[0].capacity, limits, timed, m, weight, a, seed == "earliest-due"
         )  # fmt: skip
         answer = Routes(tuple(routes_of(nodes[order], last))).canonical()
         drawn = {"mu": m, "lamda": weight, "alpha1": a, "seeds": seed}
-        if best is None and stop.reached():  # there is nothing to compare it with
-            best, used = answer, drawn
-            context.publish(best)
+        if stop.reached():  # of a route for each customer that was not inserted yet: they would take long to judge
+            if best is None:
+                best, used = answer, drawn
+                context.publish(best)
             break
         judged = problem.evaluate(answer)
         signs = [1.0 if sense == "min" else -1.0 for sense in problem.senses]

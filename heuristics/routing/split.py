@@ -101,10 +101,8 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
             best, rank = Routes(tuple(routes_of(costs.nodes[order], last))).canonical(), reached
             context.publish(best)
     cut, guarantee = stop.reached(), None
-    if found is not None and not cut:
-        judged = problem.evaluate(best)
-        if judged.feasible:
-            guarantee = radial_guarantee(problem, found, judged.values[0], plain=not timed and problem.vehicle_limit is None)
+    if found is not None and not cut and (judged := problem.evaluate(best)).feasible:
+        guarantee = radial_guarantee(problem, found, judged.values[0], plain=not timed and problem.vehicle_limit is None)
     words = ("" if found is None else found.message, too_many(problem, best, "split"), CUT_SHORT if cut else "")
     statistics: dict[str, Any] = {"routes": len(best)} | ({} if found is None else {"tour": found.length})
     return Outcome(best, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")

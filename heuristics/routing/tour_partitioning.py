@@ -129,9 +129,9 @@ def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = 
         last = cheapest_cut(stop.flag, pieces.demand[small - 1], pieces.segment, pieces.capacity, most, in_rows(costs.moves, small))
         routes += routes_of(costs.nodes[small], last)
     answer = Routes(tuple(routes)).canonical()
-    judged = problem.evaluate(answer)
-    cut = stop.reached()
-    guarantee = radial_guarantee(problem, found, judged.values[0], plain=limit is None) if judged.feasible else None
+    cut, guarantee = stop.reached(), None
+    if not cut and (judged := problem.evaluate(answer)).feasible:
+        guarantee = radial_guarantee(problem, found, judged.values[0], plain=limit is None)
     words = (found.message, too_many(problem, answer, "tour partitioning"), CUT_SHORT if cut else "")
     statistics = {"tour": found.length, "routes": len(answer)}
     return Outcome(answer, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")

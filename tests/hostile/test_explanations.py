@@ -188,7 +188,7 @@ def test_reasons_of_random_routing_instances_are_true(share, tally, part):
 
 def test_groups_of_few_sites_are_to_blame_among_more(share, tally):
     """Where more sites than are enumerated: detours over the others are free to be taken."""
-    for seed in range(share(12, 600)):
+    for seed in range(share(12, 300)):
         problem = draw(3 * 10**6 + seed, sites_more=2)
         tables = [routes(problem, v) for v in problem.fleet]
         for found in fleet_conflicts(problem, most_enumerated=4):
@@ -197,7 +197,7 @@ def test_groups_of_few_sites_are_to_blame_among_more(share, tally):
 
 
 def test_no_evidence_whatever_it_names_proves_what_is_false(share, tally):
-    for seed in range(share(30, 4_000)):
+    for seed in range(share(30, 2_000)):
         problem = draw(10**6 + seed)
         tables = [routes(problem, v) for v in problem.fleet]
         solvable = feasible(problem, tables)

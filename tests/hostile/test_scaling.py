@@ -38,7 +38,7 @@ CLAIM = 1e-5
 """Solvers accept points that are off by 1e-6 a row and a variable."""
 
 SOLVERS = {
-    "highs": 60, "saddle": 60, "scip": 20, "cpsat": 20, "pulp": 10, "pulp:HiGHS": 3, "mathopt:highs": 3, "mathopt:gscip": 10,
+    "highs": 60, "saddle": 60, "scip": 20, "cpsat": 20, "pulp": 10, "pulp:HiGHS": 2, "mathopt:highs": 2, "mathopt:gscip": 10,
     "mathopt:glop": 10, "mathopt:cp-sat": 10, "mathopt:pdlp": 5, "cvxpy": 1, "cvxpy:HIGHS": 1, "cvxpy:SCS": 1, "pyvrp": 20, "ortools": 10,
     "vroom": 10, "supported-paths": 60, "non-dominated-paths": 30, "risk-labels": 60, "path-enumeration": 30, "convex-allocation": 60,
     "exact-joint": 10, "lapjv": 100, "min-cost-flow": 10, "threshold-matching": 100,

@@ -197,7 +197,7 @@ def _contradicts(problem: Problem, evaluation: Any, evidence: Any) -> bool:
         ("shares", 350, 40_000),
         ("vectors", 250, 20_000),
         ("choices", 200, 20_000),
-        ("routes", 200, 14_000),
+        ("routes", 200, 10_000),
         ("late", 40, 3_000),
         ("allocations", 100, 10_000),
     ],
