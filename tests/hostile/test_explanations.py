@@ -188,7 +188,7 @@ def test_reasons_of_random_routing_instances_are_true(share, tally, part):
 
 def test_groups_of_few_sites_are_to_blame_among_more(share, tally):
     """Where more sites than are enumerated: detours over the others are free to be taken."""
-    for seed in range(share(12, 300)):
+    for seed in range(share(12, 150)):
         problem = draw(3 * 10**6 + seed, sites_more=2)
         tables = [routes(problem, v) for v in problem.fleet]
         for found in fleet_conflicts(problem, most_enumerated=4):
@@ -197,7 +197,7 @@ def test_groups_of_few_sites_are_to_blame_among_more(share, tally):
 
 
 def test_no_evidence_whatever_it_names_proves_what_is_false(share, tally):
-    for seed in range(share(30, 2_000)):
+    for seed in range(share(30, 1_000)):
         problem = draw(10**6 + seed)
         tables = [routes(problem, v) for v in problem.fleet]
         solvable = feasible(problem, tables)
@@ -227,7 +227,7 @@ def test_no_evidence_whatever_it_names_proves_what_is_false(share, tally):
 
 
 def test_whole_explanations_of_random_routing_instances_are_true(share, tally):
-    for seed in range(share(2, 250)):
+    for seed in range(share(2, 100)):
         problem = draw(2 * 10**6 + seed)
         made = explain(problem, time_limit=4.0)
         tally[f"explanations: {made.verdict}" + (f", according to {made.according_to}" if made.according_to else "")] += 1
@@ -267,7 +267,7 @@ def small_program(seed: int) -> Program:
 
 def test_explanations_of_bare_programs_say_whose_word_they_are(share, tally):
     grid = np.array(list(itertools.product(range(4), repeat=3)), dtype=float)
-    for seed in range(share(24, 2_000)):
+    for seed in range(share(24, 1_000)):
         program = small_program(seed)
         values = grid @ program.matrix.toarray().T
         held = (values >= program.row_lower) & (values <= program.row_upper)

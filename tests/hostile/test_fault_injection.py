@@ -6,7 +6,6 @@ Each stage up to the solution fails in turn: with a fault of the code, for want 
 from __future__ import annotations
 
 import dataclasses
-import importlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -25,8 +24,7 @@ from waybound.instances.selection.constraints import PartitionMatroid
 from waybound.instances.selection.functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.bounds import BOUNDS, replaced
-
-solving = importlib.import_module("waybound.solving.solve")
+from waybound.solving.runs import Run
 
 
 @pytest.fixture
@@ -50,7 +48,7 @@ def test_a_last_word_that_cannot_be_judged_costs_no_other_answer(
     if stage == "evaluate":
         monkeypatch.setattr(type(TINY), "evaluate", lambda self, a: fail() if a is WORSE else honest(self, a))
     else:
-        monkeypatch.setattr(solving._Run, "decode", lambda self, a: fail() if a is WORSE else a)
+        monkeypatch.setattr(Run, "decode", lambda self, a: fail() if a is WORSE else a)
     found = wb.solve(TINY, engine(work), bound_time=0)
     assert (found.objective, found.status) == (VALUE, "feasible")
     assert words in found.message
@@ -178,7 +176,7 @@ def test_evidence_of_a_solver_that_proves_nothing_costs_no_bound_of_ours(fault: 
 
 @ways
 def test_a_certificate_that_fails_leaves_the_judges_verdict(fault: Any, words: str, monkeypatch: Any, engine: Any, tally: Any) -> None:
-    monkeypatch.setattr(solving, "certify", failing(fault))
+    monkeypatch.setattr("waybound.solving.concluding.certify", failing(fault))
     monkeypatch.setattr(type(TINY), "digest", failing(MemoryError))
     found = wb.solve(TINY, engine(), bound_time=0)
     assert (found.objective, found.certificate.objective, found.certificate.feasible, found.faults) == (VALUE, VALUE, True, ())

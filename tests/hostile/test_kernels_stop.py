@@ -41,7 +41,8 @@ from waybound.instances.sensing.graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options
 from waybound.solvers.bounds import BOUNDS
 from waybound.solving.bounding import find_bounds
-from waybound.solving.solve import _heuristic_run, solve
+from waybound.solving.runs import heuristic_run
+from waybound.solving.solve import solve
 
 LATE = 2.0
 """Seconds after which nothing may still run."""
@@ -276,8 +277,8 @@ CASES = [
 @pytest.mark.parametrize(("name", "kind", "options"), CASES)
 def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[str, Any], share: Any, tally: Any) -> None:
     problem, rng = large(kind), np.random.default_rng(7)
-    go = _heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options), False).go
-    warm(_heuristic_run(large(kind, 50), name, Options(time_limit=NEVER_DONE, extra=options), False).go, 0.3)
+    go = heuristic_run(problem, name, Options(time_limit=NEVER_DONE, extra=options), False).go
+    warm(heuristic_run(large(kind, 50), name, Options(time_limit=NEVER_DONE, extra=options), False).go, 0.3)
     warm(go, 0.1)  # a size of its own may have loops of its own
     for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 3)).tolist():
         late, result = lateness(go, seconds)
@@ -378,7 +379,7 @@ def test_extreme_weights_end(kind: str, share: Any, tally: Any) -> None:
         for name in HEURISTICS:
             if HEURISTICS[name].missing(problem):
                 continue
-            run = _heuristic_run(problem, name, Options(time_limit=5.0), False)
+            run = heuristic_run(problem, name, Options(time_limit=5.0), False)
             began = time.perf_counter()
             try:
                 run.go(Control())

@@ -86,7 +86,7 @@ def test_large_problems_and_those_for_which_there_is_no_solver_are_its_own(monke
     with finding(ALONE) as limits:
         found = solve(star(None, 12, team_risk=0.2), time_limit=8.0, bound_time=0)
         assert (found.solver, found.status, limits) == (NAME, "feasible", [8.0])
-        monkeypatch.setattr("waybound.solving.solve.LARGEST", 5)
+        monkeypatch.setattr("waybound.solving.runs.LARGEST", 5)
         assert solve(star(), time_limit=8.0, bound_time=0).solver == NAME
     assert opening.LARGEST == 50
 
