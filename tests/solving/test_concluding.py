@@ -1,0 +1,104 @@
+"""No engine is believed: liars of every kind are caught, and what was checked is returned."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.routing.objective import Objective, TotalCost
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
+from waybound.instances.errors import CheckFailedError
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solving.solve import solve
+
+
+def test_a_claimed_answer_that_breaks_a_constraint_is_an_error(square: RoutingProblem, engine_that: Any) -> None:
+    liar = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 2, 3, 4]]), objective=18.0))
+    with pytest.raises(CheckFailedError, match="carries 4, capacity 2"):
+        solve(square, liar)
+
+
+def test_an_honest_best_effort_that_breaks_a_constraint_is_no_answer(square: RoutingProblem, engine_that: Any) -> None:
+    honest = engine_that(lambda p, o, c: RawResult("unknown", answer=Routes.of([[1, 2, 3, 4]])))
+    solution = solve(square, honest, bound_time=0)
+    assert solution.answer is None
+    assert solution.status == "unknown"
+    assert "carries 4" in solution.message
+
+
+def test_a_claimed_objective_better_than_the_answers_is_a_fault_beside_the_answer(square: RoutingProblem, engine_that: Any) -> None:
+    engine = engine_that(lambda p, o, c: RawResult("optimal", answer=Routes.of([[1, 2], [3, 4]]), objective=1.0))
+    solution = solve(square, engine, bound_time=0)
+    assert (solution.objective, solution.status) == (24.0, "feasible")
+    assert len(solution.faults) == 1
+    assert "claims the objective 1.0, the answer's value recomputed from the data is 24.0" in solution.faults[0]
+    assert solution.to_json()["faults"] == list(solution.faults)
+    assert solution.faults[0] in str(solution)
+    assert solution.faults[0] in repr(solution)
+
+
+def test_a_claimed_objective_worse_than_the_answers_contradicts_nothing(square: RoutingProblem, engine_that: Any) -> None:
+    engine = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 2], [3, 4]]), objective=99.0))
+    solution = solve(square, engine, bound_time=0)
+    assert (solution.objective, solution.faults) == (24.0, ())
+
+
+def test_a_broken_claim_costs_neither_an_earlier_incumbent_nor_the_start(square: RoutingProblem, engine_that: Any) -> None:
+    def liar(problem: Any, options: Options, control: Control) -> RawResult:
+        control.publish(Routes.of([[1, 2], [3, 4]]), 24.0)
+        return RawResult("feasible", answer=Routes.of([[1, 2, 3, 4]]), objective=18.0)
+
+    for start, behaviour in ((None, liar), (Routes.of([[1, 2], [3, 4]]), lambda p, o, c: liar(p, o, Control()))):
+        solution = solve(square, engine_that(behaviour), start=start, bound_time=0)
+        assert (solution.objective, solution.status) == (24.0, "feasible")
+        assert "carries 4, capacity 2" in solution.faults[0]
+
+
+def test_the_better_of_start_and_answer_is_returned(square: RoutingProblem, engine_that: Any) -> None:
+    worse = Routes.of([[1, 3], [2, 4]])
+    engine = engine_that(lambda p, o, c: RawResult("feasible", answer=worse))
+    solution = solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0)
+    assert solution.objective == 24.0
+
+
+def test_bounds_are_verified_and_can_prove_optimality(square: RoutingProblem, engine_that: Any) -> None:
+    engine = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 2], [3, 4]])))
+    solution = solve(square, engine, bound_time=5)
+    assert solution.certificate.bound is not None
+    assert solution.certificate.bound <= 24.0 + 1e-6
+    assert solution.bound_kind == "verified"
+
+
+def test_a_claimed_bound_ahead_of_a_proved_optimum_does_not_hide_the_proof(registered: Any) -> None:
+    """Costs that differ by less than a solver sees: its optimum is 1e-8 above the least, which the prices prove."""
+    answer, value = (0, 1), 2.0 + 2e-8
+
+    class Fake(Engine):
+        name, package, modules, summary, family = "short-sighted", "numpy", ("numpy",), "a fake", "bin-assignment"
+        features = frozenset(BACKENDS["lapjv"].features)
+
+        def run(self, problem: Any, options: Options, control: Control) -> RawResult:
+            return RawResult("optimal", answer=answer, objective=value, bound=value)
+
+    registered(BACKENDS, Fake.name, Fake)
+    problem = BinAssignment.from_matrix([[1.0 + 2e-8, 1.0], [1.0, 1.0]])
+    alone = solve(problem, Fake.name, bound_time=1)
+    assert (alone.status, alone.bound_kind, alone.certificate.bound) == ("optimal", "claimed", pytest.approx(2.0, rel=1e-12))
+    assert "optimal according to short-sighted" in str(alone)
+    started = solve(problem, Fake.name, start=(1, 0), bound_time=1)
+    assert (started.objective, started.bound_kind, started.faults) == (2.0, "verified", ())
+    assert started.gap is not None and started.gap <= 1e-9
+    assert "optimal: the verified bound meets the objective" in str(started)
+
+
+@pytest.mark.slow
+def test_a_bound_has_all_levels_where_there_is_no_answer(square: RoutingProblem, engine_that: Callable[..., str]) -> None:
+    name = engine_that(lambda problem, options, control: RawResult("unknown"))
+    solution = solve(replace(square, objective=Objective.of(TotalCost().then(TotalCost()))), name, bound_time=2.0)
+    assert solution.answer is None
+    assert solution.bound == [pytest.approx(24.0), None]
