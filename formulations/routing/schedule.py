@@ -27,10 +27,11 @@ class Schedule:
     """Earliest schedule of one route; arrays have one entry a stop between start and end.
 
     ``duration`` is the shortest possible: where each site has one window, from the latest departure that delays nothing, to the return
-    (Savelsbergh 1992); where some have several, the shortest over all departures. ``charged`` holds the time charged under each of the
-    four ways, before it is multiplied by the rate of the store, ``stretches`` the time on the move between recharging stops.
-    ``leaves`` and ``closing`` have one entry a move: when it begins, and when it must have begun. ``load`` adds up the demands, of the
-    first load dimension; ``on_board`` of shape (load dimensions, stops + 1) is what the vehicle carries on leaving start and stops.
+    (Savelsbergh 1992); where some have several, the shortest over all departures. ``duration_from`` is the departure that it counts from:
+    of those with this duration the one that returns first. ``charged`` holds the time charged under each of the four ways, before it is
+    multiplied by the rate of the store, ``stretches`` the time on the move between recharging stops. ``leaves`` and ``closing`` have one
+    entry a move: when it begins, and when it must have begun. ``load`` adds up the demands, of the first load dimension; ``on_board`` of
+    shape (load dimensions, stops + 1) is what the vehicle carries on leaving start and stops.
     ``variance`` is that of the time on the move.
     """
 
@@ -43,6 +44,7 @@ class Schedule:
     total_distance: float
     total_load: float
     duration: float
+    duration_from: float
     waiting: float
     charged: dict[str, float]
     stretches: tuple[float, ...]
@@ -64,7 +66,7 @@ def closing(problem: RoutingProblem, vehicle: VehicleType) -> float:
 
 
 def schedule(problem: RoutingProblem, route: Route, departure: float | None = None) -> Schedule:
-    """Earliest schedule of ``route``, or that from a given ``departure``.
+    """Earliest schedule of ``route``, or that from a given ``departure``, whose duration then counts from there.
 
     Late visits begin on arrival, so that lateness is not forgiven further on.
     """
@@ -94,10 +96,13 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
     finish = float(arrival[-1])
     busy = math.fsum([*time, *service])  # no route takes less, whatever cancels where its clock is far from zero
     elapsed = max(finish - float(begin[0]), busy)
-    duration = max(elapsed - min(waiting, slack), busy)
-    if several and departure is None:
-        shortest = _shortest(float(begin[0]), ready, due, last, service + np.append(time, 0.0), several)
-        duration = max(shortest, busy) if math.isfinite(shortest) else elapsed
+    duration, leaves = elapsed, float(begin[0])
+    if departure is None and several:
+        shortest, best = _shortest(leaves, ready, due, last, service + np.append(time, 0.0), several)
+        duration, leaves = (max(shortest, busy), best) if math.isfinite(shortest) else (elapsed, leaves)
+    elif departure is None:
+        later = min(waiting, slack)
+        duration, leaves = max(elapsed - later, busy), leaves + later
     charge = np.maximum(service[:-1] + time, np.append(ready[1:-1], -math.inf) - ready[:-1])
     on_board = _on_board(problem, route)
     refills = [k for k, site in enumerate(route.visits, start=1) if site in vehicle.stations]
@@ -111,6 +116,7 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
         total_distance=float(math.fsum(leg)),
         total_load=float(math.fsum(sites.demand[visits])),
         duration=float(duration),
+        duration_from=leaves,
         waiting=float(waiting),
         charged={
             "travel": float(math.fsum(time)),
@@ -137,11 +143,12 @@ def _opens(windows: tuple[tuple[float, float], ...], arrival: float) -> float:
 
 def _shortest(
     opens: float, ready: Floats, due: Floats, last: Floats, busy: Floats, several: dict[int, tuple[tuple[float, float], ...]]
-) -> float:
-    """Least time from departure to return over all departures, infinite where none keeps all windows.
+) -> tuple[float, float]:
+    """Least time from departure to return over all departures, and the departure; infinite where none keeps all windows.
 
     Begin of service, as a function of the departure t, is max(c, t + w) on each of a few intervals of t, one for each choice of
-    windows: (from, to, c, w).
+    windows: (from, to, c, w). Who comes before a window is over begins in it, and is late for the next move if that closes before the
+    window opens.
     """
     pieces = [(opens, max(opens, float(last[0])), -math.inf, 0.0)]
     for k in range(1, len(due)):
@@ -151,15 +158,16 @@ def _shortest(
         for low, high, c, w in pieces:
             c, w, over = c + step, w + step, -math.inf
             for begins, ends in windows:
-                end = min(ends, float(last[k])) if not returns else ends
-                if max(c, low + w) - end <= float(allowance(end, max(c, low + w), abs(opens))):
-                    first = low if c > over else max(low, over - w)
-                    to = max(min(high, end - w), low)
-                    if first <= to:
-                        made.append((first, to, max(c, begins), w))
+                end, first = ends if returns else min(ends, float(last[k])), low if c > over else max(low, over - w)
+                begun = max(begins, c, first + w)
+                if first <= high and begun - end <= float(allowance(end, begun, abs(opens))):
+                    made.append((first, max(min(high, end - w), first), max(c, begins), w))
                 over = ends
         pieces = made
-    return min((max(c - high, w) for _, high, c, w in pieces), default=math.inf)
+    # The longer it takes to leave, the less is waited for, until the end of the piece, or the first return without waiting.
+    found = [(max(c - high, w), max(c, low + w), min(high, max(low, c - w))) for low, high, c, w in pieces]
+    duration, _, departure = min(found, default=(math.inf, math.inf, opens))
+    return duration, departure
 
 
 def _on_board(problem: RoutingProblem, route: Route) -> Floats:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route
+from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.schedule import closing, opening, schedule
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
@@ -107,6 +110,79 @@ def test_a_vehicle_has_its_own_way_and_speed():
     fast, other = schedule(problem, Route((2,))), schedule(problem, Route((2,), 1))
     assert (fast.total_distance, fast.duration) == (4, 2)
     assert (other.total_distance, other.duration) == (12, 8)
+
+
+def test_a_window_that_opens_after_the_next_move_has_closed_is_none():
+    """a begins by 17, for its second window opens at 46 and the move to b closes at 39: it leaves by 7, b waits until 65."""
+    matrix, closes = np.where(np.eye(3, dtype=bool), 0.0, 10.0), np.full((3, 3), math.inf)
+    closes[1, 2] = 39.0
+    sites = Sites.of("dab", windows={1: [(0, 17), (46, 94)]}, ready=[0, 0, 65])
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix, closing=closes), [VehicleType(1, max_duration=60)])
+    plan = schedule(problem, Route((1, 2)))
+    assert (plan.duration, plan.duration_from) == (68, 7)
+    assert [v.check for v in problem.evaluate(Routes.of([[1, 2]])).violations] == ["duration"]
+
+
+LAST = 45  # of the clock that brute force looks at
+
+
+@st.composite
+def timed_routes(draw):
+    """A route through all sites in turn, the last of them a depot to reload at now and then; all times are whole numbers."""
+    n = draw(st.integers(1, 4))
+    few, ends = st.integers(0, 4), st.integers(0, LAST)
+    matrix = np.array(draw(st.lists(st.lists(few, min_size=n + 1, max_size=n + 1), min_size=n + 1, max_size=n + 1)), dtype=float)
+    np.fill_diagonal(matrix, 0.0)
+    closes = np.full((n + 1, n + 1), math.inf)
+    for i, j in [*zip(range(n), range(1, n + 1), strict=True), (n, 0)]:
+        closes[i, j] = draw(st.one_of(st.just(math.inf), st.just(math.inf), ends))
+    depot = [True, *(n > 1 and k == n and draw(st.booleans()) for k in range(1, n + 1))]
+    windows, ready, due = {}, [draw(st.integers(0, 9))], [draw(st.integers(10, LAST))]
+    for site in range(1, n + 1):
+        cuts = sorted(draw(st.lists(ends, min_size=2, max_size=6, unique=True)))
+        if not depot[site] and draw(st.booleans()):
+            windows[site] = list(zip(cuts[::2], cuts[1::2], strict=False))
+        ready, due = [*ready, cuts[0]], [*due, cuts[-1]]
+    service = [draw(few), *(draw(few) for _ in range(n))]
+    sites = Sites.of("oabcd"[: n + 1], depot=depot, windows=windows, ready=ready, due=due, service=service)
+    shift = (draw(st.integers(0, 9)), draw(st.integers(12, LAST)))
+    vehicle = VehicleType(1, shift=shift, reloads=(n,) if depot[n] else (), max_duration=draw(st.integers(15, LAST)))
+    return RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix, closing=closes), [vehicle]), Route(tuple(range(1, n + 1)))
+
+
+def driven(problem, route, departure):
+    """When the route is back, None if somebody is late: stops begin at any moment, after any wait."""
+    s, closes = problem.sites, problem.travel.closing
+    begins, vehicle = {departure}, problem.fleet[0]
+    stops = [vehicle.start, *route.visits, vehicle.end]
+    for k, (i, j) in enumerate(itertools.pairwise(stops)):
+        leaves = {t + (int(s.service[i]) if k else 0) for t in begins}
+        arrivals = {t + int(problem.travel.durations[i, j]) for t in leaves if t <= closes[i, j]}
+        if k == len(stops) - 2:
+            return min((t for t in arrivals if t <= min(s.due[j], vehicle.shift[1])), default=None)
+        listed = (s.windows and s.windows[j]) or [(s.ready[j], s.due[j])]
+        begins = {t for t in range(LAST + 1) if any(a <= t <= b for a, b in listed) and any(t >= at for at in arrivals)}
+
+
+@given(timed_routes())
+def test_the_shortest_duration_is_the_least_over_all_departures(case):
+    problem, route = case
+    plan, vehicle = schedule(problem, route), problem.fleet[0]
+    opens = int(opening(problem, vehicle))
+    returns = {t: driven(problem, route, t) for t in range(opens, max(opens, int(problem.sites.due[0])) + 1)}
+    lasts = {t: end - t for t, end in returns.items() if end is not None}
+    broken = {v.check for v in problem.evaluate(Routes((route,))).violations}
+    assert not broken & {"time-windows", "closing-moves"} or not lasts
+    if not lasts:
+        assert broken
+        return
+    assert plan.duration == min(lasts.values())
+    assert ("duration" in broken) == (plan.duration > vehicle.max_duration)
+    # The departure that it counts from has it, and of those the first return.
+    assert lasts[plan.duration_from] == plan.duration
+    assert returns[plan.duration_from] == min(returns[t] for t, length in lasts.items() if length == plan.duration)
+    late = schedule(problem, route, plan.duration_from)
+    assert (late.departure, late.duration, late.finish) == (plan.duration_from, plan.duration, returns[plan.duration_from])
 
 
 @pytest.mark.parametrize("departure", [0.0, 3.0])
