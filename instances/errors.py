@@ -121,6 +121,10 @@ class NoAnswerError(WayboundError):
     exit_code = 4
 
 
+class SearchFailedError(WayboundError):
+    """A solver or a heuristic failed before it found any answer; its own error is the cause."""
+
+
 class CheckFailedError(WayboundError):
     """A check failed: an answer, a bound or a solver's claim does not hold up."""
 

@@ -10,7 +10,7 @@ from programs import program
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.programs.exactness import Exactness
-from waybound.instances.errors import CheckFailedError, InputError
+from waybound.instances.errors import CheckFailedError, InputError, NoAnswerError, SearchFailedError
 from waybound.solvers.backend import RawResult
 from waybound.solving.judging import Judge
 
@@ -100,11 +100,26 @@ def test_an_error_of_the_program_costs_no_other_candidate_and_is_raised_where_th
     assert case.best()[0] is LESS
 
 
-def test_what_ended_the_search_is_raised_before_what_came_after() -> None:
-    case = judge(broken, crash=MemoryError("no room"))
+@pytest.mark.parametrize(
+    ("crash", "kind", "words"),
+    [
+        (MemoryError("no room"), NoAnswerError, "made failed: out of memory"),
+        (OSError("gone"), SearchFailedError, "made failed: OSError: gone"),
+    ],
+)
+def test_what_ended_the_search_is_told_before_what_came_after(crash: Exception, kind: type[Exception], words: str) -> None:
+    case = judge(broken, crash=crash)
     case.incumbent(FULL)
-    with pytest.raises(MemoryError, match="no room"):
+    with pytest.raises(kind, match=words) as told:
         case.best()
+    assert told.value.__cause__ is crash
+
+
+def test_an_answer_that_needs_no_search_counts_where_it_refutes_something() -> None:
+    for refutes in (True, False):
+        case = judge()
+        case.at_hand(lambda judged, refutes=refutes: refutes)
+        assert (case.best()[1] is not None) == refutes
 
 
 def test_the_first_interrupt_costs_no_answer_and_the_second_one_does() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -15,9 +16,9 @@ from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.programs.program import INTEGERS
 from waybound.formulations.solution import Opinion, status_line
 from waybound.instances.errors import CheckFailedError
-from waybound.solvers.backend import BACKENDS, RawResult
+from waybound.solvers.backend import BACKENDS, Engine, RawResult
 from waybound.solvers.program_backend import ProgramBackend
-from waybound.solving import opinions
+from waybound.solving import concluding, opinions
 from waybound.solving.opinions import independent
 
 pytestmark = pytest.mark.usefixtures("without_trees")
@@ -78,11 +79,17 @@ def test_claims_that_contradict_each_other_unrefuted_are_a_fault_with_both_numbe
     assert [o.verdict for o in solution.opinions] == ["contradicts", "agrees"]
 
 
-@pytest.mark.parametrize(("said", "words"), [("unbounded", "that there is no best answer"), ("optimal", "the optimum 3.0")])
-def test_without_an_answer_such_a_contradiction_is_an_error_with_both_claims(says, said, words):
-    says(RawResult(said, objective=3.0 if said == "optimal" else None), "dreamer", order=-1)
-    with pytest.raises(CheckFailedError, match=f"highs claims that there is no answer, dreamer claims {words}: nothing"):
+def test_without_an_answer_such_a_contradiction_is_an_error_with_both_claims(says):
+    says(RawResult("optimal", objective=3.0), "dreamer", order=-1)
+    with pytest.raises(CheckFailedError, match=r"highs claims that there is no answer, dreamer claims the optimum 3\.0: nothing"):
         wb.solve(EMPTY, "highs")
+
+
+def test_an_opinion_that_a_verified_bound_refutes_costs_nothing(says):
+    says(RawResult("unbounded"), "dreamer", order=-1)
+    solution = wb.solve(EMPTY, "highs")
+    assert (solution.status, solution.opinions[0].verdict, solution.faults) == ("infeasible", "is refuted", ())
+    assert "dreamer says unbounded, which the verified bound refutes" in solution.message
 
 
 def test_an_optimum_beyond_a_verified_bound_is_refuted_by_it(says):
@@ -98,10 +105,65 @@ def test_how_many_of_those_asked_agreed_is_told(says):
     assert "(1 of 2 asked agreed)" in status_line(wb.solve(KNAPSACK, "highs")).text
 
 
-def test_an_endless_objective_without_evidence_is_put_to_others(says):
-    program_ = ArrayProblem(program([1.0, 1.0], [[1.0, 1.0]], 0.0, np.inf, 0, 5, integer=[0, 1]))
-    solution = wb.solve(program_, says(RawResult("unbounded")))
+def test_an_endless_objective_that_is_refuted_costs_no_answer_that_others_have(says):
+    bounded = ArrayProblem(program([1.0, 1.0], [[1.0, 1.0]], 0.0, np.inf, 0, 5, integer=[0, 1]))
+    solution = wb.solve(bounded, says(RawResult("unbounded")))
+    assert (solution.objective, solution.opinions[0].verdict) == (0.0, "refutes")
+    assert "liar claims that there is no best answer, but the verified bound is 0.0" in solution.faults
+
+
+def test_an_endless_objective_without_evidence_is_put_to_others(says, monkeypatch):
+    monkeypatch.setattr(concluding, "_gather", lambda *_: None)
+    bounded = ArrayProblem(program([1.0, 1.0], [[1.0, 1.0]], 0.0, np.inf, 0, 5, integer=[0, 1]))
+    solution = wb.solve(bounded, says(RawResult("unbounded")))
     assert any("liar claims that there is no best answer" in fault and "claims the optimum 0.0" in fault for fault in solution.faults)
+
+
+@pytest.fixture
+def engine_says(registered: Any) -> Any:
+    def make(said: RawResult) -> str:
+        body = {
+            "name": "engine", "package": "numpy", "modules": ("numpy",), "summary": "", "family": "bin-assignment",
+            "features": COSTS.features(), "run": lambda self, *given: said,
+        }  # fmt: skip
+        registered(BACKENDS, "engine", type("Says", (Engine,), body))
+        return "engine"
+
+    return make
+
+
+COSTS = wb.BinAssignment.from_matrix([[1.0, 2.0], [2.0, 1.0]])
+
+
+@pytest.mark.parametrize("said", [RawResult("infeasible"), RawResult("infeasible_or_unbounded"), RawResult("unbounded")])
+@pytest.mark.parametrize("bounds", [True, False])
+def test_what_an_engine_claims_is_put_to_others_too(engine_says, monkeypatch, said, bounds):
+    if not bounds:
+        monkeypatch.setattr(concluding, "_gather", lambda *_: None)
+    solution = wb.solve(COSTS, engine_says(said), bound_time=60)
+    assert (solution.objective, solution.answer) == (2.0, (0, 1))
+    assert solution.faults and {o.verdict for o in solution.opinions} <= {"refutes", "contradicts"} and solution.opinions
+
+
+def test_an_optimum_of_an_engine_is_put_to_others_and_a_better_answer_refutes_it(engine_says, monkeypatch):
+    monkeypatch.setattr(concluding, "_gather", lambda *_: None)
+    monkeypatch.setattr(sys.modules[wb.solve.__module__], "first_evidence", lambda *_: ([], None))
+    agreed = wb.solve(COSTS, engine_says(RawResult("optimal", answer=(0, 1))), bound_time=60)
+    assert (agreed.status, agreed.bound, agreed.bound_kind) == ("optimal", 2.0, "claimed")
+    assert {o.verdict for o in agreed.opinions} == {"agrees"}
+    refuted = wb.solve(COSTS, engine_says(RawResult("optimal", answer=(1, 0))), bound_time=60)
+    assert (refuted.status, refuted.objective) == ("feasible", 2.0)
+    assert "engine claims the optimum 4.0, but an answer of value 2.0 passed every check" in refuted.faults
+
+
+def test_no_program_is_written_only_to_ask_about_it_where_it_would_be_large(monkeypatch):
+    monkeypatch.setattr(type(COSTS), "linear_entries", lambda self: opinions.MOST_ENTRIES + 1)
+    assert opinions.program_of(COSTS) is None
+
+
+def test_a_program_that_cannot_be_written_is_not_asked_about(monkeypatch):
+    monkeypatch.setattr(opinions, "first_compiled", lambda *_: 1 / 0)
+    assert opinions.program_of(COSTS) is None
 
 
 def test_an_opinion_that_the_answer_refutes_is_told_and_costs_nothing(says):

@@ -9,10 +9,11 @@ import pytest
 from programs import Counting
 from random_sensing import random_graph
 
+from waybound.cli.solving import exit_code
 from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.instances.errors import SearchFailedError, UnsupportedError, UsageError
 from waybound.instances.routing.instance import VehicleType
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.backends.scip import Scip
@@ -25,13 +26,22 @@ def test_an_engine_that_crashes_without_an_incumbent_leaves_the_start(square: Ro
         raise ValueError("no luck")
 
     engine = engine_that(crash)
-    with pytest.raises(ValueError, match="no luck"):
-        solve(square, engine, bound_time=0)
-    with pytest.raises(ValueError, match="no luck"):
-        solve(square, engine, start=Routes.of([[1, 2, 3, 4]]), bound_time=0)
+    for start in (None, Routes.of([[1, 2, 3, 4]])):
+        with pytest.raises(SearchFailedError, match=f"^{engine} failed: ValueError: no luck$") as told:
+            solve(square, engine, start=start, bound_time=0)
+        assert told.value.exit_code == 1
     solution = solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0)
-    assert (solution.objective, solution.status, solution.faults) == (24.0, "feasible", ())
+    assert (solution.objective, solution.status) == (24.0, "feasible")
+    assert solution.faults == (f"{engine} failed: ValueError: no luck",)
     assert "the engine failed: ValueError: no luck" in solution.message
+
+
+def test_a_solver_that_ends_in_an_error_is_told_beside_the_start(square: RoutingProblem, engine_that: Any) -> None:
+    engine = engine_that(lambda *given: RawResult("error", message="the library gave up"))
+    alone = solve(square, engine, bound_time=0)
+    assert (alone.status, alone.answer, exit_code(alone)) == ("error", None, 1)
+    started = solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0)
+    assert (started.objective, started.faults, exit_code(started)) == (24.0, (f"{engine} failed: the library gave up",), 5)
 
 
 @pytest.mark.parametrize(

@@ -221,6 +221,8 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
                 warnings.showwarning = lambda message, *_, **__: remark(str(message))  # of whatever package: one line, and no source
                 return command(*args, **kwargs)
         except WayboundError as error:
+            if kwargs.get("verbose") and error.__cause__ is not None:
+                _trace()
             complain(str(error))
             raise typer.Exit(error.exit_code) from None
         except KeyboardInterrupt:
@@ -233,14 +235,19 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
             raise typer.Exit(4) from None
         except Exception as error:
             if kwargs.get("verbose"):
-                import traceback
-
-                print("\n".join(printable(line) for line in traceback.format_exc().splitlines()), file=sys.stderr)
+                _trace()
             hint = "" if kwargs.get("verbose") else "; run again with -v for the traceback"
             complain(f"internal error: {type(error).__name__}: {error}{hint}")
             raise typer.Exit(1) from None
 
     return run
+
+
+def _trace() -> None:
+    """The traceback of the error that is dealt with, on standard error."""
+    import traceback
+
+    print("\n".join(printable(line) for line in traceback.format_exc().splitlines()), file=sys.stderr)
 
 
 def complain(message: str) -> None:

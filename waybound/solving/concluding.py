@@ -5,26 +5,26 @@ from __future__ import annotations
 import math
 import platform
 import time
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 from ..formulations.certificate import Certificate, better_bound, certify, judged_only
 from ..formulations.evaluation import Evaluation
-from ..formulations.evidence import Evidence
+from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
-from ..formulations.solution import Solution, Value, relative_gap
+from ..formulations.solution import Opinion, Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
 from ..instances.errors import CheckFailedError, in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.linear_programs import LinearPrograms
-from ..solvers.program_backend import EQUAL_TOLERANCE
-from . import claims
 from .beside import Beside
 from .bounding import find_bounds, proved
+from .claims import Claim, contradictions
 from .judging import Judge
 from .levels import bounds_of_levels, further_levels
-from .opinions import claimed, opinion, refuting, second_opinions, unproved
+from .opinions import claimed, opinion, program_of, refuting, second_opinions, unproved
 from .recording import Recorder
 from .runs import Run
 from .search import BOUND_OVERTIME, Searched, in_time, search
@@ -59,12 +59,16 @@ def _verdict(
     problem: Problem, run: Run, result: RawResult, control: Control, options: Options, crash: Exception | None
 ) -> tuple[Judge, tuple[Any, Evaluation | None]]:
     """The best of the engine's last word, its published incumbent and the start, and who judged them."""
-    judge = Judge(problem, run.name, run.exactness(result), run.decode, run.notes, crash)
+    judge = Judge(problem, run.name, run.exactness(result), run.decode, run.notes, crash, None if run.made is None else run.made.program)
     judge.last_word(result, prices=run.made is None or run.exactness(result) is Exactness.EXACT)
     if control.answer is not result.answer:
         judge.incumbent(control.answer)
     judge.start(options.start)
-    return judge, judge.best()
+    found = judge.best()
+    if result.status == "error" and found[1] is not None:  # what is left is not from this search
+        why = result.message if crash is None else in_words(crash)
+        judge.faults.append(f"{run.name} failed: {why or 'it does not say why'}")
+    return judge, found
 
 
 def _certified(
@@ -72,103 +76,108 @@ def _certified(
     budget: float | None, record: Recorder | None, first: list[Evidence], beside: Beside | None,
 ) -> Solution:  # fmt: skip
     """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
-    result, problem = searched.result, judge.problem
-    answer, evaluation = found
-    best = None if evaluation is None else evaluation.values[0]
-    judge.hear(claims.check_bound, run.name, problem.senses, result, evaluation, run.exactness(result))
+    problem, senses, claim = judge.problem, judge.problem.senses, judge.claim(searched.result)
+    answer, best = found
 
     began = time.perf_counter()
     evidence: list[Evidence] = list(first)
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, _linear(options), budget, best, record, beside)
+            _gather(evidence, problem, run, searched, _linear(options), budget, None if best is None else best.values[0], record, beside)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
-    bound_seconds = time.perf_counter() - began
+    seconds = {"bound": time.perf_counter() - began, "check": spent}
 
     began = time.perf_counter()
     if record is not None:
         record.begin_phase("check")
-    guarantee = result.guarantee if evaluation is not None else None
-    if run.heuristic and guarantee is None and result.holds is Exactness.NEITHER:
+    guarantee = searched.result.guarantee if best is not None else None
+    if run.heuristic and guarantee is None and claim.exactness is Exactness.NEITHER:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
-    certificate: Certificate | None = None
-    if budget is not None:
+    certificate = judged_only(problem, best) if budget is None else _certificate(judge, run, best, evidence, guarantee)
+    left = 0.0 if budget is None or record is None else budget - seconds["bound"]
+    if record is not None and len(senses) > 1 and best is not None and left > 0.0 and not searched.interrupted:
         try:
-            certificate = in_time(lambda: certify(problem, evaluation, evidence, guarantee, run.notes), lambda: None)
-            if certificate is None:
-                run.notes.append("interrupted before the evidence of the bounds was verified")
+            certificate = further_levels(problem, certificate, best, left, _linear(options), run.notes, record.begin_phase)
         except CheckFailedError as fault:
             judge.faults.append(f"{fault} (the bound is withheld)")
-    certificate = certificate or judged_only(problem, evaluation)
-    left = 0.0 if budget is None or record is None else budget - bound_seconds
-    if record is not None and len(problem.senses) > 1 and evaluation is not None and left > 0.0 and not searched.interrupted:
-        try:
-            certificate = further_levels(problem, certificate, evaluation, left, _linear(options), run.notes, record.begin_phase)
-        except CheckFailedError as fault:
-            judge.faults.append(f"{fault} (the bound is withheld)")
-    heard: list[tuple[str, RawResult]] = []
-    if budget is not None and not searched.interrupted and not judge.faults:
-        asked = time.perf_counter()
-        heard = _second_opinions(judge, run, result, certificate, evaluation, budget - bound_seconds, options)
-        spent_asking = time.perf_counter() - asked
-        bound_seconds, began = bound_seconds + spent_asking, began + spent_asking
-    if result.status == "infeasible" and evaluation is None and run.exactness(result).infeasibility_is_valid and not judge.faults:
-        judge.at_hand()
-    answer, better = judge.best() if not judge.faults else found
-    if better is not evaluation:
-        evaluation = better
-        judge.hear(claims.check_bound, run.name, problem.senses, result, evaluation, run.exactness(result))
-        certificate = in_time(lambda: certify(problem, evaluation, evidence, None, run.notes), lambda: judged_only(problem, evaluation))
-    opinions = tuple(opinion(name, said, result, evaluation, certificate) for name, said in heard)
-    for one in opinions:
-        if one.verdict == "is refuted":
-            value = "" if one.objective is None else f" {one.objective!r}"
-            run.notes.append(f"{one.solver} says {one.status}{value}, which {refuting(one, certificate)} refutes")
-        elif one.verdict == "contradicts":
-            both = f"{run.name} claims {claimed(result)}, {one.solver} claims {claimed(one)}"
-            judge.faults.append(f"{both}: nothing that was checked refutes either, and both cannot be right")
-    size = 0.0 if evaluation is None else evaluation.size
-    judge.hear(claims.check_verified, run.name, problem.sense, result, certificate.bound, run.exactness(result), size)
-    judge.hear(claims.check_unbounded, run.name, result, certificate.unbounded, run.exactness(result))
-    check_seconds = spent + time.perf_counter() - began
+    refuted = contradictions(claim, senses, best, certificate)
+    seconds["check"] += time.perf_counter() - began
 
-    faults = tuple(dict.fromkeys(judge.faults))
+    opinions: tuple[Opinion, ...] = ()
+    if budget is not None and not judge.faults and (best is None or not refuted):
+        began = time.perf_counter()
+        heard = () if searched.interrupted else _second_opinions(judge, run, claim, best, certificate, budget - seconds["bound"], options)
+        seconds["bound"] += time.perf_counter() - began
+        began = time.perf_counter()
+        if best is None:
+            judge.at_hand(lambda answer: contradictions(claim, senses, answer, certificate))
+        answer, better = judge.best()
+        if better is not best:
+            best = better
+            certificate = _certificate(judge, run, best, evidence, None)
+            refuted = contradictions(claim, senses, best, certificate)
+        opinions = tuple(opinion(theirs, claim, senses, best, certificate) for theirs in heard)
+        refuted += _disagreements(claim, opinions, certificate, run.notes)
+        seconds["check"] += time.perf_counter() - began
+
+    faults = tuple(dict.fromkeys([*judge.faults, *refuted]))
     if faults:
-        if evaluation is None:
+        if best is None and not (certificate.infeasible or certificate.unbounded):
             raise CheckFailedError("; ".join(faults))
-        result = replace(result, status="unknown", objective=None, bound=None, further=())
-    bound, kind, source = _best_bound(problem, run, result, certificate, evaluation)
-    objective = None if evaluation is None else evaluation.objective
-    if isinstance(bound, float) and len(problem.senses) > 1:
-        further = dict(claims.concerned(problem.senses, result, evaluation)) if evaluation and run.exactness(result).bound_is_valid else {}
-        bound, kind, source = bounds_of_levels(problem, evaluation, certificate.levels, further, run.claimant, bound, kind, source)
-    gap = relative_gap(objective, bound, *(() if evaluation is None else (evaluation.sizes, evaluation.precision)))
-    status = _status(problem, run, result, certificate, evaluation, bound)
+        claim = replace(claim, said=replace(claim.said, status="unknown", objective=None, bound=None, further=()))
+    bound, kind, source = _best_bound(problem, run.claimant, claim, certificate, best)
+    if isinstance(bound, float) and len(senses) > 1:
+        further = {} if best is None else dict(claim.concerned(senses, best))
+        bound, kind, source = bounds_of_levels(problem, best, certificate.levels, further, run.claimant, bound, kind, source)
+    objective, result = None if best is None else best.objective, claim.said
     messages = dict.fromkeys(m for m in (_why_none(problem, certificate), result.message, *run.notes) if m)
     return Solution(
         problem=problem,
         answer=answer,
-        status=status,
+        status=_status(claim, senses, certificate, best, bound),
         limit=result.limit,
         objective=objective,
         bound=bound,
         bound_kind=kind,
         bound_source=source,
-        gap=gap,
+        gap=relative_gap(objective, bound, *(() if best is None else (best.sizes, best.precision))),
         solver=run.name,
         form=run.form,
-        seconds={"compile": run.compile_seconds, "solve": searched.seconds, "bound": bound_seconds, "check": check_seconds},
+        seconds={"compile": run.compile_seconds, "solve": searched.seconds, **seconds},
         seed=options.seed,
         versions=_versions(run),
         certificate=certificate,
-        evaluation=evaluation,
+        evaluation=best,
         statistics=dict(result.statistics),
         message="; ".join(messages),
         opinions=opinions,
         chain=(() if run.made is None else run.made.links) + result.links,
         faults=faults,
     )
+
+
+def _certificate(judge: Judge, run: Run, best: Evaluation | None, evidence: list[Evidence], guarantee: Guarantee | None) -> Certificate:
+    """What the checkers make of the evidence; without what contradicts the answer, which is a fault."""
+    try:
+        certificate = in_time(lambda: certify(judge.problem, best, evidence, guarantee, run.notes), lambda: None)
+        if certificate is not None:
+            return certificate
+        run.notes.append("interrupted before the evidence of the bounds was verified")
+    except CheckFailedError as fault:
+        judge.faults.append(f"{fault} (the bound is withheld)")
+    return judged_only(judge.problem, best)
+
+
+def _disagreements(claim: Claim, opinions: Sequence[Opinion], certificate: Certificate, notes: list[str]) -> Iterator[str]:
+    """Faults of opinions that contradict a claim while nothing refutes either; those that are refuted are told."""
+    for one in opinions:
+        if one.verdict == "is refuted":
+            value = "" if one.objective is None else f" {one.objective!r}"
+            notes.append(f"{one.solver} says {one.status}{value}, which {refuting(one, certificate)} refutes")
+        elif one.verdict == "contradicts":
+            both = f"{claim.solver} claims {claimed(claim.said)}, {one.solver} claims {claimed(one)}"
+            yield f"{both}: nothing that was checked refutes either, and both cannot be right"
 
 
 def _why_none(problem: Problem, certificate: Certificate) -> str:
@@ -181,20 +190,20 @@ def _why_none(problem: Problem, certificate: Certificate) -> str:
 
 
 def _second_opinions(
-    judge: Judge, run: Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None, seconds: float, options: Options
-) -> list[tuple[str, RawResult]]:
-    """What other engines say of a claim without evidence; their answers are judged."""
-    made = run.made
-    exactness = run.exactness(result)
-    if evaluation is not None:
-        claims_it = _claims_optimum(exactness, result, evaluation)
-    else:
-        claims_it = exactness.answer_is_valid if result.status == "unbounded" else exactness.infeasibility_is_valid
-    if made is None or not claims_it or not unproved(result, certificate, evaluation, made.program):
+    judge: Judge, run: Run, claim: Claim, best: Evaluation | None, certificate: Certificate, seconds: float, options: Options
+) -> list[Claim]:
+    """What other solvers say of a claim without evidence; their answers are judged."""
+    senses, whole = judge.problem.senses, run.made is None or run.made.program.is_integer
+    if not unproved(claim, senses, best, certificate, whole) and not contradictions(claim, senses, best, certificate):
         return []
-    heard = list(second_opinions(made, run.name, seconds, options, run.isolated))
-    for name, said in heard:
-        judge.opinion(name, said.answer)
+    began = time.perf_counter()
+    made = run.made or (program_of(judge.problem) if seconds > 0.0 else None)
+    if made is None:
+        return []
+    heard = []
+    for name, said in second_opinions(made, run.name, seconds - (time.perf_counter() - began), options, run.isolated):
+        judge.opinion(name, said.answer, made.decode)
+        heard.append(Claim(name, said, made.exactness.then(said.holds), program=made.program))
     return heard
 
 
@@ -243,17 +252,16 @@ def _gather(
 
 
 def _best_bound(
-    problem: Problem, run: Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None
+    problem: Problem, claimant: str, claim: Claim, certificate: Certificate, best: Evaluation | None
 ) -> tuple[Value | None, str | None, str | None]:
     """The best known bound of either kind; a verified one wins a tie, and where the answer meets it: a claim ahead of both is false."""
-    size, precision = (0.0, EQUAL) if evaluation is None else (evaluation.size, evaluation.precision)
-    verified = certificate.bound
-    met = verified is not None and evaluation is not None and same(verified, evaluation.values[0], size, precision)
-    claimed = result.bound if run.exactness(result).bound_is_valid else None
+    size, precision = (0.0, EQUAL) if best is None else (best.size, best.precision)
+    verified, claimed = certificate.bound, claim.bound(len(problem.senses))
+    met = verified is not None and best is not None and same(verified, best.values[0], size, precision)
     if claimed is not None and math.isfinite(claimed) and not met:
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
         if ahead and (verified is None or not same(claimed, verified, size, precision)):
-            return claimed, "claimed", run.claimant
+            return claimed, "claimed", claimant
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
 
 
@@ -261,36 +269,21 @@ def _linear(options: Options) -> LinearPrograms:
     return LinearPrograms(options.lp_solver, options.seed, options.threads)
 
 
-def _status(
-    problem: Problem, run: Run, result: RawResult, certificate: Certificate, evaluation: Evaluation | None, bound: Value | None
-) -> str:
-    if evaluation is not None:
-        if len(evaluation.values) == 1 and isinstance(bound, float):
-            value = evaluation.values[0]
-            if same(bound, value, evaluation.size, evaluation.precision):
-                return "optimal"
+def _status(claim: Claim, senses: Sequence[str], certificate: Certificate, best: Evaluation | None, bound: Value | None) -> str:
+    if best is not None:
         verified = [] if certificate.bound is None else [certificate.bound, *(level.bound for level in certificate.levels)]
-        if 1 < len(verified) == len(evaluation.values) and all(evaluation.same_at(k, known) for k, known in enumerate(verified)):
-            return "optimal"
-        reached = all(evaluation.same_at(k, claim.objective, EQUAL_TOLERANCE) for k, claim in enumerate(result.further, start=1))
-        claimed = result.status == "optimal" and reached and _claims_optimum(run.exactness(result), result, evaluation)
-        return "optimal" if claimed else "feasible"
+        if len(best.values) == 1 and isinstance(bound, float):
+            verified = [bound]
+        proved = len(verified) == len(best.values) and all(best.same_at(k, known) for k, known in enumerate(verified))
+        return "optimal" if proved or claim.speaks_of(best) else "feasible"
     if certificate.infeasible or certificate.unbounded:
         return "infeasible" if certificate.infeasible else "unbounded"
-    if result.status in ("infeasible", "infeasible_or_unbounded") and run.exactness(result).infeasibility_is_valid:
-        return result.status
-    if result.status == "unbounded" and run.exactness(result).answer_is_valid:
-        return "unbounded"
-    return "error" if result.status == "error" else "unknown"
-
-
-def _claims_optimum(exactness: Exactness, result: RawResult, evaluation: Evaluation) -> bool:
-    """Whether a claimed optimum is one of the problem: of a relaxation if it is met, up to what solvers see."""
-    if exactness is not Exactness.RELAXATION:
-        return exactness is Exactness.EXACT
-    bounds = [result.bound, *(level.bound for level in result.further)]
-    met = [bound is not None and evaluation.same_at(k, bound, EQUAL_TOLERANCE) for k, bound in enumerate(bounds)]
-    return len(met) == len(evaluation.values) and all(met)
+    status, exactness = claim.status(senses, best, certificate), claim.exactness
+    if status in ("infeasible", "infeasible_or_unbounded") and exactness.infeasibility_is_valid:
+        return status
+    if status == "unbounded" and exactness.answer_is_valid:
+        return status
+    return "error" if status == "error" else "unknown"
 
 
 def _versions(run: Run) -> dict[str, str]:

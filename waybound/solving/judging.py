@@ -10,9 +10,10 @@ from typing import Any
 from ..formulations.evaluation import Evaluation
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
-from ..instances.errors import CheckFailedError, WayboundError, in_words
+from ..formulations.programs.program import Program
+from ..instances.errors import CheckFailedError, NoAnswerError, SearchFailedError, WayboundError, in_words
 from ..solvers.backend import RawResult
-from . import claims
+from .claims import Claim, false_answer
 
 
 @dataclass
@@ -31,8 +32,12 @@ class Judge:
         What a user should be told.
     crash : exception, optional
         What ended the search before it left anything.
+    program : Program, optional
+        That was searched.
     faults : list of str
         Claims of the solver that a check refutes.
+    own : Evaluation, optional
+        Of the answer that the solver's own result hands over.
     """
 
     problem: Problem
@@ -41,7 +46,9 @@ class Judge:
     decode: Callable[[Any], Any]
     notes: list[str]
     crash: Exception | None = None
+    program: Program | None = None
     faults: list[str] = field(default_factory=list)
+    own: Evaluation | None = None
     _judged: list[tuple[Any, Evaluation]] = field(default_factory=list)
     _lost: list[BaseException] = field(default_factory=list)
 
@@ -53,20 +60,22 @@ class Judge:
             whose = "the relaxation's point"
         for earlier in result.earlier:
             self._consider(earlier, self.decode, f"an answer of {self.solver} to the levels before the last", False)
-        judged = self._consider(result.answer, self.decode, whose, claimed)
-        if judged is None:
-            return
-        self.hear(claims.check_feasibility, self.solver, result, judged, self.exactness)
-        if judged.feasible and prices:
-            self.hear(claims.check_objective, self.solver, self.problem.senses, result, judged)
+        if claimed and result.answer is None:
+            self.notes.append(f"{self.solver} says {result.status} and hands over no answer")
+        self.own = self._consider(result.answer, self.decode, whose, claimed)
+        self.faults.extend(false_answer(self.claim(result, prices), self.problem.senses))
+
+    def claim(self, result: RawResult, prices: bool = True) -> Claim:
+        """What the solver says, of its own answer and of the problem."""
+        return Claim(self.solver, result, self.exactness, self.own, prices, self.program)
 
     def incumbent(self, raw: Any) -> None:
         """Judge what the solver published last, which may be all that is left of it."""
         self._consider(raw, self.decode, f"the last incumbent of {self.solver}", False)
 
-    def opinion(self, solver: str, raw: Any) -> None:
-        """Judge what another solver found of the same program."""
-        self._consider(raw, self.decode, f"the answer of {solver}", False)
+    def opinion(self, solver: str, raw: Any, decode: Callable[[Any], Any]) -> None:
+        """Judge what another solver found, which was asked in its own terms."""
+        self._consider(raw, decode, f"the answer of {solver}", False)
 
     def start(self, answer: Any) -> None:
         """Judge the user's start, which competes with what was found."""
@@ -74,20 +83,13 @@ class Judge:
         if judged is not None and not judged.feasible:
             self.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
 
-    def at_hand(self) -> None:
-        """Judge an answer that needs no search; it counts where it passes, and is not heard of where it does not."""
+    def at_hand(self, refutes: Callable[[Evaluation], object]) -> None:
+        """Judge an answer that needs no search; it counts where it passes and refutes what is claimed, and is not heard of elsewhere."""
         with suppress(Exception):
             answer = self.problem.answer_at_hand()
             judged = None if answer is None else self.problem.evaluate(answer)
-            if judged is not None and judged.feasible:
+            if judged is not None and judged.feasible and refutes(judged):
                 self._judged.append((answer, judged))
-
-    def hear(self, check: Callable[..., None], *words: Any) -> None:
-        """Hold a claim against what was checked; a contradiction is kept as a fault."""
-        try:
-            check(*words)
-        except CheckFailedError as fault:
-            self.faults.append(str(fault))
 
     def best(self) -> tuple[Any, Evaluation | None]:
         """The best feasible answer with its evaluation; (None, None) where there is none, and nobody claimed one.
@@ -96,8 +98,10 @@ class Judge:
         ------
         CheckFailedError
             If there is none although the solver claimed one.
+        SearchFailedError, NoAnswerError
+            If a crash, or a lack of memory, ended the search before there was one.
         BaseException
-            What kept the only candidate from being judged, or ended the search before there was one.
+            What kept the only candidate from being judged.
         """
         feasible = [pair for pair in self._judged if pair[1].feasible]
         if feasible:
@@ -110,9 +114,11 @@ class Judge:
             return feasible[0]
         if self.faults:
             raise CheckFailedError("; ".join(self.faults))
-        for fault in (self.crash, *self._lost):
-            if fault is not None:
-                raise fault
+        if self.crash is not None:
+            kind = NoAnswerError if isinstance(self.crash, MemoryError) else SearchFailedError
+            raise kind(f"{self.solver} failed: {in_words(self.crash)}") from self.crash
+        for fault in self._lost:
+            raise fault
         return None, None
 
     def _consider(self, raw: Any, decode: Callable[[Any], Any], whose: str, claimed: bool) -> Evaluation | None:

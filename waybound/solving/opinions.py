@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 from ..formulations.certificate import Certificate, beats_bound
 from ..formulations.evaluation import Evaluation
+from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
-from ..formulations.programs.program import Program
 from ..formulations.solution import Opinion
 from ..formulations.tolerance import same
-from ..solvers.backend import Control, Options, RawResult, solver_named
+from ..solvers.backend import BACKENDS, Control, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.program_backend import ProgramBackend, takers
-from .claims import CLAIM_TOLERANCE
-from .search import search
+from .choice import able_solvers, first_compiled
+from .claims import Claim, contradictions
+from .search import in_time, search
 
 MOST = 2
 """Opinions that are asked for."""
 
 LEAST_SECONDS = 0.05
+
+MOST_ENTRIES = 100_000
+"""Coefficients of a program beyond which it is not written only to ask others about it."""
 
 
 def independent(made: Compiled, solver: str) -> list[str]:
@@ -35,6 +41,20 @@ def independent(made: Compiled, solver: str) -> list[str]:
             rank = (backend.needs_process, backend.order, name)
             found[backend.engine] = min(rank, found.get(backend.engine, rank))
     return [name for *_, name in sorted(found.values())]
+
+
+def program_of(problem: Problem) -> Compiled | None:
+    """What others are asked about where no program was searched: the problem in an exact form; None where no solver takes one, where it
+    cannot be written, and where it would take too long to be."""
+    if problem.linear_entries() > MOST_ENTRIES:
+        return None
+    able = [name for name in able_solvers(problem) if issubclass(BACKENDS[name], ProgramBackend)]
+    for name in sorted(able, key=lambda name: BACKENDS[name].order):
+        backend = solver_named(name)
+        assert isinstance(backend, ProgramBackend)
+        with suppress(Exception):  # an opinion never costs what it is about
+            return in_time(partial(first_compiled, problem, backend, False), lambda: None)
+    return None
 
 
 def second_opinions(made: Compiled, solver: str, seconds: float, options: Options, isolate: bool) -> Iterator[tuple[str, RawResult]]:
@@ -66,59 +86,53 @@ def second_opinions(made: Compiled, solver: str, seconds: float, options: Option
         yield name, found.result
 
 
-def unproved(result: RawResult, certificate: Certificate, evaluation: Evaluation | None, program: Program) -> bool:
-    """Whether a solver claims no answer or no best one, or an optimum of a program with integers, without verified evidence."""
-    if result.status in ("infeasible", "unbounded"):
-        return evaluation is None and not (certificate.infeasible or certificate.unbounded)
-    if result.status != "optimal" or evaluation is None or len(evaluation.values) != 1 or not program.is_integer:
+def unproved(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate, whole: bool = True) -> bool:
+    """Whether it claims no answer or no best one, or an optimum of a problem with choices (``whole``), without verified evidence."""
+    status, exactness = claim.status(senses, best, certificate), claim.exactness
+    if status in ("infeasible", "unbounded", "infeasible_or_unbounded"):
+        heard = exactness.answer_is_valid if status == "unbounded" else exactness.infeasibility_is_valid and best is None
+        return heard and not (certificate.infeasible or certificate.unbounded)
+    if best is None or len(senses) > 1 or not whole or not claim.speaks_of(best):
         return False
-    return not isinstance(certificate.bound, float) or not same(
-        certificate.bound, evaluation.values[0], evaluation.size, evaluation.precision
-    )
+    return certificate.bound is None or not same(certificate.bound, best.values[0], best.size, best.precision)
 
 
-def opinion(name: str, said: RawResult, claim: RawResult, evaluation: Evaluation | None, certificate: Certificate) -> Opinion:
-    """What ``name`` said, beside the claim, the best answer that passed every check, and what is proved."""
-    return Opinion(name, said.status, said.objective, said.bound, _verdict(said, claim, evaluation, certificate))
+def opinion(theirs: Claim, ours: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> Opinion:
+    """What another solver said, beside the claim, the best answer that passed every check, and what is proved."""
+    said = theirs.said
+    return Opinion(theirs.solver, said.status, said.objective, said.bound, _verdict(theirs, ours, senses, best, certificate))
 
 
-def _verdict(said: RawResult, claim: RawResult, evaluation: Evaluation | None, certificate: Certificate) -> str:
-    if said.status not in ("optimal", "feasible", "infeasible", "unbounded"):
+def _verdict(theirs: Claim, ours: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> str:
+    said, status = theirs.said.status, ours.said.status
+    if said not in ("optimal", "feasible", "infeasible", "unbounded"):
         return "undecided"
-    if said.status == "infeasible" and evaluation is not None:
+    if contradictions(theirs, senses, best, certificate):
         return "is refuted"
-    if said.status == claim.status != "optimal":
+    if said == status == "optimal":
+        their, our = theirs.values(len(senses)), ours.values(len(senses))
+        if not (their and our):
+            return "undecided"
+        alike = theirs.near(our[0], their[0], 0.0 if best is None else best.size)
+    else:
+        alike = said == status or (status == "infeasible_or_unbounded" and said in ("infeasible", "unbounded"))
+    if alike:
         return "agrees"
-    if "infeasible" in (said.status, claim.status):
-        return "contradicts" if evaluation is None else "refutes"
-    if "unbounded" in (said.status, claim.status) and "optimal" in (said.status, claim.status):
-        return "contradicts"
-    if evaluation is None or said.status != "optimal" or said.objective is None or claim.objective is None:
-        return "undecided"
-    theirs, claimed, best = said.objective, claim.objective, evaluation.values[0]
-
-    def close(a: float, b: float) -> bool:
-        return same(a, b, evaluation.size, CLAIM_TOLERANCE)
-
-    def better(a: float, b: float) -> bool:
-        return not close(a, b) and (a < b if certificate.sense == "min" else a > b)
-
-    if close(theirs, claimed):
-        return "agrees"
-    if better(best, theirs) or (isinstance(certificate.bound, float) and better(theirs, certificate.bound)):
-        return "is refuted"
-    return "refutes" if close(theirs, best) and better(best, claimed) else "contradicts"
+    if contradictions(ours, senses, best, certificate):
+        return "refutes"
+    return "undecided" if said == "feasible" and status != "infeasible" else "contradicts"
 
 
 def claimed(said: RawResult | Opinion) -> str:
     """A claim in words."""
     if said.status in ("optimal", "feasible") and said.objective is not None:
         return f"{'the optimum' if said.status == 'optimal' else 'an answer of'} {said.objective!r}"
-    return {"infeasible": "that there is no answer", "unbounded": "that there is no best answer"}.get(said.status, f"to be {said.status}")
+    words = {"infeasible": "that there is no answer", "unbounded": "that there is no best answer"}
+    return words.get(said.status, "that there is no answer or no best one" if said.status == "infeasible_or_unbounded" else said.status)
 
 
 def refuting(refuted: Opinion, certificate: Certificate) -> str:
     """What refutes a claim."""
     bound, theirs = certificate.bound, refuted.objective
     ahead = theirs is not None and bound is not None and beats_bound(certificate.sense, theirs, bound)
-    return "the verified bound" if ahead else "the answer"
+    return "the verified bound" if ahead or refuted.status == "unbounded" else "the answer"

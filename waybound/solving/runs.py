@@ -97,7 +97,7 @@ def solver_run(
     options = backend.converted(options)
     versions = {backend.package: backend.version()}
     notes: list[str] = []
-    isolate = isolate or (backend.apart(problem) if isinstance(backend, Engine) else backend.needs_process)
+    apart = isolate or (backend.apart(problem) if isinstance(backend, Engine) else backend.needs_process)
 
     if isinstance(backend, Engine):
         if form is not None or relax or given is not None:
@@ -108,7 +108,8 @@ def solver_run(
         _refuse_ignored(solver, backend.honours, options)
         if backend.one_thread and options.threads > 1:
             notes.append(f"{solver} searches on one thread")
-        return Run(solver, _going(solver, problem, options, isolate), versions, notes, bounds=backend.bounds_itself)
+        going = _going(solver, problem, options, apart)
+        return Run(solver, going, versions, notes, bounds=backend.bounds_itself, isolated=isolate)
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
@@ -130,7 +131,7 @@ def solver_run(
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     hinted = replace(options, start=start)
-    return Run(solver, _going(solver, made.program, hinted, isolate), versions, notes, made, compiled, isolated=isolate)
+    return Run(solver, _going(solver, made.program, hinted, apart), versions, notes, made, compiled, isolated=apart)
 
 
 def _going(solver: str, target: Problem | Program, options: Options, isolate: bool) -> Callable[[Control], RawResult]:

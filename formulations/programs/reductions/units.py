@@ -107,6 +107,11 @@ class Units(Reduction):
 UNITS = Units()
 
 
+def objective_unit(program: Program) -> float:
+    """What a solver counts as 1 in the objective, in its own units."""
+    return _times(1.0, -scaled(program).objective)
+
+
 def _numbers(p: Program) -> tuple[Floats, ...]:
     return p.cost, p.lower, p.upper, p.row_lower, p.row_upper, p.data
 
