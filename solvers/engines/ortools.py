@@ -205,19 +205,25 @@ class _Search:
         statistics = {"solutions": self.solutions, "vehicles": len(model.types), "search": said, "scale": self.data.scales}
         if self.options.start is not None:
             statistics["start"] = "used" if start is not None else "refused"
-        message = "" if self.answer is not None else f"OR-Tools found no answer that visits every required site (it ended with {said})"
+        message = "" if self.answer is not None else f"OR-Tools found no answer that visits every {self._required()} (it ended with {said})"
         return RawResult(status, limit, self.answer, self.claim, statistics=statistics, message=message)
 
     def _take(self, cost: int, model: Model, successor: Callable[[int], int], ties: bool = False) -> None:
-        """Publish an answer if it is the best one so far (or, with ``ties``, no worse) and leaves no required customer out."""
+        """Publish an answer if it is the best one so far (or, with ``ties``, no worse) and leaves no required customer or group out."""
         if self.cost is not None and (cost > self.cost or (cost == self.cost and not ties)):
             return
         answer = model.routes(successor)
-        visited = np.zeros(len(self.problem.sites), dtype=bool)
+        sites = self.problem.sites
+        visited = np.zeros(len(sites), dtype=bool)
         visited[[site for route in answer for site in route.visits]] = True
-        if (visited | ~self.problem.sites.required).all():
+        if (visited | ~sites.required).all() and all(visited[list(g.sites)].any() for g in sites.groups if g.required):
             self.cost, self.answer, self.claim = cost, answer, self._claim(cost, model, answer)
             self.control.publish(answer, self.claim)
+
+    def _required(self) -> str:
+        sites = self.problem.sites
+        groups = any(g.required for g in sites.groups)
+        return ("required site and group" if sites.required.any() else "required group") if groups else "required site"
 
     def _claim(self, cost: int, model: Model, answer: Routes) -> float | None:
         data = self.data

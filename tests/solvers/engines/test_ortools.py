@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,12 +9,13 @@ from small_routing import small
 
 from waybound.formulations.routing.objective import Reward, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.instance import Group, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
-from waybound.solvers.engines.ortools import STATUS_MAP, ORTools
+from waybound.solvers.engines.ortools import STATUS_MAP, ORTools, _Search
 from waybound.solvers.engines.ortools_model import short_ways
 from waybound.solvers.engines.routing_integers import integer_routing
 
@@ -72,3 +74,17 @@ def test_no_way_is_so_long_that_a_reward_is_given_up_for_it() -> None:
     costly = replace(problem, objective=Reward().then(TotalCost()))
     priced = integer_routing(costly)
     assert short_ways(costly, priced) is priced
+
+
+@pytest.mark.parametrize("required", [True, False])
+def test_an_answer_without_a_required_group_is_none(required: bool) -> None:
+    """Where the library finds no first answer it may leave out what is required, to go on from there; such answers are not taken."""
+    sites = Sites.of("oabc", required=False, coordinates=np.zeros((4, 2)), groups=[Group((1, 2), required)])
+    problem = RoutingProblem(sites, Travel("euclidean", sites.coordinates), (VehicleType(),), TotalCost())
+    search = _Search(problem, integer_routing(problem), Options(), control := Control(), 0.0)
+    for visits, taken in (((3,), not required), ((3, 2), True)):
+        search.cost = search.answer = control.answer = None
+        model = SimpleNamespace(routes=lambda successor, visits=visits: Routes.of([visits]), offset=0)
+        search._take(0, model, lambda index: index)
+        assert (search.answer is not None) == (control.answer is not None) == taken
+    assert search._required() == ("required group" if required else "required site")
