@@ -108,10 +108,11 @@ class Solution:
         How the problem was written down and what was done to that on the way to the solver: form, reductions, each exact, a relaxation or
         a restriction.
     opinions : tuple of Opinion
-        What other engines say where the solver's claim of an optimum or of infeasibility stands without evidence.
+        What other solvers say where the claim of an optimum, of infeasibility, or that nothing is best stands without evidence.
     faults : tuple of str
-        Claims of the solver, and bounds, that contradict the answer. It passed every check all the same; nothing that the solver claims
-        is believed then, and a bound that contradicts it is withheld. Empty as it should be.
+        Claims of the solver, and bounds, that contradict the answer or what is proved, and a failure of the solver beside the start. The
+        answer passed every check all the same; nothing that the solver claims is believed then, and a bound that contradicts the answer is
+        withheld. Empty as it should be.
     events : tuple of Event
         What was known at each moment of the search; ``history`` is a frame of them.
     """

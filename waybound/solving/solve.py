@@ -100,7 +100,9 @@ def solve(
     UsageError, UnsupportedError, MissingPackageError, InputError
         Before anything is run.
     CheckFailedError
-        If a claim of the solver does not hold up, and there is no answer to hand over.
+        If a claim of the solver does not hold up, and there is no answer to hand over, nor a proof that there is none.
+    SearchFailedError, NoAnswerError
+        If the search fails, or runs out of memory, and there is no answer to hand over.
     """
     if not isinstance(problem, Problem | Compiled | Program):
         raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
