@@ -217,12 +217,14 @@ def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numb
     assert strict_json(result.stdout)["answer"] == data["answer"]
 
 
-def test_a_solver_that_breaks_down_is_exit_1_with_a_hint(refused, engine):
+def test_a_solver_that_breaks_down_is_exit_1_with_a_hint(run, refused, engine):
     def fail(problem, options, control):
         raise ZeroDivisionError("oops")
 
     engine(fail)
-    assert "run again with -v" in refused("solve", "demo-tiny", "--solver", "made", "-q", code=1)
+    said = refused("solve", "demo-tiny", "--solver", "made", "-q", code=1)
+    assert "made failed: ZeroDivisionError: oops; run again with -v" in said
+    assert 'raise ZeroDivisionError("oops")' in run("solve", "demo-tiny", "--solver", "made", "-v").stderr
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar
 
 import typer
 
-from ..instances.errors import InputError, UsageError, WayboundError
+from ..instances.errors import InputError, SearchFailedError, UsageError, WayboundError
 from ..instances.limits import check_number, check_whole
 from ..instances.printable import one_line, printable
 from ..solvers import interrupts
@@ -214,6 +214,15 @@ def log_path(log: str | None, unlike: Sequence[str], *outputs: Path | None) -> N
 def handled(command: Callable[P, R]) -> Callable[P, R]:
     """``command``, with errors as one line on standard error and the exit code that belongs to them."""
 
+    def traced(cause: BaseException | None, verbose: bool) -> str:
+        """Shows where an error of the program or of a solver comes from if that is asked for, and else says how to ask."""
+        if cause is not None and verbose:
+            import traceback
+
+            lines = "".join(traceback.format_exception(cause)).splitlines()
+            print("\n".join(printable(line) for line in lines), file=sys.stderr)
+        return "" if cause is None or verbose else "; run again with -v for the traceback"
+
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
@@ -221,9 +230,8 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
                 warnings.showwarning = lambda message, *_, **__: remark(str(message))  # of whatever package: one line, and no source
                 return command(*args, **kwargs)
         except WayboundError as error:
-            if kwargs.get("verbose") and error.__cause__ is not None:
-                _trace()
-            complain(str(error))
+            cause = error.__cause__ if isinstance(error, SearchFailedError) else None
+            complain(f"{error}{traced(cause, bool(kwargs.get('verbose')))}")
             raise typer.Exit(error.exit_code) from None
         except KeyboardInterrupt:
             complain("interrupted")
@@ -234,20 +242,10 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
             complain(f"not enough memory for this{f': {error}' if str(error) else ''}")
             raise typer.Exit(4) from None
         except Exception as error:
-            if kwargs.get("verbose"):
-                _trace()
-            hint = "" if kwargs.get("verbose") else "; run again with -v for the traceback"
-            complain(f"internal error: {type(error).__name__}: {error}{hint}")
+            complain(f"internal error: {type(error).__name__}: {error}{traced(error, bool(kwargs.get('verbose')))}")
             raise typer.Exit(1) from None
 
     return run
-
-
-def _trace() -> None:
-    """The traceback of the error that is dealt with, on standard error."""
-    import traceback
-
-    print("\n".join(printable(line) for line in traceback.format_exc().splitlines()), file=sys.stderr)
 
 
 def complain(message: str) -> None:
