@@ -11,18 +11,19 @@ import threading
 import time
 
 import pytest
+from patience import HANG
 
 import waybound as wb
 
 COMMAND = [sys.executable, "-m", "waybound"]
 
-pytestmark = pytest.mark.timeout(120)
+pytestmark = pytest.mark.timeout(5 * HANG)
 
 
 def interrupted_at_first_incumbent(*arguments: str) -> tuple[int, str, float]:
     """Exit code, standard output, and seconds between the interrupt and the end."""
     process = subprocess.Popen([*COMMAND, *arguments, "--log", "-"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    watchdog = threading.Timer(90, process.kill)
+    watchdog = threading.Timer(4 * HANG, process.kill)
     watchdog.start()
     try:
         assert process.stderr is not None
@@ -106,7 +107,7 @@ CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129}
 
 def made(number: str, body: str, more: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     code = MADE.replace("{body}", body.strip()).replace("{more}", more)
-    done = subprocess.run([sys.executable, "-c", code, number, *arguments], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code, number, *arguments], capture_output=True, text=True, timeout=2 * HANG)
     assert "Traceback" not in done.stderr
     return done
 
@@ -128,7 +129,7 @@ def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
 def test_an_answer_is_written_whenever_the_signal_comes(number, body, more, tmp_path):
     began = time.perf_counter()
     done = made(number, body, more, *SOLVE, "--out", str(tmp_path / "a.json"), "--certificate", str(tmp_path / "c.json"))
-    assert time.perf_counter() - began < 20
+    assert time.perf_counter() - began < HANG
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["certificate"]["feasible"]
     problem = wb.read("demo-tiny")
@@ -174,14 +175,14 @@ api.read_source = reads
 @pytest.mark.parametrize(
     ("number", "wait"),
     [
-        ("SIGHUP", "time.sleep(60)"),
+        ("SIGHUP", "time.sleep(600)"),
         pytest.param("SIGTERM", "hashlib.pbkdf2_hmac('sha256', b'1', b'2', 2**31 - 1)", marks=pytest.mark.slow),
     ],
 )
 def test_a_signal_ends_a_command_that_has_nothing_to_lose_though_it_is_in_native_code(number, wait):
     began = time.perf_counter()
     done = made(number, ANSWERS, READING.replace("{wait}", wait), *SOLVE)
-    assert time.perf_counter() - began < 20
+    assert time.perf_counter() - began < HANG
     assert done.returncode == CODES[number], done.stderr
     assert done.stdout == ""
 
@@ -192,7 +193,7 @@ def test_what_the_caller_has_ignored_stays_ignored():
         "def hang_up(**given): os.kill(os.getpid(), signal.SIGHUP); time.sleep(0.1); sys.exit(7)\nface.app = hang_up\n"
         "import waybound.cli\nwaybound.cli.main()"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, timeout=60).returncode == 7
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, timeout=2 * HANG).returncode == 7
 
 
 def test_an_interrupt_before_anything_has_begun_is_exit_130_without_a_traceback():
@@ -200,7 +201,7 @@ def test_an_interrupt_before_anything_has_begun_is_exit_130_without_a_traceback(
         "import os, signal, waybound.cli.app as face\ndef stop(**given): os.kill(os.getpid(), signal.SIGINT)\nface.app = stop\n"
         "import waybound.cli\nwaybound.cli.main()"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=2 * HANG)
     assert done.returncode == 130
     assert "Traceback" not in done.stderr
 
@@ -210,7 +211,7 @@ def test_an_interrupt_after_the_last_word_does_not_change_the_exit_code():
         "import atexit, os, signal, sys\natexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))\n"
         "sys.argv = ['waybound', '--version']\nfrom waybound.cli import main\nmain()"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=2 * HANG)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -218,7 +219,7 @@ def test_a_reader_that_hangs_up_causes_no_traceback():
     process = subprocess.Popen([*COMMAND, "instances", "show", "demo-rc50"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None
     process.stdout.close()
-    _, told = process.communicate(timeout=60)
+    _, told = process.communicate(timeout=2 * HANG)
     assert b"Traceback" not in told
     assert b"internal error" not in told
 

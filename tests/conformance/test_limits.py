@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from patience import HANG
 
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
@@ -25,8 +26,8 @@ NO_START = ("pulp:HiGHS", *CVXPY)
 
 TOLERANCE = 1e-6
 SHORT = 0.25
-LATE = 6.0
-"""Seconds past a limit after which a backend has overstayed, with room for a busy machine."""
+LONGER = (SHORT, 10 * SHORT, 100 * SHORT)
+"""What is found in the first of these takes longer on a busy machine."""
 
 
 def made(name: str):
@@ -67,24 +68,26 @@ def stopped_once_found(publishes: bool) -> Control:
             threading.Timer(SHORT / 4, control.stop).start()
 
     control = Control(found)
-    fallback = threading.Timer(LATE if publishes else 4 * SHORT, control.stop)
+    fallback = threading.Timer(HANG / 2 if publishes else 4 * SHORT, control.stop)
     fallback.daemon = True
     fallback.start()
     return control
 
 
 def test_a_time_limit_with_an_incumbent_is_feasible_not_optimal(knapsack, solve_with):
-    began = time.perf_counter()
-    result = solve_with(knapsack, time_limit=SHORT)
-    assert time.perf_counter() - began < SHORT + LATE
-    assert (result.status, result.limit) == ("feasible", "time")
+    for seconds in LONGER:
+        result = solve_with(knapsack, time_limit=seconds)
+        assert result.limit == "time"
+        if result.answer is not None:
+            break
+    assert result.status == "feasible"
     holds(knapsack, result)
 
 
 def test_native_backends_tell_a_bound_at_the_time_limit(knapsack, backend_name, solve_with):
     if backend_name in NO_BOUND:
         pytest.skip(f"{backend_name} tells none")
-    results = (solve_with(knapsack, time_limit=limit) for limit in (SHORT, 10 * SHORT))  # none before the root is solved
+    results = (solve_with(knapsack, time_limit=limit) for limit in LONGER)  # none before the root is solved
     result = next(r for r in results if r.bound is not None)
     assert result.bound > result.objective + 1.0
 
@@ -147,9 +150,7 @@ def test_a_gap_that_suffices_is_not_called_optimal(knapsack, solve_with):
 def test_an_interrupt_in_mid_run_keeps_the_best_answer(knapsack, backend_name, solve_with):
     if made(backend_name).needs_process:
         pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
-    began = time.perf_counter()
-    result = solve_with(knapsack, stopped_once_found(backend_name != "pulp"), time_limit=120)
-    assert time.perf_counter() - began < SHORT + LATE
+    result = solve_with(knapsack, stopped_once_found(backend_name != "pulp"), time_limit=HANG)
     assert (result.status, result.limit) == ("feasible", "interrupt")
     holds(knapsack, result)
 
@@ -167,27 +168,26 @@ def test_an_interrupt_before_the_run_ends_it_at_once(knapsack, backend_name, sol
         pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     control = Control()
     control.stop()
-    began = time.perf_counter()
-    result = solve_with(knapsack, control, time_limit=120)
-    assert time.perf_counter() - began < LATE
+    result = solve_with(knapsack, control, time_limit=HANG)
     assert result.limit == "interrupt"
 
 
 def test_any_backend_can_be_ended_in_a_process_of_its_own(market_split, backend_name):
     if ProgramBackend.missing(made(backend_name), market_split):
         pytest.skip(f"{backend_name} takes no {market_split.kind}")
-    began = time.perf_counter()
-    result = run_isolated(backend_name, market_split, Options(time_limit=120), stopped_after(2 * SHORT))
-    assert time.perf_counter() - began < 2 * SHORT + LATE
+    result = run_isolated(backend_name, market_split, Options(time_limit=HANG), stopped_after(2 * SHORT))
     assert (result.status, result.limit) == ("unknown", "interrupt")
 
 
 def test_progress_is_published_and_ends_at_the_result(knapsack, backend_name, solve_with):
     if made(backend_name).needs_process:
         pytest.skip(f"{backend_name} shows no progress")
-    events = []
-    control = Control(events.append)
-    result = solve_with(knapsack, control, time_limit=2 * SHORT)
+    for seconds in LONGER:
+        events = []
+        control = Control(events.append)
+        result = solve_with(knapsack, control, time_limit=2 * seconds)
+        if control.bound is not None and result.answer is not None:
+            break
     assert control.bound is not None
     assert control.bound >= result.objective - TOLERANCE
     assert events
@@ -215,7 +215,7 @@ def test_a_second_model_with_other_threads_in_one_process(program, backend_name,
 def test_a_feasible_start_is_used(knapsack, backend_name, solve_with):
     if backend_name in NO_START:
         pytest.skip(f"{backend_name} takes no start")
-    good = solve_with(knapsack, time_limit=SHORT)
+    good = next(r for r in (solve_with(knapsack, time_limit=limit) for limit in LONGER) if r.answer is not None)
     again = solve_with(knapsack, start=good.answer, iterations=1, time_limit=60)
     holds(knapsack, again)
     assert again.objective >= good.objective - TOLERANCE

@@ -158,7 +158,7 @@ def written(problem: RoutingProblem, answer: Routes | None, *evidence: Evidence)
 
 def test_a_certificate_file_is_verified_again():
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(60.0)))
     again = check_certificate(problem, data, problem.evaluate(TOUR))
     assert again.bound == data["bound"]
     assert again.evidence == tuple(Evidence.from_json(e) for e in data["evidence"])
@@ -186,14 +186,14 @@ def test_a_proof_of_infeasibility_survives_the_file():
 )
 def test_a_file_that_states_more_than_it_proves_fails(change, message):
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(60.0)))
     with pytest.raises(CheckFailedError, match=message):
         check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
 
 
 def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(60.0)))
     with pytest.raises(CheckFailedError, match="visited 0 times"):
         check_certificate(problem, data, problem.evaluate(Routes.of([[1, 2]])))
 
@@ -218,7 +218,7 @@ def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
 )
 def test_files_that_are_malformed_or_for_other_data_are_refused(change):
     problem = square()
-    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(1.0)))
+    data = written(problem, TOUR, spanning_tree_bound(problem, Stop(60.0)))
     with pytest.raises(InputError):
         check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
 
@@ -233,7 +233,7 @@ def test_evidence_for_one_instance_is_priced_anew_on_another():
         square(),
         RoutingProblem(Sites.of("oabc", demand=[0, 1, 1, 1]), Travel(EXPLICIT, matrix=np.full((4, 4), 100.0)), (VehicleType(count=1),)),
     )
-    evidence = spanning_tree_bound(far, Stop(1.0))
+    evidence = spanning_tree_bound(far, Stop(60.0))
     assert verified_bound(far, evidence) == pytest.approx(400.0)
     assert verified_bound(near, evidence) <= 14.0 + 1e-9
 

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 
 import pytest
+from patience import HANG
 
 import waybound.formulations.stop as stopping
 from waybound.formulations.kernels import kernel
@@ -31,7 +32,7 @@ def test_a_deadline_ends_a_compiled_loop() -> None:
     spin(NEVER.flag, 1)
     stop, began = Stop(0.2), time.perf_counter()
     assert spin(stop.flag, MOST) < MOST
-    assert 0.15 < time.perf_counter() - began < 2.0
+    assert 0.2 <= time.perf_counter() - began < HANG
     assert stop.reached() == "time"
 
 
@@ -39,7 +40,7 @@ def test_a_flag_alone_keeps_its_clock() -> None:
     spin(NEVER.flag, 1)
     began = time.perf_counter()
     assert spin(Stop(0.1).flag, MOST) < MOST
-    assert time.perf_counter() - began < 2.0
+    assert time.perf_counter() - began < HANG
 
 
 @pytest.mark.parametrize("part", [lambda stop: stop, lambda stop: stop.within(60.0), lambda stop: stop.within(60.0).after(60.0)])
@@ -50,7 +51,7 @@ def test_a_wish_ends_a_compiled_loop_and_all_parts(part) -> None:  # type: ignor
     threading.Timer(0.1, stop.ask).start()
     began = time.perf_counter()
     assert spin(inner.flag, MOST) < MOST
-    assert time.perf_counter() - began < 2.0
+    assert time.perf_counter() - began < HANG
     assert inner.reached() == stop.reached() == "interrupt"
     with pytest.raises(Stopped):
         inner.check()
@@ -86,8 +87,8 @@ def within(seconds: float, condition: Callable[[], bool]) -> bool:
 
 @pytest.mark.slow
 def test_deadlines_are_kept_in_any_order() -> None:
-    flags = [Stop(seconds).flag for seconds in (60.0, 0.3, 0.1, 0.2, 30.0, 0.1)]
-    assert within(5.0, lambda: sum(int(flag[0]) for flag in flags) == 4)
+    flags = [Stop(seconds).flag for seconds in (1e4, 0.3, 0.1, 0.2, 1e3, 0.1)]
+    assert within(HANG, lambda: sum(int(flag[0]) for flag in flags) == 4)
     assert [int(flag[0]) for flag in flags] == [0, 1, 1, 1, 0, 1]
 
 
@@ -96,7 +97,7 @@ def test_deadlines_that_nobody_waits_for_are_forgotten() -> None:
     for _ in range(5000):
         assert Stop(1000.0).flag[0] == 0
     assert len(stopping._CLOCK._due) <= 2000
-    assert within(5.0, lambda: kept[0] == 1)
+    assert within(HANG, lambda: kept[0] == 1)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
@@ -105,8 +106,7 @@ def test_a_forked_process_has_a_clock_of_its_own() -> None:
     child = os.fork()
     if not child:  # pragma: no cover - in the child
         flag = Stop(0.05).flag
-        time.sleep(1.0)
-        os._exit(int(flag[0]))
+        os._exit(int(within(HANG, lambda: flag[0] == 1)))
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 1
 
 

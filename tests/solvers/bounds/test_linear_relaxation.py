@@ -23,7 +23,7 @@ def test_bare_programs_are_bounded_by_their_own_relaxation():
     rows = Rows("r", indptr=ints[0], indices=ints[1], data=np.ones(2), lower=np.array([-np.inf]), upper=np.array([3.5]))
     columns = Variables("x", lower=np.zeros(2), upper=np.array([2.5, 9.0]), cost=np.array([3.0, 2.0]), integer=True)
     problem = ArrayProblem(Program("arrays", "max", (columns,), (rows,)))
-    evidence = linear_relaxation_bound(problem, Stop(5.0), AnsweredBy(lambda program, seconds: np.array([2.0])))
+    evidence = linear_relaxation_bound(problem, Stop(60.0), AnsweredBy(lambda program, seconds: np.array([2.0])))
     assert evidence is not None
     assert evidence.kind == "lp-dual"
     assert verified_bound(problem, evidence) == 9.0

@@ -42,7 +42,7 @@ def test_what_does_not_work_out_is_none() -> None:
 @pytest.mark.parametrize(("least", "fixed"), [(2, 0.0), (3, 5.0), (4, 0.0)])
 def test_or_tools_begins_with_enough_routes_and_keeps_them(least: int, fixed: float) -> None:
     problem = routing(xy=SQUARE_4, count=4, min_vehicles=least, fixed_cost=fixed)
-    found = ORTools().run(problem, Options(time_limit=5.0, iterations=40), Control())
+    found = ORTools().run(problem, Options(time_limit=60.0, iterations=40), Control())
     assert found.objective == pytest.approx(optimum(problem))
     assert problem.evaluate(found.answer).feasible
     assert "start" not in found.statistics

@@ -34,7 +34,7 @@ def test_every_status_of_the_library_has_one_of_ours() -> None:
 )  # fmt: skip
 def test_options_of_the_library_are_taken_by_name(extra) -> None:
     problem = small("capacity", 0, "round")
-    result = ORTools().run(problem, Options(time_limit=1, iterations=100, extra=extra), Control())
+    result = ORTools().run(problem, Options(time_limit=60.0, iterations=100, extra=extra), Control())
     assert problem.evaluate(result.answer).values == pytest.approx(best_values(problem))
 
 

@@ -66,7 +66,7 @@ def test_a_sum_of_steps_has_no_last_one_and_more_time(tmp_path: Path) -> None:
 def test_worked_days(name: str, solver: str) -> None:
     cells, full, robots, makespan, completion = DAYS[name]
     for objective, value in (("makespan", makespan), ("completion", completion)):
-        found = wb.solve(retrievals(cells, full, robots, objective), solver, form="time-indexed", bound_time=1)
+        found = wb.solve(retrievals(cells, full, robots, objective), solver, form="time-indexed", bound_time=60.0)
         assert (found.status, found.objective) == ("optimal", value)
 
 
@@ -77,8 +77,8 @@ def test_programs_and_intervals_agree_and_answers_are_points() -> None:
         jobs = replace(jobs, standing=np.ones(jobs.num_bins, bool))
         for objective in ("makespan", "completion"):
             problem = wb.OrchardDay(jobs, objective)
-            best = wb.solve(problem, "interval-scheduling", bound_time=1)
-            assert wb.solve(problem, "highs", form="time-indexed", bound_time=1).objective == best.objective
+            best = wb.solve(problem, "interval-scheduling", bound_time=60.0)
+            assert wb.solve(problem, "highs", form="time-indexed", bound_time=60.0).objective == best.objective
             made = problem.compile("time-indexed")
             vector = made.encode(best.answer)
             assert made.program.residual(vector) == 0.0 and made.program.cost @ vector == best.objective

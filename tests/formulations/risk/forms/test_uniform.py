@@ -15,7 +15,7 @@ from waybound.solving.solve import solve
 
 
 def test_equal_risks_of_the_stalling_problem() -> None:
-    found = solve(problem(), "highs", form="uniform", bound_time=1)
+    found = solve(problem(), "highs", form="uniform", bound_time=60.0)
     assert found.objective == pytest.approx(13.420585, abs=1e-6)
     assert found.bound_kind == "verified" and found.bound == pytest.approx(13.731143, abs=1e-6)
     assert problem().compile("uniform").exactness is Exactness.RESTRICTION

@@ -103,7 +103,7 @@ def test_no_bound_method_finds_more_than_is_true(feature):
         value = math.inf if best is None else float(best[0])
         for method in methods:
             if not method.missing(problem):
-                found = method.compute(problem, Stop(2.0), None)
+                found = method.compute(problem, Stop(60.0), None)
                 assert found is None or found.value <= value + 1e-9 * abs(value), (seed, method.name, found)
 
 

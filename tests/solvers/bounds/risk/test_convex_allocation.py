@@ -19,7 +19,7 @@ from waybound.solvers.bounds import BOUNDS
     ids=["allocated", "joint", "alternatives"],
 )
 def test_it_is_verified(p, bound: float) -> None:
-    made = wb.bound(p, bound_time=5)
+    made = wb.bound(p, bound_time=60.0)
     assert made.bound == pytest.approx(bound, abs=1e-5)
 
 

@@ -42,6 +42,6 @@ def test_it_applies_to_few_customers() -> None:
 def test_a_problem_without_answers_is_told() -> None:
     sites = Sites.of("oabc", demand=[0, 2, 2, 2])
     problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(2, 3.0),))
-    found = all_routes_bound(problem, Stop(9.0))
+    found = all_routes_bound(problem, Stop(60.0))
     assert found is not None and found.value == math.inf
     assert all_routes_bound(problem, Stop(0.0)) is None

@@ -50,5 +50,5 @@ def test_it_applies_to_few_customers_and_needs_time() -> None:
     worse = RoutingProblem(problem.sites, problem.travel, problem.fleet, wb.TotalCost() - wb.LongestRoute())
     assert missing(worse) == {"objective:weights"}
     assert customer_sets_bound(problem, Stop(0.0)) is None
-    found = customer_sets_bound(problem, Stop(9.0), target=math.inf)
+    found = customer_sets_bound(problem, Stop(60.0), target=math.inf)
     assert found is not None and found.data == {}

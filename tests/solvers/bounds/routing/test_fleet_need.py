@@ -25,15 +25,15 @@ def apart(count: int) -> RoutingProblem:
 
 def test_sites_that_share_no_route_prove_a_fleet_too_small():
     problem = apart(3)
-    found = fleet_need_evidence(problem, Stop(1.0))
+    found = fleet_need_evidence(problem, Stop(60.0))
     assert found is not None
     assert (found.kind, verified_bound(problem, found)) == ("sites-apart", math.inf)
-    assert fleet_need_evidence(apart(4), Stop(1.0)) is None
+    assert fleet_need_evidence(apart(4), Stop(60.0)) is None
 
 
 def test_large_instances_are_left_alone(monkeypatch):
     monkeypatch.setattr(fleet_need, "MOST_SITES", 4)
-    assert fleet_need_evidence(apart(3), Stop(1.0)) is None
+    assert fleet_need_evidence(apart(3), Stop(60.0)) is None
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0])

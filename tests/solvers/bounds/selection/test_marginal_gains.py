@@ -56,17 +56,17 @@ def test_few_prefixes_are_looked_at_where_each_is_expensive(monkeypatch: pytest.
 
 
 def test_it_is_found_by_the_general_search_for_bounds() -> None:
-    certificate = wb.bound(cover_tight(), bound_time=5)
+    certificate = wb.bound(cover_tight(), bound_time=60.0)
     assert certificate.bound == pytest.approx(80)
-    free = marginal_gains_bound(cover_tight(), Stop(5.0))
+    free = marginal_gains_bound(cover_tight(), Stop(60.0))
     assert free is not None and free.value == pytest.approx(81)
-    solved = wb.solve(cover_tight(), heuristic="random", bound_time=2)
+    solved = wb.solve(cover_tight(), heuristic="random", bound_time=60.0)
     assert solved.bound_kind == "verified" and solved.bound == pytest.approx(80)
 
 
 def test_a_modular_function_under_a_cardinality_limit_is_bounded_exactly() -> None:
     problem = SubmodularSelection(Coverage.from_sets([[k] for k in range(9)], np.arange(9.0)), Cardinality(4))
-    evidence = marginal_gains_bound(problem, Stop(5.0))
+    evidence = marginal_gains_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.value == 8 + 7 + 6 + 5
     assert evidence.source == "marginal gains over the empty set"
 
@@ -74,7 +74,7 @@ def test_a_modular_function_under_a_cardinality_limit_is_bounded_exactly() -> No
 def test_what_costs_nothing_is_in_the_set_that_a_knapsack_is_bounded_by() -> None:
     f = Coverage.from_sets([[0], [0, 1], [2], [3]], [4.0, 2.0, 5.0, 1.0])
     problem = SubmodularSelection(f, Knapsack(np.array([0.0, 0.0, 1.0, 1.0]), 1.0))
-    evidence = marginal_gains_bound(problem, Stop(5.0))
+    evidence = marginal_gains_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.value == pytest.approx(4 + 2 + 5)
 
 
@@ -89,14 +89,15 @@ def test_it_says_what_it_lacks() -> None:
 
 
 def test_a_slow_users_function_keeps_to_the_budget() -> None:
+    calls = []
+
     def slow(masks):  # type: ignore[no-untyped-def]
-        time.sleep(0.05)
+        calls.append(time.sleep(0.05))
         return np.sqrt(masks.sum(axis=1))
 
     problem = SubmodularSelection(UserFunction(slow, 200, monotone=True, submodular=True), Cardinality(100))
-    began = time.perf_counter()
     evidence = marginal_gains_bound(problem, Stop(0.3))
-    assert time.perf_counter() - began < 3.0
+    assert len(calls) < 20
     assert evidence is not None and verified_bound(problem, evidence) >= 10.0
 
 
@@ -122,10 +123,10 @@ def test_large_functions_are_bounded_close_to_what_greedy_reaches() -> None:
 @pytest.mark.parametrize("constraint", [Cardinality(3), Knapsack(np.ones(4), 2.0)], ids=["cardinality", "knapsack"])
 def test_thresholds_among_the_smallest_numbers_end(weight: float, constraint: Cardinality | Knapsack) -> None:
     problem = SubmodularSelection(Coverage.from_sets([[0], [1], [0, 1], [2]], np.array([weight, 1.0, weight])), constraint)
-    evidence = marginal_gains_bound(problem, Stop(5.0))
+    evidence = marginal_gains_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.value >= optimum(problem)
     alone = SubmodularSelection(Coverage.from_sets([[0], [1], [0, 1], [2]], np.full(3, weight)), constraint)
-    evidence = marginal_gains_bound(alone, Stop(5.0))
+    evidence = marginal_gains_bound(alone, Stop(60.0))
     assert evidence is not None and evidence.value >= optimum(alone)
 
 

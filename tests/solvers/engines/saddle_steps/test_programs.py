@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -123,6 +122,4 @@ def test_a_wish_to_stop_ends_the_program_that_runs(registered):
     stop = Stop(60.0)
     programs = Programs(stop, LinearPrograms("patient"))
     threading.Timer(0.1, stop.ask).start()
-    began = time.perf_counter()
     assert programs.solve(program([1], [[1]], 1, 2)).limit == "interrupt"
-    assert time.perf_counter() - began < 10.0
