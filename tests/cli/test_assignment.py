@@ -183,7 +183,7 @@ def test_a_bad_edge_list_is_one_line_with_its_place(refused, tmp_path, rows, lin
 
 @pytest.mark.parametrize("arguments", [("figure-3-3",), ("figure-3-3", "--problem", "winner-takes-all"), ("cover-30",)])
 def test_bound_and_explain_take_them(run, arguments):
-    bounded = run("bound", *arguments, "--bound-time", 5, "-q")
+    bounded = run("bound", *arguments, "--bound-time", "60", "-q")
     assert bounded.exit_code == 0, bounded.stderr
     assert "verified" in bounded.stdout
     explained = run("explain", *arguments)

@@ -19,7 +19,7 @@ import pytest
 )
 def test_answers_come_with_their_evidence_as_json(run, strict_json, instance, heuristic, options, least):  # type: ignore[no-untyped-def]
     given = [word for option in options for word in ("--option", option)]
-    result = run("solve", instance, "--heuristic", heuristic, *given, "--bound-time", "1", "--json", "-q")
+    result = run("solve", instance, "--heuristic", heuristic, *given, "--bound-time", "60", "--json", "-q")
     assert result.exit_code == 0, result.stderr
     data = strict_json(result.stdout)
     assert data["objective"] >= least

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from waybound.formulations.programs.circuits import Circuit
 from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import STATUSES, Control, Options
+from waybound.solvers.backends import cpsat
 from waybound.solvers.backends.cpsat import STATUS_MAP, CpSat
 
 INF = math.inf
@@ -175,3 +177,19 @@ def test_nodes_that_no_arc_names_are_not_forgotten():
         p = program([1, 1], np.zeros((0, 2)), 0, 0, 0, 1, integer=[0, 1])
         for several in (False, True):
             assert run(replace(p, circuits=(Circuit("pair", nodes, arcs, arcs[::-1], arcs, several),))).status == status
+
+
+@pytest.mark.parametrize(
+    ("given", "conflicts", "asked", "limit"),
+    [({}, 5, False, "time"), ({"iterations": 9}, 5, False, "time"), ({"iterations": 5}, 5, False, "nodes"), ({}, 5, True, "interrupt"),
+     ({"extra": {"max_deterministic_time": 1.0}}, 5, False, "none")],
+)  # fmt: skip
+def test_what_ended_a_search_without_a_proof_is_named_though_its_clock_is_ahead_of_ours(given, conflicts, asked, limit) -> None:
+    control = Control()
+    if asked:
+        control.stop()
+    response = SimpleNamespace(
+        status=SimpleNamespace(name="UNKNOWN"), num_conflicts=conflicts, num_branches=0, inner_objective_lower_bound=0.0, solution=[]
+    )  # fmt: skip
+    counted = SimpleNamespace(scale=1.0, exact=True, num_variables=0)
+    assert cpsat._said(response, counted, Options(time_limit=10.0, **given), control, 1.0).limit == limit
