@@ -19,7 +19,7 @@ from .fleet import equal_fleet, with_problems
 from .frame_columns import Columns, columns_of
 from .frame_fleet import fleet_of, see_times
 from .frame_lists import groups_of, see_windows, shipments_of, windows_of
-from .frame_travel import Moves, in_order, matrix_of, moves_of
+from .frame_travel import Moves, in_order, is_graph, matrix_of, moves_of
 from .geography import coordinates_of, warn_of_swapped
 from .instance import RoutingInstance, Sites, VehicleType
 from .reach import refuse_powerless
@@ -76,6 +76,8 @@ def instance_from_frame(
         For a unit that does not exist.
     """
     table, times, unit = columns_of(sites, columns, extra), Times(time_unit), unit_of_distance(distance_unit)
+    if "node" in table and not is_graph(travel):
+        table = table.without("node")
     for title in ("ready", "due"):
         if title in table:
             times.see(table[title])
