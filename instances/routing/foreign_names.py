@@ -127,16 +127,15 @@ ELSEWHERE: dict[str, dict[str, str]] = {
 """By table and what to say: names that stand for no column of it."""
 
 UNITS = frozenset(
-    "s sec secs second seconds min mins minute minutes h hr hrs hour hours d day days kg kgs g t ton tons tonne tonnes lb lbs l litre litres "
-    "m3 km kms m mi mile miles meter meters metre metres eur euro euros usd gbp unix iso utc section".split()
+    ["s", "sec", "secs", "second", "seconds", "min", "mins", "minute", "minutes", "h", "hr", "hrs", "hour", "hours", "d", "day", "days", "kg", "kgs", "g", "t", "ton", "tons", "tonne", "tonnes", "lb", "lbs", "l", "litre", "litres", "m3", "km", "kms", "m", "mi", "mile", "miles", "meter", "meters", "metre", "metres", "eur", "euro", "euros", "usd", "gbp", "unix", "iso", "utc", "section"]
 )  # fmt: skip
 """Last words that say in what a column is measured."""
 
-OWNERS = frozenset("site sites customer customers client clients node nodes job jobs task tasks stop stops visit order location".split())
+OWNERS = frozenset(["site", "sites", "customer", "customers", "client", "clients", "node", "nodes", "job", "jobs", "task", "tasks", "stop", "stops", "visit", "order", "location"])
 """First words that say whose quantity it is; of a fleet, those below."""
-VEHICLES = frozenset("vehicle vehicles truck van route".split())
+VEHICLES = frozenset(["vehicle", "vehicles", "truck", "van", "route"])
 
-MORE_LOADS = frozenset("quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes".split())
+MORE_LOADS = frozenset(["quantity", "quantities", "qty", "amount", "load", "loads", "weight", "volume", "mass", "units", "pallets", "parcels", "packages", "boxes"])
 """Names of loads that may well stand beside another load."""
 
 _CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")

@@ -24,6 +24,7 @@ from .geography import coordinates_of, warn_of_swapped
 from .instance import RoutingInstance, Sites, VehicleType
 from .reach import refuse_powerless
 from .routing_service import is_table, unit_of_distance
+from .sites import unused
 from .travel import EXPLICIT, GEOGRAPHIC, METRICS, Travel
 
 if TYPE_CHECKING:
@@ -116,8 +117,7 @@ def instance_from_frame(
             notes += (f"{'any number of' if vehicles is None else vehicles} vehicles at each of {len(kinds)} depots",)
     else:
         kinds = fleet_of(fleet, made, times)
-    if table.extra:
-        notes += (f"columns kept and not used: {', '.join(map(str, table.extra))}",)
+    notes += unused(map(str, table.extra))
     clock = times.clock
     if clock is not None:
         notes += (f"times are in {clock}",)
