@@ -201,7 +201,8 @@ def _refuse_dropping(title: Any, found: Mapping[str, Any], told: Collection[str]
     own = own or own_title(title) or next((o for o in found if _plain_words(text).rstrip("s") == o.rstrip("s")), None)
     if own is not None and own in found:
         if own not in told:
-            raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected=f"one of them, or extra=[{title!r}] to keep the other only")
+            cure = f"one of them, or extra=[{title!r}] to keep the other only"
+            raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected=cure)
         return
     elsewhere_placed = (own in ("x", "y") and "lat" in found) or (own in ("lat", "lon") and "x" in found)
     meant = None if elsewhere_placed else own or _misspelt(text, found)

@@ -167,7 +167,7 @@ def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
         ({"shipments": ["ab"]}, "a shipment has a pickup, a delivery and perhaps a load"),
         ({"groups": [["c", "c"]]}, "group 1 has the site c twice"),
         ({"windows": {"z": [(0, 1)]}}, "windows name the unknown site 'z'"),
-        ({"closing": np.full((5, 5), "x")}, "closing times must hold numbers or times"),
+        ({"closing": np.full((5, 5), "x")}, "closing times must be a number or a moment"),
         ({"closing": np.full((4, 4), 1.0)}, "closing times must have one entry a move"),
         ({"closing": np.full((5, 5), np.nan)}, "closing time of the move from site 0 to site 1 must be a number"),
         ({"fleet": [{"energy": {"capacity": 1.5}}]}, "the energy of no vehicle lasts to any site and back; expected at least 2; found 1.5"),

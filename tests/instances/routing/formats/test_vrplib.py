@@ -384,7 +384,7 @@ FAULTS = [
     ("2 5\n", "2 -5\n", "demand is negative", 14, "0 or more", "-5.0"),
     ("1 0\n2 5\n", "1 3\n2 5\n", "the depot has a demand", 13, "0", "3.0"),
     ("4 2\nDEPOT", "DEPOT", "DEMAND_SECTION has a wrong number of rows", 15, "4 (DIMENSION)", "3"),
-    (" -1\nEOF\n", "", "DEPOT_SECTION ends early", 17, "-1 or EOF", None),
+    (" -1\nEOF\n", "", "DEPOT_SECTION ends early", 18, "-1 or EOF", None),
     (" 1\n -1\n", " -1\n", "there is no depot", 17, "at least one", None),
     (" 1\n -1\n", " 1\n 2\n -1\n", "the depot has a demand", 14, "0", "5.0"),
     (" 1\n -1\n", " 7\n -1\n", "DEPOT_SECTION names a node that does not exist", 18, "1 to 4", "7"),
