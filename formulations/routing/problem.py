@@ -387,7 +387,8 @@ class RoutingProblem(Problem):
         Parameters
         ----------
         plan : Solution or Routes
-            A feasible answer. Each route is driven on its earliest schedule, departing as late as delays nothing.
+            A feasible answer to this problem, or to one with fewer sites: those that it does not visit are new orders. Each route is
+            driven on its earliest schedule, departing as late as delays nothing.
         time : float
             Sites begun before it are done. A vehicle under way then is committed to the next stop of its route and starts a route of its
             own there, when it has served it, with the energy, load, distance and duration it has left; it drives home from there even
@@ -404,7 +405,8 @@ class RoutingProblem(Problem):
         """
         from .horizon import continued
 
-        return continued(self, self.answer_of(getattr(plan, "answer", plan)), float(time))
+        own = getattr(plan, "problem", self) is self  # sites of another problem are told by their ids
+        return continued(self, self.answer_of(getattr(plan, "answer", plan) if own else plan.routes), float(time))
 
     def vehicle_names(self, answer: Routes) -> list[str]:
         """Name of the vehicle of each route: that of its type, and a number from 1 within the type."""
