@@ -101,6 +101,8 @@ def instance_from_frame(
     forbidden = None
     if isinstance(moves, Moves):
         forbidden = moves.forbidden
+        if len(made) > 1 and made.required.any() and forbidden is not None and forbidden.sum() == len(made) * (len(made) - 1):
+            raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
         ways = Travel(EXPLICIT, matrix=moves.distances, duration_matrix=moves.durations, **own)
     else:
         held = None if durations is None else matrix_of(durations, table.ids, "duration", times)
