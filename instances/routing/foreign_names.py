@@ -154,6 +154,9 @@ MORE_LOADS = _words(
 )
 """Names of loads that may well stand beside another load."""
 
+PLACES = ("x", "y", "lat", "lon")
+"""Titles behind which a number tells another place."""
+
 _CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
@@ -161,7 +164,7 @@ def ours(title: str, table: str = "sites") -> str | None:
     """Waybound's title of what others call ``title``, in any case, spacing and unit; of further loads with their number. None if none."""
     known = _squashed(table)
     for name, number in _variants(title, table):
-        if name in known:
+        if name in known and not (number and known[name] in PLACES):
             own = known[name]
             return f"{own}{number}" if own in ("demand", "pickup", "capacity", "load") and number in "23456789" else own
     return None

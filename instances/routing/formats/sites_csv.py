@@ -71,7 +71,8 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
         titles = columns_of(frame, given.get("columns"), given.get("extra", ())).titles
         for pair in (("x", "y"), ("lat", "lon")):
             if (pair[0] in titles) != (pair[1] in titles):
-                raise InputError("coordinates need two columns", expected=" and ".join(pair), found="one of them")
+                alone = titles[pair[0] if pair[0] in titles else pair[1]]
+                raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{alone!r} alone")
     except InputError as error:
         raise _frame_settings.in_file(error).at(line=start + 1) from None
     if "depot" in titles and not frame[titles["depot"]].eq(True).any():
