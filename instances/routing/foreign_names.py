@@ -141,17 +141,11 @@ UNITS = _words(
 )
 """Last words that say in what a column is measured."""
 
-OWNERS = _words(
-    "site sites customer customers client clients node nodes job jobs task tasks stop stops visit order location"
-)
+OWNERS = _words("site sites customer customers client clients node nodes job jobs task tasks stop stops visit order location")
 """First words that say whose quantity it is; of a fleet, those below."""
-VEHICLES = _words(
-    "vehicle vehicles truck van route"
-)
+VEHICLES = _words("vehicle vehicles truck van route")
 
-MORE_LOADS = _words(
-    "quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes"
-)
+MORE_LOADS = _words("quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes")
 """Names of loads that may well stand beside another load."""
 
 PLACES = ("x", "y", "lat", "lon")
