@@ -78,7 +78,7 @@ def own_travel(given: Any, sites: Sites, times: Times, path: str) -> OwnTravel |
     if isinstance(given, Travel):
         return OwnTravel(given)
     whole = {"metric": given} if isinstance(given, str) else {"metric": EXPLICIT, "matrix": given}
-    data = dict(given) if isinstance(given, Mapping) else whole
+    data: dict[str, Any] = dict(given) if isinstance(given, Mapping) else whole
     fields(data, path, TRAVEL_KEYS, ("metric",))
     known = (("matrix", "distance", None), ("durations", "duration", times), ("variances", "variance", None))
     try:

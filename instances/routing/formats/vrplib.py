@@ -122,7 +122,8 @@ def read(text: str, path: Path) -> RoutingInstance:
     if travel.metric == "GEO" and (found := _no_minutes(travel.coordinates)) is not None:
         notes.append(f"GEO coordinates are degrees and minutes (DDD.MM), and {found:g} has 60 minutes or more: decimal degrees belong into "
                      "the columns lat and lon of a CSV file")  # fmt: skip
-    demand, pickup, dimensions = np.zeros(n), np.zeros(n), 1
+    demand: Floats
+    pickup, dimensions = np.zeros(n), 1
     worth: dict[str, Any] = {}
     lines: list[int] | None
     if kind in SIMULTANEOUS:
