@@ -209,6 +209,12 @@ def plain_value(value: Any) -> Any:
         if value == -math.inf:
             raise InputError("a number of the fleet is minus infinity", expected="a number of at least 0")
         return None
+    if isinstance(value, Mapping):  # a store, whose limits stay what they are
+        return {key: inner.tolist() if hasattr(inner, "tolist") else _listed(inner) for key, inner in value.items()}
     if isinstance(value, tuple | set | frozenset):
         value = sorted(value) if not isinstance(value, tuple) else list(value)
     return [plain_value(v) for v in value] if isinstance(value, list) else value
+
+
+def _listed(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

@@ -33,6 +33,8 @@ WRITTEN = ("demand", "ready", "due", "service", "reward")
 LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance": "max_distance", "fixed-cost": "fixed_cost",
           "unit-cost": "unit_cost"}  # fmt: skip
 PLACES = ("x", "y", "lat", "lon")
+STATES = ("easting", "northing")
+"""Titles of places in tables of states (``risk-states``)."""
 NAMES = ("name", "problem", "convention")
 KEYS = (*NAMES, *_frame_settings.KEYS)
 EXPRESSIBLE = frozenset(
@@ -46,7 +48,7 @@ EXPRESSIBLE = frozenset(
 
 def recognises(text: str) -> bool:
     """Whether the first line that is no comment holds titles of coordinates, or ``id``, among others, and no roles."""
-    titles = {own if (own := ours(title)) in PLACES else title for title in titles_of(text)}
+    titles = {own if (own := ours(title)) in PLACES and title not in STATES else title for title in titles_of(text)}
     return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles or bool({"lat", "lon"} & titles)) and "role" not in titles
 
 

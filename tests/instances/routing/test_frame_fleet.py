@@ -12,6 +12,7 @@ import pytest
 from waybound.instances.clock import Times
 from waybound.instances.errors import InputError
 from waybound.instances.routing.frame_fleet import fleet_of, see_times, shared_bans
+from waybound.instances.routing.json_vehicles import decode_vehicle
 from waybound.instances.routing.sites import Sites
 from waybound.instances.routing.vehicle_type import VehicleType
 
@@ -70,6 +71,13 @@ def test_what_is_wrong_is_named(given: Any, unit: str | None, message: str) -> N
     with pytest.raises(InputError) as error:
         fleet(given, unit)
     assert message in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_store_holds_numbers_of_any_kind() -> None:
+    store = fleet([{"energy": {"capacity": np.int64(9), "rate": np.float32(2), "stations": ("yard",)}}])[0].energy
+    assert store is not None and (store.capacity, store.rate, store.stations) == (9, 2, (0,))
+    with pytest.raises(InputError, match=r"energy must be an object; found set$"):
+        decode_vehicle({"energy": {1, 2}}, "fleet[0]", SITES.index(), SITES)
 
 
 @pytest.mark.parametrize("of", [np.array, pd.DataFrame, lambda m: {"metric": "EXPLICIT", "matrix": np.array(m)}, list])
