@@ -62,7 +62,7 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
         distance = _sized(distance, sites, "distance")
         held = None if own is None else _sized(own, sites, "duration")
         held = held if durations is None else matrix_of(durations, sites, "duration", times)
-    elif hasattr(travel, "edges") and hasattr(travel, "nodes"):
+    elif is_graph(travel):
         distance = _along_roads(travel, nodes, sites, weight, "distance")
         if durations is None or isinstance(durations, str):
             held = None if durations is None else _along_roads(travel, nodes, sites, durations, "duration")
@@ -78,6 +78,11 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
     return Moves(*without_infinities(distance, held), notes)
 
 
+def is_graph(travel: Any) -> bool:
+    """Whether it looks like a networkx graph."""
+    return hasattr(travel, "edges") and hasattr(travel, "nodes")
+
+
 def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Floats, Floats | None, NDArray[np.bool_] | None]:
     """The same with finite numbers, and the moves that were infinite: they are no moves.
 
@@ -87,8 +92,6 @@ def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Flo
     if durations is not None:
         shut = shut | np.isinf(durations)
     np.fill_diagonal(shut, True)
-    if shut.all() and len(shut) > 1:
-        raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
     made = [None if held is None else _filled(held, shut) for held in (distances, durations)]
     np.fill_diagonal(shut, False)
     assert made[0] is not None
