@@ -84,9 +84,8 @@ def refuse_unused(what: str, count: int, used: int, users: str) -> None:
 
 def refuse_outside(what: str, values: NDArray[Any], count: int, thing: str) -> None:
     """Raise InputError for the first of ``values`` that is not from 0 to ``count`` - 1; ``what`` has a place for its position."""
-    outside = (values < 0) | (values >= count)
-    if outside.any():
-        k = int(np.argmax(outside))
+    if values.size and not (values.min() >= 0 and values.max() < count):
+        k = int(np.argmax((values < 0) | (values >= count)))
         expected = f"0 to {count - 1}" if count else f"none, for there is no {thing}"
         raise InputError(f"{what.format(k)} does not exist", expected=expected, found=str(values[k]))
 
@@ -118,10 +117,10 @@ def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: s
     if not len(indptr) or indptr[0] != 0 or indptr[-1] != len(columns) or (np.diff(indptr) < 0).any():
         raise InputError(f"the starts of the {row}s do not ascend from 0 to the number of {entries}")
     refuse_outside(f"{column} of entry {{}}", columns, count, column)
-    inside = np.ones(max(len(columns) - 1, 0), dtype=bool)
+    falls = columns[1:] <= columns[:-1]
     starts = indptr[1:-1]
-    inside[starts[(starts > 0) & (starts < len(columns))] - 1] = False
-    if (np.diff(columns)[inside] <= 0).any():
+    falls[starts[(starts > 0) & (starts < len(columns))] - 1] = False  # from one row to the next
+    if falls.any():
         raise InputError(f"the {column}s of each {row} must ascend, none twice")
 
 

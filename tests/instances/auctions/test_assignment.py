@@ -35,7 +35,7 @@ def test_a_complete_matrix_is_a_view() -> None:
     ("costs", "message"),
     [
         ([[1, 2], [3]], "row 1 of the costs has a wrong length; expected 2; found 1"),
-        ([[1, float("nan")]], "the cost in row 0, column 1 is not a number"),
+        ([[1, float("nan")]], "the cost in row 1, column 2 is not a number"),
         ([[1, -INF]], "the cost of robot 1 and bin 2 must be a number of at most 1e"),
         ([["a", 1]], "costs must hold numbers"),
         (3.0, "costs must be a matrix"),

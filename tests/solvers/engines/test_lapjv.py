@@ -17,7 +17,7 @@ from waybound.solvers.engines import lapjv
 
 @pytest.mark.parametrize("name", OPTIMA)
 def test_worked_assignments_are_optimal_by_their_prices(name: str) -> None:
-    found = wb.solve(worked(name))
+    found = wb.solve(worked(name), "lapjv")
     assert (found.solver, found.objective, found.bound, found.bound_kind) == ("lapjv", OPTIMA[name], OPTIMA[name], "verified")
 
 
