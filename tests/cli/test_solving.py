@@ -393,7 +393,8 @@ def test_an_objective_is_taken_as_text(run, refused, strict_json):
     result = run("solve", "demo-tiny", "--heuristic", "insertion", "--bound-time", 0, "--objective", "vehicles then total-cost", "--json")
     assert len(strict_json(result.stdout)["objective"]) == 2
     assert "did you mean 'total-cost'?" in refused("info", "demo-tiny", "--objective", "total-costs")
-    assert "use --objective" in refused("solve", "demo-tiny", "--set", "objective=vehicles")
+    both = ("solve", "demo-tiny", "--set", "objective=vehicles", "--objective", "vehicles")
+    assert "given twice" in refused(*both)
     assert "no setting 'objective'" in refused("solve", "sata-s3", "--objective", "vehicles")
 
 

@@ -63,7 +63,8 @@ Objective = Annotated[
     typer.Option(
         "--objective",
         metavar="TEXT",
-        help='Of routes: terms with weights, in order of priority: "vehicles then total-cost", "total-cost - 2*reward".',
+        help='The same as --set objective=TEXT: of routes terms with weights, in order of priority ("vehicles then total-cost", '
+        '"total-cost - 2*reward"), of other problems the name of one of theirs.',
     ),
 ]
 
@@ -99,9 +100,11 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
 
 
 def parse_settings(settings: Sequence[str] | None, objective: str | None) -> dict[str, Any]:
-    """The pairs of ``--set`` and ``--objective`` as settings of a problem; a key that has an option of its own is refused."""
+    """The pairs of ``--set`` and ``--objective``, a setting too, as settings of a problem; what says how FILE is read is refused."""
     given = parse_pairs(settings, "--set")
-    for key in ("format", "problem", "convention", "objective", "path"):
+    if objective is not None and "objective" in given:
+        raise UsageError("the objective is given twice: by --objective and by --set objective")
+    for key in ("format", "problem", "convention", "path"):
         if key in given:
             raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
     if objective is not None:
