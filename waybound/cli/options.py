@@ -219,31 +219,46 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        from . import output
+
+        def failed(error: BaseException, message: str, code: int) -> typer.Exit:
+            complain(message)
+            if kwargs.get("json") and not output.begun:
+                print_failure(message, code, error)
+            return typer.Exit(code)
+
+        output.begun = False
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = lambda message, *_, **__: remark(str(message))  # of whatever package: one line, and no source
                 return command(*args, **kwargs)
         except WayboundError as error:
-            complain(str(error))
-            raise typer.Exit(error.exit_code) from None
-        except KeyboardInterrupt:
-            complain("interrupted")
-            raise typer.Exit(interrupts.exit_code()) from None
+            raise failed(error, str(error), error.exit_code) from None
+        except KeyboardInterrupt as error:
+            raise failed(error, "interrupted", interrupts.exit_code()) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
         except MemoryError as error:
-            complain(f"not enough memory for this{f': {error}' if str(error) else ''}")
-            raise typer.Exit(4) from None
+            raise failed(error, f"not enough memory for this{f': {error}' if str(error) else ''}", 4) from None
         except Exception as error:
             if kwargs.get("verbose"):
                 import traceback
 
                 print("\n".join(printable(line) for line in traceback.format_exc().splitlines()), file=sys.stderr)
             hint = "" if kwargs.get("verbose") else "; run again with -v for the traceback"
-            complain(f"internal error: {type(error).__name__}: {error}{hint}")
-            raise typer.Exit(1) from None
+            raise failed(error, f"internal error: {type(error).__name__}: {error}{hint}", 1) from None
 
     return run
+
+
+def print_failure(message: str, code: int, error: BaseException | None = None) -> None:
+    """The one object that ``--json`` promises where a command fails: ``error``, ``code``, and the place in a file where it has one."""
+    from .output import print_json
+
+    place = {"file": str(error.file), "line": error.line} if isinstance(error, InputError) and error.file is not None else {}
+    told = {"error": one_line(message), "code": code, **place}
+    with contextlib.suppress(InputError):  # standard output cannot be written to
+        print_json({key: value for key, value in told.items() if value is not None})
 
 
 def complain(message: str) -> None:
