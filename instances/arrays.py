@@ -82,12 +82,17 @@ def refuse_unused(what: str, count: int, used: int, users: str) -> None:
         raise InputError(f"there are {count} {what}, but only {used} {users}", expected=f"at most {MOST_UNUSED} more {what} than {users}")
 
 
+def _placed(what: str, k: int) -> str:
+    """``what`` with the place ``k``: rows and entries are counted from 1, as lines of a file are; in brackets as programs count."""
+    return what.format(k if "[{}]" in what else k + 1)
+
+
 def refuse_outside(what: str, values: NDArray[Any], count: int, thing: str) -> None:
     """Raise InputError for the first of ``values`` that is not from 0 to ``count`` - 1; ``what`` has a place for its position."""
     if values.size and not (values.min() >= 0 and values.max() < count):
         k = int(np.argmax((values < 0) | (values >= count)))
         expected = f"0 to {count - 1}" if count else f"none, for there is no {thing}"
-        raise InputError(f"{what.format(k)} does not exist", expected=expected, found=str(values[k]))
+        raise InputError(f"{_placed(what, k)} does not exist", expected=expected, found=str(values[k]))
 
 
 def refuse_negative(what: str, values: Floats) -> None:
@@ -95,7 +100,7 @@ def refuse_negative(what: str, values: Floats) -> None:
     wrong = ~(values >= 0) | np.isinf(values)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"{what.format(k)} must be finite and not negative", found=str(values[k]))
+        raise InputError(f"{_placed(what, k)} must be finite and not negative", found=str(values[k]))
 
 
 def refuse_overflow(what: str, values: NDArray[Any]) -> None:

@@ -144,7 +144,7 @@ class AssignmentInstance:
         twice = (np.diff(i[order]) == 0) & (np.diff(j[order]) == 0)
         if twice.any():
             k = order[int(np.argmax(twice))]
-            raise InputError(f"the pair of robot {i[k]} and bin {j[k]} stands twice")
+            raise InputError(f"the pair of robot {i[k] + 1} and bin {j[k] + 1} stands twice")
         kept = order[~(c[order] == math.inf)]
         indptr = np.zeros(n + 1, dtype=np.int64)
         np.cumsum(np.bincount(i[kept], minlength=n), out=indptr[1:])
@@ -165,7 +165,7 @@ class AssignmentInstance:
             values = arrays.reals("column cost", costs["cost"])
             if np.isnan(values).any():
                 row = int(np.argmax(np.isnan(values)))
-                raise InputError(f"the cost in row {row} is not a number", expected="a number, or infinity for a forbidden pair")
+                raise InputError(f"the cost in row {row + 1} is not a number", expected="a number, or infinity for a forbidden pair")
             return cls.from_pairs(
                 len(robots), len(bins), ends[0], ends[1], values, robot_names=tuple(robots), bin_names=tuple(bins), **further
             )
@@ -277,5 +277,5 @@ def _not_rectangular(costs: Iterable[Any]) -> InputError:
         return InputError("costs must be a matrix of numbers, one row a robot and one column a bin", found=repr(costs)[:40])
     odd = next((k for k, length in enumerate(lengths) if length != lengths[0]), None)
     if odd is not None:
-        return InputError(f"row {odd} of the costs has a wrong length", expected=str(lengths[0]), found=str(lengths[odd]))
+        return InputError(f"row {odd + 1} of the costs has a wrong length", expected=str(lengths[0]), found=str(lengths[odd]))
     return InputError("costs must hold numbers", found=repr(costs)[:40])
