@@ -352,7 +352,7 @@ def test_the_solver_of_linear_programs_is_the_one_named(run, registered, strict_
     assert {(options.seed, options.threads) for _, options in Counting.told} == {(9, 2)}
 
 
-@pytest.mark.parametrize(("name", "says"), [("hihgs", "unknown solver 'hihgs'; choose from "), ("pyvrp", "it lacks LP programs")])
+@pytest.mark.parametrize(("name", "says"), [("hihgs", "unknown solver 'hihgs'; choose from "), ("pyvrp", "it does not handle LP programs")])
 def test_who_solves_no_linear_programs_is_refused(refused, name, says):
     assert says in refused("solve", "demo-tiny", "--lp-solver", name, "-q")
 

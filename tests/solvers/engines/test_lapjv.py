@@ -47,7 +47,7 @@ def test_no_optimum_is_claimed_that_the_prices_do_not_prove() -> None:
 
 
 def test_bottlenecks_are_refused_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="lapjv cannot take this problem: it lacks objective:bottleneck"):
+    with pytest.raises(UnsupportedError, match="lapjv cannot take this problem: it does not handle objective:bottleneck"):
         wb.solve(worked("O", objective="bottleneck"), "lapjv")
 
 
