@@ -30,9 +30,9 @@ def test_doors_lead_both_ways_and_a_room_hears_itself() -> None:
     ("change", "message"),
     [
         ({"exploring": [[0.0], [1.0, 2.0], [1.0]]}, "exploring must be a matrix of numbers"),
-        ({"searching": [[0.5, 1.0]] * 3}, "searching of room 0, time 1 must be at least 0, and no more than the time before"),
-        ({"searching": [[1.0, -1.0]] * 3}, "searching of room 0, time 1"),
-        ({"searching": [[np.nan, 1.0]] * 3}, "searching of room 0, time 0"),
+        ({"searching": [[0.5, 1.0]] * 3}, "searching of room 1, time 2 must be at least 0, and no more than the time before"),
+        ({"searching": [[1.0, -1.0]] * 3}, "searching of room 1, time 2"),
+        ({"searching": [[np.nan, 1.0]] * 3}, "searching of room 1, time 1"),
         ({"mapping": np.zeros((2, 0))}, "mapping must have one row a room"),
         ({"exploring": np.zeros((0, 1))}, "there are no rooms"),
         ({"doors": [(0, 3)]}, "a room of doors, entry 2"),
