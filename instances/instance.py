@@ -49,7 +49,7 @@ def digest(*parts: Any) -> str:
         if isinstance(part, np.ndarray):
             h.update(f"{part.dtype.kind}{part.shape}".encode())
             little = part.astype(part.dtype.newbyteorder("<"), copy=False)
-            h.update(np.ascontiguousarray(little).reshape(-1).view(np.uint8))
+            h.update(np.ascontiguousarray(little).reshape(-1).view(np.uint8).data)
         else:
             h.update(repr(part).encode())
         h.update(b"\0")

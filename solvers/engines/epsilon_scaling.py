@@ -53,10 +53,10 @@ class EpsilonScalingEngine(Engine):
                 return RawResult("optimal", answer=found.answer, objective=value, bound=value, statistics=statistics, evidence=proofs)
         other = LapjvEngine()
         if stop.reached() or other.apart(problem):
-            answer, value = (control.answer, control.objective) if proofs else (asked.answer_at_hand(), None)
+            answer = control.answer if proofs else asked.answer_at_hand()
             why = (
                 "the auction's prices do not prove its assignment optimal" if proofs else "the auction was cut short: any of the most pairs"
             )
-            return RawResult("feasible", stop.reached() or "none", answer, value, statistics=statistics, evidence=proofs, message=why)
+            return RawResult("feasible", stop.reached() or "none", answer, statistics=statistics, evidence=proofs, message=why)
         later = other.run(problem, replace(options, time_limit=stop.seconds_left), control)
         return replace(later, evidence=later.evidence + proofs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import math
 from typing import Any
 
@@ -10,6 +11,7 @@ import pandas as pd
 import pytest
 import scipy.sparse as sp
 
+import waybound as wb
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.frames import instance_from_frame
@@ -256,3 +258,17 @@ def test_what_would_be_misread_is_refused_with_the_cure(frame: pd.DataFrame, opt
     with pytest.raises(InputError) as error:
         instance_from_frame(frame, **options)
     assert message in str(error.value) and "\n" not in str(error.value)
+
+
+def test_times_of_day_are_told_as_such_in_errors_reasons_and_files(tmp_path) -> None:
+    early, noon, late = datetime.time(6), datetime.time(6, 10), datetime.time(18)
+    sites = pd.DataFrame({"x": [0, 30], "y": [0, 0], "demand": [0, 1], "ready": [early, early], "due": [late, noon]})
+    problem = wb.RoutingProblem.from_frame(sites, time_unit="min", vehicles=1, capacity=5)
+    assert wb.explain(problem).reasons[0].message == "it is reached at 06:30 at the earliest, due 06:10"
+    (broken,) = problem.evaluate(problem.answer_of([[1]])).violations
+    assert broken.message.endswith("at 06:30, due 06:10")
+    fine = wb.RoutingProblem.from_frame(sites.assign(due=[late, late]), time_unit="min", vehicles=1, capacity=5)
+    fine.save(tmp_path / "day.json")
+    again = wb.read(tmp_path / "day.json")
+    assert again.clock == fine.clock and fine.clock.of_day
+    assert "06:00 to 18:00" in fine._repr_html_()
