@@ -103,6 +103,11 @@ class Reason:
     message: str
     evidence: Evidence | None = None
 
+    @property
+    def name(self) -> str:
+        """Kind and name, or the one word that is both."""
+        return self.kind if self.where == self.kind else f"{self.kind} {self.where}"
+
     def to_json(self) -> dict[str, Any]:
         evidence = None if self.evidence is None else self.evidence.to_json()
         return {"kind": self.kind, "where": self.where, "message": self.message, "evidence": evidence}

@@ -36,7 +36,7 @@ def number(value: Any) -> str:
         return "-"
     if isinstance(value, list | tuple):
         return " then ".join(number(v) for v in value)
-    return f"{float(value):.10g}"
+    return f"{float(value) + 0.0:.10g}"  # -0.0 is 0
 
 
 def percent(gap: float | None) -> str:

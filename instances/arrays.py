@@ -82,13 +82,17 @@ def refuse_unused(what: str, count: int, used: int, users: str) -> None:
         raise InputError(f"there are {count} {what}, but only {used} {users}", expected=f"at most {MOST_UNUSED} more {what} than {users}")
 
 
+def _placed(what: str, k: int) -> str:
+    """``what`` with the place ``k``: rows and entries are counted from 1, as lines of a file are; in brackets as programs count."""
+    return what.format(k if "[{}]" in what else k + 1)
+
+
 def refuse_outside(what: str, values: NDArray[Any], count: int, thing: str) -> None:
     """Raise InputError for the first of ``values`` that is not from 0 to ``count`` - 1; ``what`` has a place for its position."""
-    outside = (values < 0) | (values >= count)
-    if outside.any():
-        k = int(np.argmax(outside))
+    if values.size and not (values.min() >= 0 and values.max() < count):
+        k = int(np.argmax((values < 0) | (values >= count)))
         expected = f"0 to {count - 1}" if count else f"none, for there is no {thing}"
-        raise InputError(f"{what.format(k)} does not exist", expected=expected, found=str(values[k]))
+        raise InputError(f"{_placed(what, k)} does not exist", expected=expected, found=str(values[k]))
 
 
 def refuse_negative(what: str, values: Floats) -> None:
@@ -96,7 +100,7 @@ def refuse_negative(what: str, values: Floats) -> None:
     wrong = ~(values >= 0) | np.isinf(values)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"{what.format(k)} must be finite and not negative", found=str(values[k]))
+        raise InputError(f"{_placed(what, k)} must be finite and not negative", found=str(values[k]))
 
 
 def refuse_overflow(what: str, values: NDArray[Any]) -> None:
@@ -118,10 +122,10 @@ def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: s
     if not len(indptr) or indptr[0] != 0 or indptr[-1] != len(columns) or (np.diff(indptr) < 0).any():
         raise InputError(f"the starts of the {row}s do not ascend from 0 to the number of {entries}")
     refuse_outside(f"{column} of entry {{}}", columns, count, column)
-    inside = np.ones(max(len(columns) - 1, 0), dtype=bool)
+    falls = columns[1:] <= columns[:-1]
     starts = indptr[1:-1]
-    inside[starts[(starts > 0) & (starts < len(columns))] - 1] = False
-    if (np.diff(columns)[inside] <= 0).any():
+    falls[starts[(starts > 0) & (starts < len(columns))] - 1] = False  # from one row to the next
+    if falls.any():
         raise InputError(f"the {column}s of each {row} must ascend, none twice")
 
 

@@ -51,10 +51,13 @@ class Clock:
         ``s, min, h`` or ``d``.
     origin : str
         The moment that is time 0, as ISO 8601; "" where times are not those of a calendar.
+    of_day : bool
+        Whether time 0 is midnight of any day: times were told as times of day, such as 08:00.
     """
 
     unit: str
     origin: str = ""
+    of_day: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "unit", unit_named(self.unit))
@@ -87,9 +90,30 @@ class Clock:
             return list(times)
         return [start + pd.Timedelta(seconds=round(t * self.seconds, 3)) if math.isfinite(t) else pd.NaT for t in times]
 
+    def told(self, time: float, digits: int = 6) -> str:
+        """A point in time as its data had it: a moment, a time of day with the day if it is a later one, else a number."""
+        if not math.isfinite(time) or not (self.origin or self.of_day) or abs(time) * self.seconds > _CENTURIES:
+            return f"{time:.{digits}g}"
+        start = datetime.datetime.fromisoformat(self.origin) if self.origin else datetime.datetime(2000, 1, 1)
+        moment = start + datetime.timedelta(milliseconds=round(time * self.seconds * 1000))
+        parts = "milliseconds" if moment.microsecond else "seconds" if moment.second else "minutes"
+        if self.origin:
+            return moment.isoformat(" ", parts)
+        day, clock = (moment - start).days, moment.time().isoformat(parts)
+        return clock if day == 0 else "24:00" if moment == start + datetime.timedelta(days=1) else f"{clock} of day {day + 1}"
+
     def __str__(self) -> str:
-        since = f" since {self.origin.replace('T', ' ')}" if self.origin else ""
+        since = f" since {self.origin.replace('T', ' ')}" if self.origin else " since midnight" if self.of_day else ""
         return f"{self.unit}{since}"
+
+
+_CENTURIES = 200 * 366 * 86400
+"""Seconds from time 0 on that a calendar is asked for."""
+
+
+def moment_told(clock: Clock | None, time: float, digits: int = 6) -> str:
+    """``Clock.told``; the number where there is no clock."""
+    return f"{time:.{digits}g}" if clock is None else clock.told(time, digits)
 
 
 def unit_named(name: object) -> str:
@@ -154,6 +178,7 @@ class Times:
     def __init__(self, unit: str | None) -> None:
         self.unit = None if unit is None else unit_named(unit)
         self._first: Any = None
+        self._of_day = False
 
     def see(self, values: Any) -> None:
         """Let moments among ``values`` (a column, a list, one value) count for the origin."""
@@ -178,7 +203,7 @@ class Times:
         """What was found; None where no unit was named."""
         if self.unit is None:
             return None
-        return Clock(self.unit, "" if self.origin is None else self.origin.isoformat())
+        return Clock(self.unit, "" if self.origin is None else self.origin.isoformat(), self._of_day and self.origin is None)
 
     def moment(self, value: Any, what: str) -> float:
         """A point in time as a number; NaN where it is missing."""
@@ -191,6 +216,7 @@ class Times:
         if _is_moment(value):
             return float((pd.Timestamp(value) - self.origin).total_seconds()) / self._seconds(what, "timestamps")
         if isinstance(value, datetime.time):
+            self._of_day = True
             return (value.hour * 3600 + value.minute * 60 + value.second + value.microsecond / 1e6) / self._seconds(what, "times of day")
         return self.span(value, what)
 

@@ -103,10 +103,10 @@ class UnsupportedError(WayboundError):
         lacking = ", ".join(self.missing)
         if nearest:
             approximated = f"; heuristics that can: {', '.join(self.others)}" if self.others else ""
-            super().__init__(f"{who} can take this problem: the nearest, {nearest}, lacks {lacking}{approximated}")
+            super().__init__(f"{who} can take this problem: the nearest, {nearest}, does not handle {lacking}{approximated}")
             return
         rest = f"can take it: {', '.join(self.others)}" if self.others else "no installed alternative has them all"
-        super().__init__(f"{who} cannot take this problem: it lacks {lacking}; {rest}")
+        super().__init__(f"{who} cannot take this problem: it does not handle {lacking}; {rest}")
 
 
 class MissingPackageError(WayboundError):

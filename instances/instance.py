@@ -48,7 +48,8 @@ def digest(*parts: Any) -> str:
     for part in parts:
         if isinstance(part, np.ndarray):
             h.update(f"{part.dtype.kind}{part.shape}".encode())
-            h.update(np.ascontiguousarray(part).astype(part.dtype.newbyteorder("<")).tobytes())
+            little = part.astype(part.dtype.newbyteorder("<"), copy=False)
+            h.update(np.ascontiguousarray(little).reshape(-1).view(np.uint8).data)
         else:
             h.update(repr(part).encode())
         h.update(b"\0")

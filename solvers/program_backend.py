@@ -86,9 +86,9 @@ class ProgramBackend(Backend):
         return any(features <= most for most in self.programs) and (not self.only_integers or features >= INTEGERS)
 
     def lacking(self, program: Program) -> frozenset[str]:
-        """Features of ``program`` that the solver lacks, as far as features tell."""
+        """Features of ``program`` that the solver lacks, as far as features tell; one without variables is settled for everybody."""
         features = program.features()
-        if self.able(features):
+        if self.able(features) or not program.num_variables:
             return frozenset()
         return CIRCUITS if features >= CIRCUITS and self.able(features - CIRCUITS) else frozenset({f"{program.kind} programs"})
 

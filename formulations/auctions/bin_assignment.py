@@ -97,6 +97,11 @@ class BinAssignment(Problem):
         """See ``AssignmentInstance.from_matrix``."""
         return cls(AssignmentInstance.from_matrix(costs, **further), objective=objective, match=match)
 
+    @classmethod
+    def from_frame(cls, costs: pd.DataFrame, *, objective: str = "sum", match: str = "most", **further: Any) -> BinAssignment:
+        """See ``AssignmentInstance.from_frame``."""
+        return cls(AssignmentInstance.from_frame(costs, **further), objective=objective, match=match)
+
     def _waited(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
         data = self.instance
         if data.filled is None:

@@ -45,6 +45,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
             "earliest": float(s.ready[at].min(initial=math.inf)),
             "latest": float(due.max()) if len(due) else None,
             "depot": [[float(s.ready[i]), float(s.due[i])] for i in s.depots],
+            **({} if problem.clock is None else {"clock": dataclasses.asdict(problem.clock)}),
         },
         "travel": _travel(problem.travel, s) | ({} if problem.forbidden is None else {"forbidden_moves": int(problem.forbidden.sum())}),
         "fleet": [_vehicle(v, s) for v in problem.fleet],

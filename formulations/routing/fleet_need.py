@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.clock import moment_told
 from ...instances.routing.reach import Use, least_use, shortest_ways
 from ..certificate import verified_bound
 from ..evidence import Evidence
@@ -151,7 +152,8 @@ def _hours(problem: RoutingProblem) -> Iterator[Evidence]:
         low, high = at
         names = [sites.ids[k] for k in wanted[(begin >= low) & (end <= high)].tolist()]
         why = (
-            f"these {len(names)} sites can only be begun from {low:g} to {high:g}, and keep {_vehicles(vehicles)} busy for longer than that"
+            f"these {len(names)} sites can only be begun from {moment_told(problem.clock, low)} to {moment_told(problem.clock, high)}, "
+            f"and keep {_vehicles(vehicles)} busy for longer than that"
         )
         yield _evidence(problem, "too-little-time", f"{why}: {', '.join(names)}", sites=names, **{"from": low, "until": high})
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ...instances.clock import moment_told
 from ...instances.errors import UsageError
 from ...instances.routing.instance import placed
 from ...instances.routing.sites import COLUMNS
@@ -48,7 +49,7 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
     sites, starts = problem.sites, {v.stop for v in under_way}
     fleet = [*_fresh(problem, gone, time), *_committed(problem, under_way)]
     if not fleet:
-        raise UsageError(f"no vehicle is left at {time:g}")
+        raise UsageError(f"no vehicle is left at {moment_told(problem.clock, time)}")
     columns: dict[str, Any] = {name: np.array(getattr(sites, name)) for name in COLUMNS}
     for v in under_way:
         if not sites.depot[v.stop]:
@@ -63,7 +64,7 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
     used = {k for v in fleet for k in (v.start, v.end, *v.reloads, *v.stations)}
     left = set(problem.customers.tolist()) - taken - decided
     if not left:
-        raise UsageError(f"nothing is left to plan at {time:g}: every site is served or next on its route")
+        raise UsageError(f"nothing is left to plan at {moment_told(problem.clock, time)}: every site is served or next on its route")
     keep = np.array(sorted(left | used), dtype=np.int64)
     changed = replace(
         sites, windows=tuple(() if k in starts else w for k, w in enumerate(sites.windows)),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.clock import moment_told
 from ..evaluation import Checklist, Evaluation
 from ..tolerance import EQUAL, ROUNDING, allowance, widening
 from .overrun import joint_overrun, route_overrun, uncertain
@@ -173,14 +174,16 @@ def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedul
     due[-1] = closing(problem, vehicle)
     allowed = allowance(due, reached, opens)
     for site, at, end, slack in zip(places, reached.tolist(), due.tolist(), allowed.tolist(), strict=True):
-        late = f"{name} reaches {sites.ids[site]} at {at:.10g}, due {end:.10g}"
+        when, last = moment_told(problem.clock, at, 10), moment_told(problem.clock, end, 10)
+        late = f"{name} reaches {sites.ids[site]} at {when}, due {last}"
         judge.test("time-windows", at - end, late, allowed=slack, vehicle=name, site=sites.ids[site])
     if not np.isfinite(plan.closing).any():
         return
     allowed = allowance(plan.closing, plan.leaves, opens)
     tails = [vehicle.start, *route.visits]
     for i, j, at, end, slack in zip(tails, places, plan.leaves.tolist(), plan.closing.tolist(), allowed.tolist(), strict=True):
-        late = f"{name} leaves {sites.ids[i]} for {sites.ids[j]} at {at:.10g}, the move closes at {end:.10g}"
+        when, last = moment_told(problem.clock, at, 10), moment_told(problem.clock, end, 10)
+        late = f"{name} leaves {sites.ids[i]} for {sites.ids[j]} at {when}, the move closes at {last}"
         judge.test("closing-moves", at - end, late, allowed=slack, vehicle=name, site=sites.ids[i])
 
 

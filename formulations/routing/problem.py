@@ -108,7 +108,7 @@ class RoutingProblem(Problem):
             notes=tuple(notes), forbidden=forbidden, team_risk=team_risk, clock=clock,
         )  # fmt: skip
         check_moves(sites, forbidden)
-        check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk)
+        check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk, clock)
 
     def altered(self, **parts: Any) -> RoutingProblem:
         """A problem of other parts, which are not checked again. Nothing is kept that was derived from the former ones."""

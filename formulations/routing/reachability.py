@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.clock import moment_told
 from ...instances.routing.reach import Use, least_use, shortest_ways, ways_alone
 from ..tolerance import LIMIT, widened
 from .overrun import quantile
@@ -26,8 +27,8 @@ MOST_DETOURS = 5_000
 WORDS = {
     "load": "its demand is {:g}, the capacity {:g}",
     "pickup": "{:g} is collected there, the capacity is {:g}",
-    "arrival": "it is reached at {:.6g} at the earliest, due {:g}",
-    "return": "the return from it is at {:.6g} at the earliest, due {:g}",
+    "arrival": "it is reached at {} at the earliest, due {}",
+    "return": "the return from it is at {} at the earliest, due {}",
     "duration": "a route to it lasts {:.6g} at least, the longest duration is {:g}",
     "distance": "a route to it is {:.6g} long at least, the longest distance is {:g}",
     "energy": "a route to it draws {:.6g} of energy at least ({charge}), the store holds {:g}",
@@ -232,5 +233,7 @@ def _broken(problem: RoutingProblem, kind: int, *, detours: bool) -> list[str | 
     for use in _uses(problem, kind, detours=detours):
         most = np.broadcast_to(np.asarray(use.most, dtype=np.float64), len(reasons))
         for k in np.nonzero(use.least > widened(most) + LIMIT * np.abs(use.least))[0].tolist():
-            reasons[k] = reasons[k] or WORDS[use.limit].format(use.least[k], most[k], charge=charge)
+            amounts = float(use.least[k]), float(most[k])
+            shown = [moment_told(problem.clock, at) for at in amounts] if use.limit in ("arrival", "return") else amounts
+            reasons[k] = reasons[k] or WORDS[use.limit].format(*shown, charge=charge)
     return reasons

@@ -59,10 +59,19 @@ def bertsekas(
         why = "prices grew beyond all bounds" if not stop.reached() else "cut short"
         message = f"{why}: the answer is any of the most pairs"
         return Outcome(problem.answer_at_hand(), statistics=statistics, message=message, limit=stop.reached() or "none")
+    message = _other(epsilon, found.epsilon)
     if problem.pairs > int((problem.largest >= 0).sum()):
-        return Outcome(found.answer, statistics=statistics)
+        return Outcome(found.answer, statistics=statistics, message=message)
     value, evidence = problem.evaluate(found.answer).quantities["sum"], found.evidence(problem, "auction prices")
-    return Outcome(found.answer, _guarantee(problem, value, evidence.value, found), (evidence,), statistics)
+    return Outcome(found.answer, _guarantee(problem, value, evidence.value, found), (evidence,), statistics, message)
+
+
+def _other(asked: float | None, used: float) -> str:
+    """That another epsilon was used than was asked for."""
+    if asked is None or math.isclose(asked, used, rel_tol=1e-6):
+        return ""
+    why = "the range of the costs" if used < asked else "the finest step in which costs are counted"
+    return f"epsilon {asked:g} is run as {used:.6g}, {why}"
 
 
 def _guarantee(problem: BinAssignment, value: float, proved: float, found: Auction) -> Guarantee | None:

@@ -223,7 +223,7 @@ def _found(engine: Engine, problem: RoutingProblem, steps: int, seed: int, stop:
 
 def _refuses(problem: Any) -> frozenset[str]:
     if not problem.features() & RISKS:
-        return frozenset({"certain durations"})
+        return frozenset({"problems without a limit on risk"})
     return PyVRP().missing(certain(problem, 1.0, problem.team_risk))
 
 

@@ -113,17 +113,20 @@ class AssignmentInstance:
             raise InputError("there are no robots", expected="one at least")
         if made.ndim != 2:
             raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {made.shape}")
-        kept = made < math.inf
-        bad = np.isnan(made)
-        if bad.any():
-            robot, column = np.argwhere(bad)[0].tolist()
-            raise InputError(
-                f"the cost in row {robot}, column {column} is not a number", expected="a number, or infinity for a forbidden pair"
-            )
-        indptr = np.zeros(len(made) + 1, dtype=np.int64)
-        np.cumsum(kept.sum(axis=1), out=indptr[1:])
         n, m = made.shape
-        return cls(n, m, indptr, np.nonzero(kept)[1], made[kept], **further)  # type: ignore[arg-type]
+        if made.size and made.max() < math.inf:  # every pair is allowed, and none is NaN
+            pairs = np.arange(n + 1) * m, np.tile(np.arange(m, dtype=np.int32), n), made.flatten()
+        else:
+            bad = np.isnan(made)
+            if bad.any():
+                robot, column = np.argwhere(bad)[0].tolist()
+                raise InputError(
+                    f"the cost in row {robot + 1}, column {column + 1} is not a number",
+                    expected="a number, or infinity for a forbidden pair",
+                )
+            kept = made < math.inf
+            pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), made[kept]
+        return cls(n, m, *pairs, **further)
 
     @classmethod
     def from_pairs(
@@ -141,7 +144,7 @@ class AssignmentInstance:
         twice = (np.diff(i[order]) == 0) & (np.diff(j[order]) == 0)
         if twice.any():
             k = order[int(np.argmax(twice))]
-            raise InputError(f"the pair of robot {i[k]} and bin {j[k]} stands twice")
+            raise InputError(f"the pair of robot {i[k] + 1} and bin {j[k] + 1} stands twice")
         kept = order[~(c[order] == math.inf)]
         indptr = np.zeros(n + 1, dtype=np.int64)
         np.cumsum(np.bincount(i[kept], minlength=n), out=indptr[1:])
@@ -162,7 +165,7 @@ class AssignmentInstance:
             values = arrays.reals("column cost", costs["cost"])
             if np.isnan(values).any():
                 row = int(np.argmax(np.isnan(values)))
-                raise InputError(f"the cost in row {row} is not a number", expected="a number, or infinity for a forbidden pair")
+                raise InputError(f"the cost in row {row + 1} is not a number", expected="a number, or infinity for a forbidden pair")
             return cls.from_pairs(
                 len(robots), len(bins), ends[0], ends[1], values, robot_names=tuple(robots), bin_names=tuple(bins), **further
             )
@@ -187,9 +190,8 @@ class AssignmentInstance:
             object.__setattr__(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
             object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count))
         object.__setattr__(self, "name", label(self.name))
-        wrong = ~(np.abs(cost) <= LARGEST)
-        if wrong.any():
-            k = int(np.argmax(wrong))
+        if not (cost.min(initial=0.0) >= -LARGEST and cost.max(initial=0.0) <= LARGEST):  # NaN is neither
+            k = int(np.argmax(~(np.abs(cost) <= LARGEST)))
             robot = self.robot_name(int(np.searchsorted(indptr, k, side="right")) - 1)
             pair = f"robot {robot} and bin {self.bin_name(int(bins[k]))}"
             raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", found=str(cost[k]))
@@ -275,5 +277,5 @@ def _not_rectangular(costs: Iterable[Any]) -> InputError:
         return InputError("costs must be a matrix of numbers, one row a robot and one column a bin", found=repr(costs)[:40])
     odd = next((k for k, length in enumerate(lengths) if length != lengths[0]), None)
     if odd is not None:
-        return InputError(f"row {odd} of the costs has a wrong length", expected=str(lengths[0]), found=str(lengths[odd]))
+        return InputError(f"row {odd + 1} of the costs has a wrong length", expected=str(lengths[0]), found=str(lengths[odd]))
     return InputError("costs must hold numbers", found=repr(costs)[:40])

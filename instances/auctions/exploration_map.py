@@ -181,7 +181,7 @@ def _gains(key: str, given: ArrayLike) -> Floats:
     if wrong.any():
         room, time = np.argwhere(wrong)[0].tolist()
         raise InputError(
-            f"{key} of room {room}, time {time} must be at least 0, and no more than the time before", found=str(made[room, time])
+            f"{key} of room {room + 1}, time {time + 1} must be at least 0, and no more than the time before", found=str(made[room, time])
         )
     return made
 

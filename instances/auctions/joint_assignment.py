@@ -135,5 +135,5 @@ def _times(what: str, given: ArrayLike, shape: tuple[int | None, int | None] | N
     if wrong.any():
         i, j = np.argwhere(wrong)[0].tolist()
         told = ", or infinite" if endless else ""
-        raise InputError(f"{what} in row {i}, column {j} must be from 0 to {LARGEST:g}{told}", found=str(made[i, j]))
+        raise InputError(f"{what} in row {i + 1}, column {j + 1} must be from 0 to {LARGEST:g}{told}", found=str(made[i, j]))
     return made

@@ -114,7 +114,7 @@ class MaxMinInstance:
             if len(free):
                 raise InputError(f"variable {free[0]} covers but is in no packing row: it is not bounded")
         elif (np.diff(self.covering.indptr) == 0).any():
-            raise InputError(f"covering row {int(np.argmin(np.diff(self.covering.indptr)))} holds no variable: nothing can cover it")
+            raise InputError(f"covering row {int(np.argmin(np.diff(self.covering.indptr))) + 1} holds no variable: nothing can cover it")
 
     def __repr__(self) -> str:
         rows = f"{self.packing.rows} packing and {self.covering.rows} covering rows"

@@ -230,7 +230,7 @@ def _misspelt(title: str, found: Mapping[str, Any]) -> str | None:
 def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
     values = frame[found["id"]] if "id" in found else frame.index
     if values.isna().any():
-        raise InputError(f"row {int(np.argmax(np.asarray(values.isna())))} has no id", expected="a name in every row")
+        raise InputError(f"row {int(np.argmax(np.asarray(values.isna()))) + 1} has no id", expected="a name in every row")
     return tuple(id_text(v) for v in values.tolist())
 
 

@@ -169,7 +169,7 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
         row = {str(key): None if pd.api.types.is_scalar(value) and pd.isna(value) else value for key, value in held.items()}
         for title in names:
             if row[title] in (None, ""):
-                raise InputError(f"row {k} of {what} has no {title}", expected="a name in every row")
+                raise InputError(f"row {k + 1} of {what} has no {title}", expected="a name in every row")
             row[title] = id_text(row[title])
         made.append(row)
     return made

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..clock import Clock as Clock
+from ..clock import moment_told
 from ..errors import InputError, UsageError
 from .sites import Group as Group
 from .sites import Shipment as Shipment
@@ -76,7 +77,7 @@ class RoutingInstance:
     def __post_init__(self) -> None:
         object.__setattr__(self, "fleet", tuple(self.fleet))
         object.__setattr__(self, "problems", tuple(self.problems) or (self.problem,))
-        check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles, self.team_risk)
+        check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles, self.team_risk, self.clock)
         check_moves(self.sites, self.forbidden)
 
     def with_customers(self, count: int) -> RoutingInstance:
@@ -103,7 +104,12 @@ def placed(vehicle: VehicleType, keep: NDArray[np.int64]) -> VehicleType:
 
 
 def check_routing_data(
-    sites: Sites, travel: Travel, fleet: Sequence[VehicleType], min_vehicles: int, team_risk: float | None = None
+    sites: Sites,
+    travel: Travel,
+    fleet: Sequence[VehicleType],
+    min_vehicles: int,
+    team_risk: float | None = None,
+    clock: Clock | None = None,
 ) -> None:
     """Raise InputError unless the parts of a routing instance fit each other."""
     if len(travel) != len(sites):
@@ -113,7 +119,7 @@ def check_routing_data(
     if team_risk is not None:
         checked_risk(team_risk, "the risk of the team")
     for vehicle in fleet:
-        _check_vehicle(vehicle, sites, travel)
+        _check_vehicle(vehicle, sites, travel, clock)
         if (vehicle.risk is not None or team_risk is not None) and (vehicle.travel or travel).uncertain:
             _check_normal(vehicle, sites)
     if min_vehicles < 0:
@@ -134,7 +140,7 @@ def check_moves(sites: Sites, forbidden: NDArray[np.bool_] | None) -> None:
         raise InputError("forbidden moves must be truth values, one for each pair of sites", found=found)
 
 
-def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel) -> None:
+def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel, clock: Clock | None) -> None:
     name = vehicle.name
     for stops, what in (((vehicle.start, vehicle.end), "starts or ends"), (vehicle.reloads, "reloads"), (vehicle.stations, "recharges")):
         for site in stops:
@@ -145,10 +151,13 @@ def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel) -> None:
                          found=str(1 + len(vehicle.further_capacity)))  # fmt: skip
     opens, closes = max(float(sites.ready[vehicle.start]), vehicle.shift[0]), min(float(sites.due[vehicle.end]), vehicle.shift[1])
     if math.isfinite(vehicle.shift[0]) and opens > float(sites.due[vehicle.start]):
-        found = f"from {opens:g}, the latest departure is {sites.due[vehicle.start]:g}"
+        found = f"from {moment_told(clock, opens)}, the latest departure is {moment_told(clock, float(sites.due[vehicle.start]))}"
         raise InputError(f"the shift of {name} begins after its depot has closed", found=found)
     if (math.isfinite(vehicle.shift[0]) or math.isfinite(vehicle.shift[1])) and opens > closes:
-        raise InputError(f"the shift of {name} leaves no time between departure and return", found=f"{opens:g} to {closes:g}")
+        raise InputError(
+            f"the shift of {name} leaves no time between departure and return",
+            found=f"{moment_told(clock, opens)} to {moment_told(clock, closes)}",
+        )
     if sites.windows and vehicle.energy is not None and vehicle.energy.charge == "windows":
         raise InputError(
             f"energy of {name} is charged by windows, and a site has several", expected="travel, elapsed or elapsed-fixed-start"

@@ -47,7 +47,8 @@ def encode(instance: RoutingInstance) -> dict[str, Any]:
         ids = instance.sites.ids
         data["forbidden"] = [[ids[i], ids[j]] for i, j in np.argwhere(instance.forbidden).tolist()]
     if instance.clock is not None:
-        data["clock"] = {"unit": instance.clock.unit, **({"origin": instance.clock.origin} if instance.clock.origin else {})}
+        further = {"origin": instance.clock.origin} if instance.clock.origin else {"of-day": True} if instance.clock.of_day else {}
+        data["clock"] = {"unit": instance.clock.unit, **further}
     return data
 
 
@@ -121,9 +122,15 @@ def _forbidden(data: Any, index: dict[str, int]) -> NDArray[np.bool_]:
 
 
 def _clock(data: Any) -> Clock:
-    held = fields(data, "clock", ("unit", "origin"), ("unit",))
+    held = fields(data, "clock", ("unit", "origin", "of-day"), ("unit",))
+    if not isinstance(held.get("of-day", False), bool):
+        raise InputError("clock.of-day must be true or false", found=repr(held["of-day"])[:40])
     try:
-        return Clock(string(held["unit"], "clock.unit"), string(held["origin"], "clock.origin") if "origin" in held else "")
+        return Clock(
+            string(held["unit"], "clock.unit"),
+            string(held["origin"], "clock.origin") if "origin" in held else "",
+            held.get("of-day", False),
+        )
     except UsageError as error:
         raise InputError(f"clock.unit: {error}") from None
 

@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..clock import moment_told
 from ..errors import InputError
 from ..text import plain
 from .instance import RoutingInstance, Sites, VehicleType
@@ -221,9 +223,10 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
     k = int(np.argmax(beyond))
     use = next(use for use in found[0] if np.broadcast_to(_exceeds(use, size), len(at))[k])
     most = float(np.broadcast_to(use.most, len(at))[k])
+    shown = partial(moment_told, instance.clock, digits=12) if use.limit in ("arrival", "return") else plain
     raise InputError(
         f"no vehicle can reach customer {sites.ids[at[k]]}: {WORDS[use.limit]}", line=None if lines is None else int(lines[at[k]]),
-        expected=f"at most {plain(most)}", found=f"at least {plain(float(use.least[k]))}",
+        expected=f"at most {shown(most)}", found=f"at least {shown(float(use.least[k]))}",
     )  # fmt: skip
 
 

@@ -61,7 +61,7 @@ def graph_from_frames(
 
     def place(k: int) -> str:
         above = parts[0][2] if len(parts) > 1 else 0
-        return f"row {k} of {parts[0][0]}" if k < parts[0][2] else f"row {k - above} of {parts[-1][0]}"
+        return f"row {k + 1} of {parts[0][0]}" if k < parts[0][2] else f"row {k - above + 1} of {parts[-1][0]}"
 
     return graph_of_rows(
         columns[0], columns[1], columns[2], weight, place=place, order=order, duplicates=duplicates, name=name, format="frame"

@@ -1,8 +1,10 @@
-"""Bertsekas' auction against scipy on the same assignments, in turn in one process: CPU seconds, dense and sparse.
+"""The default solver of assignments against other libraries on the same costs, in turn in one process: CPU seconds, dense and sparse.
 
 ``python -m waybound.reports.benchmarks.assignment [--sizes 1000,3000] [--sparse 10000,30000,100000] [--repeats 3]``
 
-The auction's seconds are for the answer and its prices; those of the checker that multiplies them out stand apart. scipy returns no prices.
+The default's seconds are for all of ``solve(from_matrix(costs))``: reading, auction, judging the answer, and multiplying out its prices;
+those of the auction and its prices alone stand apart. Others return no prices: ``linear_sum_assignment`` and
+``min_weight_full_bipartite_matching`` of scipy, and, where they are installed, ``lapjv`` of the packages lap and lapjv.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,6 +27,8 @@ from ...formulations.stop import NEVER
 from ...formulations.tolerance import same
 from ...instances.generating import generate
 from ...solvers.engines.assignment_steps.auction import auction
+from ...solvers.packages import is_installed
+from ...solving.solve import solve
 
 ARCS = 21
 
@@ -41,39 +46,55 @@ def proved(problem: BinAssignment) -> tuple[tuple[int, ...], Evidence]:
     return found.answer, found.evidence(problem, "auction prices")
 
 
-def dense(problem: BinAssignment) -> float:
-    """The optimum by ``scipy.optimize.linear_sum_assignment``."""
+def scipy_dense(costs: Any) -> float:
     from scipy.optimize import linear_sum_assignment
 
-    matrix = problem.matrix()
-    return float(matrix[linear_sum_assignment(matrix)].sum())
+    return float(costs[linear_sum_assignment(costs)].sum())
 
 
-def sparse(problem: BinAssignment) -> float:
-    """The optimum by ``scipy.sparse.csgraph.min_weight_full_bipartite_matching``."""
-    from scipy.sparse import csr_matrix
+def scipy_sparse(costs: Any) -> float:
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
-    matrix = csr_matrix((problem.cost, problem.bins, problem.indptr), shape=(problem.num_robots, problem.num_bins))
-    return float(matrix[min_weight_full_bipartite_matching(matrix)].sum())
+    return float(costs[min_weight_full_bipartite_matching(costs)].sum())
 
 
-def compare(label: str, problem: BinAssignment, peer: Callable[[BinAssignment], float] | None, repeats: int) -> bool:
-    """A line of the table: medians of alternating runs; whether both optima are the same and the auction's is proved."""
-    own, other, best = [], [], None
+def lap(costs: Any) -> float:
+    from lap import lapjv
+
+    return float(lapjv(costs)[0])
+
+
+def lapjv(costs: Any) -> float:
+    from lapjv import lapjv as solved
+
+    return float(costs[np.arange(len(costs)), solved(costs)[0]].sum())
+
+
+DENSE: dict[str, Callable[[Any], float]] = {"scipy": scipy_dense, "lap": lap, "lapjv": lapjv}
+SPARSE: dict[str, Callable[[Any], float]] = {"scipy": scipy_sparse}
+
+
+def compare(label: str, costs: Any, peers: dict[str, Callable[[Any], float]], repeats: int) -> bool:
+    """A line of the table: medians of alternating runs; whether all optima are the same and ours is proved."""
+    seconds: dict[str, list[float]] = {}
+    optima: dict[str, float] = {}
     for _ in range(repeats):
-        if peer is not None:
-            seconds, best = timed(lambda: peer(problem))
-            other.append(seconds)
-        seconds, (answer, evidence) = timed(lambda: proved(problem))
-        own.append(seconds)
+        for name, peer in peers.items():
+            spent, optima[name] = timed(partial(peer, costs))
+            seconds.setdefault(name, []).append(spent)
+        spent, solution = timed(lambda: solve(BinAssignment.from_matrix(costs)))
+        seconds.setdefault("solve", []).append(spent)
+        problem = BinAssignment.from_matrix(costs)
+        spent, (answer, evidence) = timed(partial(proved, problem))
+        seconds.setdefault("auction", []).append(spent)
     checked, bound = timed(lambda: verified_bound(problem, evidence))
     judged = problem.evaluate(answer)
     value = judged.values[0]
-    good = judged.feasible and same(value, bound, judged.size) and (best is None or same(value, best, judged.size))
-    a, b = statistics.median(own), statistics.median(other) if other else float("nan")
-    told = "proved" if good else f"NOT PROVED: {value!r} {bound!r} {best!r}"
-    print(f"{label:28s} scipy {b:9.3f}   auction {a:9.3f}   {b / a:7.1f} x   check {checked:6.3f}   {value:.9g} {told}", flush=True)
+    others = [solution.objective, solution.bound, bound, *optima.values()]
+    good = judged.feasible and solution.bound_kind == "verified" and all(same(value, other, judged.size) for other in others)
+    medians = {name: statistics.median(spent) for name, spent in seconds.items()}
+    told = "   ".join(f"{name} {spent:7.3f}" for name, spent in medians.items())
+    print(f"{label:28s} {told}   check {checked:6.3f}   {value:.9g} {'proved' if good else f'NOT PROVED: {others}'}", flush=True)
     return good
 
 
@@ -81,25 +102,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
     parser.add_argument("--sizes", default="1000,3000")
     parser.add_argument("--sparse", default="10000,30000")
-    parser.add_argument("--alone", default="", help="sparse sizes at which the auction runs without its peer")
+    parser.add_argument("--alone", default="", help="sparse sizes at which no other library runs")
     parser.add_argument("--repeats", type=int, default=3)
     asked = parser.parse_args(arguments)
     sizes, many, alone = ([int(k) for k in text.split(",") if k] for text in (asked.sizes, asked.sparse, asked.alone))
-    for arcs in (0, 2):  # compiles dense and sparse loops
-        proved(_made(robots=30, bins=30, arcs=arcs))
-        proved(_made(robots=30, bins=40, arcs=arcs))
-    proved(_made(robots=3000, bins=3000, arcs=ARCS))  # loops that only many pairs are worth
+    for robots, bins, arcs in ((30, 30, 0), (30, 40, 0), (30, 30, 2), (30, 40, 2), (3000, 3000, ARCS)):  # compiles all loops
+        solve(_made(robots=robots, bins=bins, arcs=arcs))
+    peers = {name: peer for name, peer in DENSE.items() if is_installed(name)}
     good = True
     for n in sizes:
-        for kind, costs in (("whole", {"largest": 999}), ("uniform", {}), ("euclidean", {})):
-            problem = _made(robots=n, bins=n, costs=kind, **costs)
-            good &= compare(f"{n} x {n} {kind}", problem, dense, asked.repeats)
+        for kind, drawn in (("whole", {"largest": 999}), ("uniform", {}), ("euclidean", {})):
+            good &= compare(f"{n} x {n} {kind}", _made(robots=n, bins=n, costs=kind, **drawn).matrix(), peers, asked.repeats)
     for n in many + alone:
         for kind in ("whole", "uniform"):
-            problem = _made(robots=n, bins=n, costs=kind, arcs=ARCS)
-            if kind == "whole":  # a stored 0 is no pair to scipy
-                problem = BinAssignment.from_matrix(_shifted(problem))
-            good &= compare(f"{n} sparse x {ARCS} {kind}", problem, None if n in alone else sparse, 1)
+            costs = _shifted(_made(robots=n, bins=n, costs=kind, arcs=ARCS))  # a stored 0 is no pair to scipy
+            good &= compare(f"{n} sparse x {ARCS} {kind}", costs, {} if n in alone else SPARSE, 1)
     return 0 if good else 1
 
 

@@ -31,7 +31,7 @@ from waybound.heuristics.heuristic import HEURISTICS
 
 SOLVERS = ("pyvrp", "ortools", "vroom", "highs")
 
-REFUSED = "cannot take this problem: it lacks "
+REFUSED = "cannot take this problem: it does not handle "
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from ...formulations.routing.overrun import joint_overrun, route_overrun
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.reachability import unreachable
 from ...formulations.routing.routes import Routes
+from ...instances.clock import Clock, moment_told
 from ...instances.printable import printable
 from ...instances.routing.features import RISKS
 from ...instances.routing.geography import Middle
@@ -107,8 +108,9 @@ def _around(place: dict[str, float]) -> list[Row]:
 
 
 def _windows(windows: dict[str, Any]) -> list[Row]:
-    latest = "" if windows["latest"] is None else f", the last closes at {windows['latest']:g}"
-    opening = [f"{a:g} to {b:g}" for a, b in windows["depot"] if a != 0 or math.isfinite(b)]
+    told = partial(moment_told, Clock(**windows["clock"]) if "clock" in windows else None)
+    latest = "" if windows["latest"] is None else f", the last closes at {told(windows['latest'])}"
+    opening = [f"{told(a)} to {told(b)}" for a, b in windows["depot"] if a != 0 or math.isfinite(b)]
     rows = [("windows", f"{windows['sites']} customers{latest}")] if windows["sites"] else []
     return [*rows, *([("depot open", ", ".join(opening))] if opening else [])]
 

@@ -155,7 +155,7 @@ def test_a_density_that_is_too_low_is_explained(refused, tmp_path):
         (("demo-tiny", "--problem", "winner-takes-all"), "holds no sensing graph"),
         (("figure-3-3", "--convention", "trunc1"), "the convention can only be exact"),
         (("figure-3-3", "--set", "vehicles=3"), "bottleneck has no setting 'vehicles'"),
-        (("figure-3-3", "--solver", "pyvrp"), "pyvrp cannot take this problem: it lacks max-min problems"),
+        (("figure-3-3", "--solver", "pyvrp"), "pyvrp cannot take this problem: it does not handle max-min problems"),
         (("figure-3-3", "--heuristic", "savings"), "heuristic savings cannot take this problem"),
         (("cover-30", "--form", "three-index"), "form three-index cannot take this problem"),
     ],

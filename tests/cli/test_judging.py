@@ -158,7 +158,7 @@ def test_seed_threads_and_the_solver_of_linear_programs_reach_bounding(run, stri
     ("option", "value", "says"),
     [
         ("--lp-solver", "hihgs", "unknown solver 'hihgs'; choose from "),
-        ("--lp-solver", "pyvrp", "pyvrp cannot take this problem: it lacks LP programs; can take it: "),
+        ("--lp-solver", "pyvrp", "pyvrp cannot take this problem: it does not handle LP programs; can take it: "),
         ("--lp-solver", "", "unknown solver ''"),
         ("--seed", "-1", "--seed must be a whole number"),
         ("--threads", "0", "--threads must be a whole number"),

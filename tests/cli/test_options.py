@@ -179,3 +179,30 @@ def test_a_warning_is_one_line(capsys):
 
     handled(command)()
     assert capsys.readouterr().err == "note: a [2J b\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("solve", "nowhere.txt"), "nowhere.txt: no such file"),
+        (("info", "demo-tiny", "--set", "nothing=3"), "unknown setting nothing"),
+        (("solve", "demo-tiny", "--fast"), "No such option: --fast"),
+        (("solve", "demo-tiny", "--time-limit", "soon"), "Invalid value for '--time-limit'"),
+        (("explain",), "Missing argument 'FILE'"),
+        (("run", "nothing"), "unknown mission 'nothing'"),
+        (("solve", "demo-tiny", "--solver", "nobody"), "unknown solver 'nobody'"),
+    ],
+)
+def test_a_failure_is_one_json_object_where_json_is_asked_for(arguments, told, run, strict_json):
+    result = run(*arguments, "--json")
+    data = strict_json(result.stdout)
+    assert result.exit_code == data["code"] == 2 and data["error"].startswith(told)
+    assert told in " ".join(result.stderr.split()).replace("│ ", "")
+    assert run(*arguments).stdout == ""
+
+
+def test_a_failure_names_file_and_line_as_json(run, strict_json, tmp_path):
+    path = tmp_path / "costs.csv"
+    path.write_text("robot,bin,cost\na,b,3\na,c,x\n")
+    data = strict_json(run("solve", path, "--json").stdout)
+    assert (data["code"], data["file"], data["line"]) == (2, str(path), 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import subprocess
 import sys
 
 import pytest
@@ -48,3 +49,22 @@ def test_a_table_of_many_rows_is_cut_and_says_so(capsys: pytest.CaptureFixture[s
     told = capsys.readouterr().out
     assert "row 100" in told and "row 101" not in told
     assert "and 1,900 more rows; --json has all" in told
+
+
+NATIVE = """
+import ctypes, os, sys
+from waybound.cli.output import stdout_is_ours, write_out
+libc = ctypes.CDLL(None)
+write_out("{")
+with stdout_is_ours():
+    libc.printf(b"HighsMipSolverData::transformNewIntegerFeasibleSolution tmpSolver.run();\\n")
+    libc.printf(b"a log that was asked for\\n")
+    libc.printf(b"without an end")
+write_out("}\\n")
+"""
+
+
+def test_native_output_goes_to_standard_error_and_what_nobody_asked_for_nowhere() -> None:
+    done = subprocess.run([sys.executable, "-c", NATIVE], capture_output=True, text=True, timeout=60)
+    assert done.stdout == "{}\n"
+    assert done.stderr == "a log that was asked for\nwithout an end"

@@ -354,7 +354,7 @@ def test_the_solver_of_linear_programs_is_the_one_named(run, registered, strict_
     assert {(options.seed, options.threads) for _, options in Counting.told} == {(9, 2)}
 
 
-@pytest.mark.parametrize(("name", "says"), [("hihgs", "unknown solver 'hihgs'; choose from "), ("pyvrp", "it lacks LP programs")])
+@pytest.mark.parametrize(("name", "says"), [("hihgs", "unknown solver 'hihgs'; choose from "), ("pyvrp", "it does not handle LP programs")])
 def test_who_solves_no_linear_programs_is_refused(refused, name, says):
     assert says in refused("solve", "demo-tiny", "--lp-solver", name, "-q")
 
@@ -395,7 +395,8 @@ def test_an_objective_is_taken_as_text(run, refused, strict_json):
     result = run("solve", "demo-tiny", "--heuristic", "insertion", "--bound-time", 0, "--objective", "vehicles then total-cost", "--json")
     assert len(strict_json(result.stdout)["objective"]) == 2
     assert "did you mean 'total-cost'?" in refused("info", "demo-tiny", "--objective", "total-costs")
-    assert "use --objective" in refused("solve", "demo-tiny", "--set", "objective=vehicles")
+    both = ("solve", "demo-tiny", "--set", "objective=vehicles", "--objective", "vehicles")
+    assert "given twice" in refused(*both)
     assert "no setting 'objective'" in refused("solve", "sata-s3", "--objective", "vehicles")
 
 

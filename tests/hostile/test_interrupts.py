@@ -93,7 +93,7 @@ SOLVED = {
     "convex-allocation": "plan.json", "disjunctive-allocation": "obstacles.json", "exact-joint": "joint-plan.json",
     "non-dominated-paths": "roadmap.json", "supported-paths": "roadmap.json",
     "outer-approximation": "careful.json",
-    "lapjv": "pairs.json", "min-cost-flow": "pairs.json", "threshold-matching": "largest.json",
+    "epsilon-scaling": "pairs.json", "lapjv": "pairs.json", "min-cost-flow": "pairs.json", "threshold-matching": "largest.json",
     "interval-scheduling": "day.json", "part-subsets": "shares.json", "task-subsets": "tasks.json",
 }  # fmt: skip
 

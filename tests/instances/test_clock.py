@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.instances.clock import SECONDS, Clock, Times, unit_named
+from waybound.instances.clock import SECONDS, Clock, Times, moment_told, unit_named
 from waybound.instances.errors import InputError, UsageError
 
 NINE = pd.Timestamp("2026-05-04 09:00")
@@ -113,3 +113,29 @@ def test_moments_come_back_to_the_second(moments: list[datetime.datetime], unit:
     clock, numbers = times.clock, times.moments(pd.Series(whole, dtype="datetime64[ns]"), "ready")
     assert clock is not None and (numbers >= 0).all() and numbers.min() < 86400.0 / clock.seconds
     assert [m.to_pydatetime() for m in clock.moments(numbers.tolist())] == whole
+
+
+@pytest.mark.parametrize(
+    ("clock", "time", "told"),
+    [
+        (Clock("min"), 360.0, "360"),
+        (Clock("min", of_day=True), 360.0, "06:00"),
+        (Clock("min", of_day=True), 1080.5, "18:00:30"),
+        (Clock("h", of_day=True), 24.0, "24:00"),
+        (Clock("h", of_day=True), 25.5, "01:30 of day 2"),
+        (Clock("s", of_day=True), 0.25, "00:00:00.250"),
+        (Clock("min", of_day=True), math.inf, "inf"),
+        (Clock("min", of_day=True), 1e12, "1e+12"),
+        (Clock("min", "2026-05-04T00:00:00"), 390.0, "2026-05-04 06:30"),
+        (Clock("min", "2026-05-04T00:00:00+02:00"), 390.0, "2026-05-04 06:30+02:00"),
+    ],
+)
+def test_points_in_time_are_told_as_the_data_had_them(clock: Clock, time: float, told: str) -> None:
+    assert clock.told(time) == moment_told(clock, time) == told
+
+
+def test_times_of_day_make_a_clock_of_the_day_and_moments_one_of_the_calendar() -> None:
+    times = Times("min")
+    assert times.moment(datetime.time(6, 30), "ready") == 390.0
+    assert times.clock == Clock("min", of_day=True) and str(times.clock) == "min since midnight"
+    assert moment_told(None, 390.0) == "390"

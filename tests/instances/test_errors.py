@@ -21,13 +21,16 @@ def test_a_place_is_added_only_where_there_is_none() -> None:
 
 
 def test_an_unsupported_feature_names_who_lacks_it_and_who_has_it() -> None:
-    assert str(e.UnsupportedError("pyvrp", {"b", "a"}, ["highs"])) == "pyvrp cannot take this problem: it lacks a, b; can take it: highs"
+    assert (
+        str(e.UnsupportedError("pyvrp", {"b", "a"}, ["highs"]))
+        == "pyvrp cannot take this problem: it does not handle a, b; can take it: highs"
+    )
     assert "no installed alternative" in str(e.UnsupportedError("pyvrp", {"a"}))
 
 
 def test_where_none_has_all_features_the_nearest_is_named_with_what_it_lacks() -> None:
     error = e.UnsupportedError("no form", {"a"}, nearest="three-index")
-    assert str(error) == "no form can take this problem: the nearest, three-index, lacks a"
+    assert str(error) == "no form can take this problem: the nearest, three-index, does not handle a"
     assert error.missing == ("a",)
 
 

@@ -170,9 +170,9 @@ def test_duals_that_are_no_numbers_are_none(duals: Any) -> None:
         ("hihgs", UsageError, "unknown solver 'hihgs'; choose from .*cvxpy, .*highs"),
         ("highs:fast", UsageError, "highs:fast does not exist"),
         ("mathopt:", UsageError, "names no solver within mathopt"),
-        ("pyvrp", UnsupportedError, "pyvrp cannot take this problem: it lacks LP programs; can take it: .*highs"),
-        ("cpsat", UnsupportedError, "cpsat cannot take this problem: it lacks LP programs"),
-        ("mathopt:cp-sat", UnsupportedError, "mathopt:cp-sat cannot take this problem: it lacks LP programs"),
+        ("pyvrp", UnsupportedError, "pyvrp cannot take this problem: it does not handle LP programs; can take it: .*highs"),
+        ("cpsat", UnsupportedError, "cpsat cannot take this problem: it does not handle LP programs"),
+        ("mathopt:cp-sat", UnsupportedError, "mathopt:cp-sat cannot take this problem: it does not handle LP programs"),
     ],
 )
 def test_who_solves_no_linear_programs_is_refused_in_one_line(name: str, error: type[WayboundError], words: str) -> None:

@@ -207,7 +207,7 @@ def test_a_wish_to_stop_reaches_the_search_of_a_program_in_other_units() -> None
 def test_a_program_that_it_cannot_take_is_refused_with_those_that_can() -> None:
     squares = dense([1, 1], [[1, 1]], 0, 1, quadratic=[[2, 0], [0, 2]])
     assert Says().missing(squares) == {"QP programs"} and Says().missing(knapsack()) == frozenset()
-    with pytest.raises(UnsupportedError, match=r"says cannot take this problem: it lacks QP programs; can take it: .*highs"):
+    with pytest.raises(UnsupportedError, match=r"says cannot take this problem: it does not handle QP programs; can take it: .*highs"):
         Says().run(squares, Options(), Control())
 
 

@@ -87,9 +87,11 @@ def test_a_solver_that_lacks_the_kind_is_listed_with_what_it_lacks() -> None:
 
 
 def test_a_solver_that_lacks_the_kind_refuses_and_names_others() -> None:
-    with pytest.raises(UnsupportedError, match=r"cpsat cannot take this problem: it lacks LP programs; can take it: .*highs"):
+    with pytest.raises(UnsupportedError, match=r"cpsat cannot take this problem: it does not handle LP programs; can take it: .*highs"):
         wb.solve(BottleneckSATA(S3, fractional=True), "cpsat")
-    with pytest.raises(UnsupportedError, match=r"mathopt:glop cannot take this problem: it lacks MIQP programs; can take it: .*cpsat"):
+    with pytest.raises(
+        UnsupportedError, match=r"mathopt:glop cannot take this problem: it does not handle MIQP programs; can take it: .*cpsat"
+    ):
         wb.solve(WinnerTakesAllSATA(S3), "mathopt:glop", form="product")
 
 
@@ -116,10 +118,12 @@ def test_a_refusal_names_what_the_nearest_form_lacks_and_nothing_that_forms_have
     problem = asking(objective)
     for solver in ("highs", "cpsat", "pyvrp"):
         assert missing_features(solver, problem) == ({"objective:longest-route"}, ())
-        with pytest.raises(UnsupportedError, match=rf"^{solver} cannot take this problem: it lacks objective:longest-route; no installed"):
+        with pytest.raises(
+            UnsupportedError, match=rf"^{solver} cannot take this problem: it does not handle objective:longest-route; no installed"
+        ):
             wb.solve(problem, solver)
     with pytest.raises(
-        UnsupportedError, match=r"^no form can take this problem: the nearest, two-index-.*, lacks objective:longest-route$"
+        UnsupportedError, match=r"^no form can take this problem: the nearest, two-index-.*, does not handle objective:longest-route$"
     ):
         problem.compile()
 
@@ -134,7 +138,9 @@ def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
     charged: dict[str, Any] = {"energy": Energy(99.0, charge="windows"), "committed": True}
     assert missing_features("pyvrp", asking(LongestRoute(), **charged))[0] == {"energy:windows", "committed-vehicles"}
     assert missing_features("saddle", asking(LongestRoute()))[0] == {"routing problems"}
-    with pytest.raises(UnsupportedError, match=r"^no installed solver can take this problem: the nearest, ortools, lacks objective:1"):
+    with pytest.raises(
+        UnsupportedError, match=r"^no installed solver can take this problem: the nearest, ortools, does not handle objective:1"
+    ):
         wb.solve(asking(Reward() + LongestRoute(), **charged))
 
 
@@ -156,7 +162,9 @@ def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:
     xy = np.random.default_rng(1).uniform(0, 9, (13, 2))
     sites = Sites.of(range(13), windows={1: [(0, 20), (30, 50)]})
     problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(2, max_duration=90.0),), LatestReturn())
-    with pytest.raises(UnsupportedError, match=r"^highs cannot take this problem: it lacks several-windows; can take it: ortools"):
+    with pytest.raises(
+        UnsupportedError, match=r"^highs cannot take this problem: it does not handle several-windows; can take it: ortools"
+    ):
         wb.solve(problem, "highs")
 
 

@@ -2,15 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from . import bundled, comparing, files, judging, listing, ratio, running, solving
-from .options import handled
+from .options import handled, print_failure
+
+
+class Commands(TyperGroup):
+    """Commands that also say as JSON, where ``--json`` asks for it, which of their options is wrong."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        ctx.meta["waybound.json"] = "--json" in args
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except Exception as fault:
+            if ctx.meta["waybound.json"] and hasattr(fault, "format_message"):  # Typer's own, which goes on to tell it in words
+                print_failure(fault.format_message(), getattr(fault, "exit_code", 2))
+            raise
+
 
 app = typer.Typer(
     name="waybound",
+    cls=Commands,
     help="Routing for vehicle fleets and robot teams: answers that carry their own evidence.",
     epilog="Exit codes: 0 a verified answer, 1 internal error, 2 usage or bad input, 3 proven infeasible or unbounded, "
     "4 no answer within the limit, 5 a check failed, 130 interrupted without an answer (143 by SIGTERM, 129 by SIGHUP).",

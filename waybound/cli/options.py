@@ -63,7 +63,8 @@ Objective = Annotated[
     typer.Option(
         "--objective",
         metavar="TEXT",
-        help='Of routes: terms with weights, in order of priority: "vehicles then total-cost", "total-cost - 2*reward".',
+        help='The same as --set objective=TEXT: of routes terms with weights, in order of priority ("vehicles then total-cost", '
+        '"total-cost - 2*reward"), of other problems the name of one of theirs.',
     ),
 ]
 
@@ -99,9 +100,11 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
 
 
 def parse_settings(settings: Sequence[str] | None, objective: str | None) -> dict[str, Any]:
-    """The pairs of ``--set`` and ``--objective`` as settings of a problem; a key that has an option of its own is refused."""
+    """The pairs of ``--set`` and ``--objective``, a setting too, as settings of a problem; what says how FILE is read is refused."""
     given = parse_pairs(settings, "--set")
-    for key in ("format", "problem", "convention", "objective", "path"):
+    if objective is not None and "objective" in given:
+        raise UsageError("the objective is given twice: by --objective and by --set objective")
+    for key in ("format", "problem", "convention", "path"):
         if key in given:
             raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
     if objective is not None:
@@ -225,27 +228,43 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        from . import output
+
+        def failed(error: BaseException, message: str, code: int) -> typer.Exit:
+            complain(message)
+            if kwargs.get("json") and not output.begun:
+                print_failure(message, code, error)
+            return typer.Exit(code)
+
+        output.begun = False
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = lambda message, *_, **__: remark(str(message))  # of whatever package: one line, and no source
                 return command(*args, **kwargs)
         except WayboundError as error:
             cause = error.__cause__ if isinstance(error, SearchFailedError) else None
-            complain(f"{error}{traced(cause, bool(kwargs.get('verbose')))}")
-            raise typer.Exit(error.exit_code) from None
-        except KeyboardInterrupt:
-            complain("interrupted")
-            raise typer.Exit(interrupts.exit_code()) from None
+            raise failed(error, f"{error}{traced(cause, bool(kwargs.get('verbose')))}", error.exit_code) from None
+        except KeyboardInterrupt as error:
+            raise failed(error, "interrupted", interrupts.exit_code()) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
         except MemoryError as error:
-            complain(f"not enough memory for this{f': {error}' if str(error) else ''}")
-            raise typer.Exit(4) from None
+            raise failed(error, f"not enough memory for this{f': {error}' if str(error) else ''}", 4) from None
         except Exception as error:
-            complain(f"internal error: {type(error).__name__}: {error}{traced(error, bool(kwargs.get('verbose')))}")
-            raise typer.Exit(1) from None
+            traceback = traced(error, bool(kwargs.get("verbose")))
+            raise failed(error, f"internal error: {type(error).__name__}: {error}{traceback}", 1) from None
 
     return run
+
+
+def print_failure(message: str, code: int, error: BaseException | None = None) -> None:
+    """The one object that ``--json`` promises where a command fails: ``error``, ``code``, and the place in a file where it has one."""
+    from .output import print_json
+
+    place = {"file": str(error.file), "line": error.line} if isinstance(error, InputError) and error.file is not None else {}
+    told = {"error": one_line(message), "code": code, **place}
+    with contextlib.suppress(InputError):  # standard output cannot be written to
+        print_json({key: value for key, value in told.items() if value is not None})
 
 
 def complain(message: str) -> None:

@@ -8,6 +8,7 @@ import json
 import os
 import re
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 PIPE_WIDTH = 120
 """Columns of a table that is not written to a terminal."""
 
+begun = False
+"""Whether the command that runs has put something on standard output."""
+
 
 def _console() -> Any:
     from rich.console import Console
@@ -30,6 +34,8 @@ def _console() -> Any:
 
 def write_out(text: str) -> None:
     """Put ``text`` on standard output; raises InputError where it cannot be written."""
+    global begun
+    begun = True
     try:
         try:
             sys.stdout.write(text)
@@ -111,18 +117,51 @@ class _Held(io.StringIO):
     encoding = property(lambda _: sys.stdout.encoding)
 
 
+UNASKED = (b"HighsMipSolverData::",)
+"""What lines begin with that a library prints whatever its options say."""
+
+
 @contextlib.contextmanager
 def stdout_is_ours() -> Iterator[None]:
-    """Send to standard error whatever native code writes to file descriptor 1 meanwhile."""
+    """Send to standard error whatever native code writes to file descriptor 1 meanwhile, but for lines that nobody asked for."""
     try:
         sys.stdout.flush()
         kept = os.dup(1)
     except (OSError, ValueError):  # closed, or no real file
         yield
         return
+    ours, theirs = os.pipe()
+    reader = threading.Thread(target=_pass_on, args=(ours,), daemon=True, name="native-output")
+    reader.start()
     try:
-        os.dup2(2, 1)
+        os.dup2(theirs, 1)
         yield
     finally:
+        _flush_native()
         os.dup2(kept, 1)
         os.close(kept)
+        os.write(theirs, _END)  # a child that was left behind may hold the pipe open
+        os.close(theirs)
+        reader.join()
+
+
+_END = b"\0\n"
+
+
+def _pass_on(source: int) -> None:
+    with open(source, "rb") as lines:
+        for line in lines:
+            told = line.removesuffix(_END)
+            if told and not told.startswith(UNASKED):
+                with contextlib.suppress(OSError):
+                    os.write(2, told)
+            if told != line:
+                return
+
+
+def _flush_native() -> None:
+    """What C libraries hold back where they write to no terminal would come out at the end of the process, behind what is ours."""
+    import ctypes
+
+    with contextlib.suppress(OSError, AttributeError, TypeError):
+        ctypes.CDLL(None).fflush(None)

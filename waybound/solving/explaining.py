@@ -92,7 +92,7 @@ class Explanation:
         return [*told, *(Line("", line) for line in self.proof)]
 
     def _all_lines(self) -> list[Line]:
-        return [*self.lines(), *(Line(f"{reason.kind} {reason.where}", reason.message) for reason in self.reasons)]
+        return [*self.lines(), *(Line(reason.name, reason.message) for reason in self.reasons)]
 
     def __repr__(self) -> str:
         return as_text("Explanation", self._all_lines())

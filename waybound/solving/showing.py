@@ -90,4 +90,7 @@ class _Cell:
 
     def _page(self) -> dict[str, str]:
         text = "\n".join(self._lines)
-        return {"text/plain": text, "text/html": f'<pre style="font-size:85%;line-height:1.3">{html.escape(text)}</pre>'}
+        return {
+            "text/plain": text,
+            "text/html": f'<pre style="font-family:monospace;font-size:85%;line-height:1.3">{html.escape(text)}</pre>',
+        }

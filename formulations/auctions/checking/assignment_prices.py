@@ -22,8 +22,8 @@ from ...evidence import CHECKERS
 
 Floats = NDArray[np.float64]
 
-BLOCK = 1 << 20
-"""Pairs that are looked at together."""
+BLOCK = 1 << 17
+"""Pairs that are looked at together: few enough to stay in a processor's memory."""
 
 _LARGEST = 1e300
 
@@ -97,18 +97,20 @@ def _least_to_pay(indptr: NDArray[Any], bins: NDArray[Any], cost: Floats, prices
     while first < len(least):
         last = max(first + 1, int(np.searchsorted(indptr, indptr[first] + BLOCK, side="right")) - 1)
         begin, end = int(indptr[first]), int(indptr[last])
-        price = prices[bins[begin:end]]
+        many = np.diff(indptr[first : last + 1])
+        whole = (many == len(prices)).all()  # bins ascend, so that these are all
+        price = np.tile(prices, last - first) if whole else prices.take(bins[begin:end])
         paid = cost[begin:end] + price
-        own = np.nonzero(np.diff(indptr[first : last + 1]) > 0)[0]
+        own = np.nonzero(many > 0)[0]
         if len(own):
-            found = np.minimum.reduceat(paid, indptr[first + own] - begin)
-            row = np.repeat(np.arange(len(own)), np.diff(indptr[first : last + 1])[own])
-            near = np.nonzero(paid <= np.nextafter(found, math.inf)[row])[0]  # what is dearer is no less, exactly summed
+            starts = indptr[first + own] - begin
+            found = np.minimum.reduceat(paid, starts)
+            near = np.nonzero(paid <= np.repeat(np.nextafter(found, math.inf), many[own]))[0]  # what is dearer is no less, exactly summed
             a, b, total = cost[begin:end][near], price[near], paid[near]
             part = total - a
             lost = (a - (total - part)) + (b - part)  # the exact rounding error (Knuth 1969)
             below = np.zeros(len(own), dtype=bool)
-            below[row[near[lost < 0.0]]] = True
+            below[np.searchsorted(starts, near[lost < 0.0], side="right") - 1] = True
             least[first + own] = np.where(below, np.nextafter(found, -math.inf), found)
         first = last
     return least

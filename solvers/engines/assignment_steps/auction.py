@@ -10,7 +10,7 @@ import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop
-from .sides import Floats, Side, Wholes, joined, proof, sides
+from .sides import BLOCK, Floats, Side, Wholes, joined, proof, sides
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
@@ -18,8 +18,12 @@ if TYPE_CHECKING:
 FACTOR = 10
 """By which epsilon falls from phase to phase."""
 
-START = 100
-"""Epsilon of the first phase is this part of the range of the costs."""
+START, NEAR = 100, 8
+"""Epsilon of the first phase is this part of the range of the costs; a smaller one, this part of what tells a row's next pairs apart, is
+tried before."""
+
+SAMPLE = 64
+"""Rows whose pairs say what that is."""
 
 BITS = 56
 """Of the range of the costs in whole numbers; fewer where prices grow far beyond it."""
@@ -32,8 +36,9 @@ FINEST = 900
 FEW = 200
 """Bids a row in an auction without scaling, which is over much sooner where there are more columns than rows, or never."""
 
-SETTLED, TRIED = 1.5, 10
-"""Bids a row of a phase after which prices hardly change, so that the last one is tried at once; bids a row that it may take then."""
+SETTLED, TRIED, BEGUN = 1.5, 10, 4
+"""Bids a row of a phase after which prices hardly change, so that the last one is tried at once; bids a row that it may take then, and that
+a first phase may take that is tried."""
 
 MANY = 1 << 62
 
@@ -114,13 +119,17 @@ def whole_costs(part: Side, bits: int, finest: bool = False) -> tuple[Wholes, fl
     low, high = float(part.cost.min(initial=0.0)), float(part.cost.max(initial=0.0))
     span, many = max(high - low, abs(high), abs(low)), part.num_columns + 1
     most = min(FINEST, bits - math.ceil(math.log2(many)) - math.frexp(span)[1])
-    power = 0 if most >= 0 and not finest and bool((np.floor(part.cost) == part.cost).all()) else most
-    steps = np.ldexp(part.cost, power)
-    whole = np.rint(steps)
-    exact = bool((np.ldexp(whole, -power) == part.cost).all())  # steps may have vanished
-    counted = whole.astype(np.int64)
-    counted -= counted.min(initial=np.iinfo(np.int64).max) if len(counted) else 0
-    counted *= many
+    power = 0 if most >= 0 and not finest and part.whole else most
+    scale, back, exact = math.ldexp(1.0, power), math.ldexp(1.0, -power), True
+    least = int(np.rint(part.cost.min() * scale)) if len(part.cost) else 0
+    counted = np.empty(len(part.cost), dtype=np.int64)
+    for begin in range(0, len(counted), BLOCK):
+        costs, made = part.cost[begin : begin + BLOCK], counted[begin : begin + BLOCK]
+        whole = np.rint(costs * scale)
+        exact = exact and bool((whole * back == costs).all())  # steps may have vanished
+        made[:] = whole
+        made -= least
+        made *= many
     return counted, math.ldexp(many, power), exact
 
 
@@ -134,7 +143,8 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
         if not scaling or part.num_columns > part.num_rows:  # rows seldom meet: prices from 0 need no repair
             ended, column, price = _phases(part, cost, stop, least, least, factor, made, FEW * part.num_rows if scaling else MANY)
         if ended == 3 and scaling:
-            ended, column, price = _phases(part, cost, stop, least, max(least, span // START), factor, made, MANY)
+            tried = max(least, _apart(part, cost) // NEAR)
+            ended, column, price = _phases(part, cost, stop, least, max(least, span // START), factor, made, MANY, tried)
         if ended != 2 or bits <= 4 * FEWER:
             break
         bits -= FEWER  # prices are many times the costs: count in larger steps
@@ -159,13 +169,25 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
 
 def _step(part: Side, unit: float) -> float:
     """What all costs are multiples of where they are counted exactly."""
-    return max((part.num_columns + 1) / unit, float(bool((np.floor(part.cost) == part.cost).all())))
+    return max((part.num_columns + 1) / unit, float(part.whole))
+
+
+def _apart(part: Side, cost: Wholes) -> int:
+    """By how much the dearest of the pairs that a row remembers is dearer than its cheapest one: the median of a sample of rows."""
+    from .auction_kernels import LINE, LINES
+
+    found = []
+    for row in np.unique(np.linspace(0, part.num_rows - 1, min(SAMPLE, part.num_rows)).astype(np.int64)).tolist():
+        own = cost[part.indptr[row] : part.indptr[row + 1]]
+        near = np.partition(own, min(LINE * LINES, len(own) - 1))[: LINE * LINES + 1]
+        found.append(int(near.max() - near.min()))
+    return sorted(found)[len(found) // 2]
 
 
 def _phases(
-    part: Side, cost: Wholes, stop: Stop, least: int, epsilon: int, factor: float, made: Auction, most: int
+    part: Side, cost: Wholes, stop: Stop, least: int, epsilon: int, factor: float, made: Auction, most: int, tried: int = MANY
 ) -> tuple[int, Wholes, Wholes]:
-    """How it ended, as kernels say it, the column of each row, and prices."""
+    """How it ended, as kernels say it, the column of each row, and prices; ``tried`` is an epsilon to begin with if few bids do."""
     from . import auction_kernels as kernels
 
     n, m = part.num_rows, part.num_columns
@@ -174,11 +196,13 @@ def _phases(
     lines = 0 if len(part.columns) <= kernels.MANY_PAIRS * n else kernels.LINES if part.complete else kernels.LINES_SPARSE
     memory = remembered(n, lines) if lines else None
     pairs = part.indptr, part.columns, cost, price, owner
-    ended, waiting = 0, 0
+    ended, waiting, patience = 0, 0, BEGUN * n
+    if tried < epsilon:
+        epsilon, waiting = tried, epsilon
     while True:
         owner[:] = -1
         made.phases += 1
-        began, cap = int(counts[0]), most if not waiting else min(most, int(counts[0]) + TRIED * n)
+        began, cap = int(counts[0]), most if not waiting else min(most, int(counts[0]) + patience)
         while True:
             limits = epsilon, span, cap
             if memory is not None:
@@ -192,7 +216,7 @@ def _phases(
             continue
         if ended or epsilon <= least:
             break
-        waiting, epsilon = 0, max(least, int(epsilon / factor))
+        waiting, patience, epsilon = 0, TRIED * n, max(least, int(epsilon / factor))
         if counts[0] - began <= SETTLED * n and epsilon > least:
             waiting, epsilon = epsilon, least
     made.bids += int(counts[0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Wholes = NDArray[np.int64]
+
+BLOCK = 1 << 15
+"""Costs that are looked at together: few enough to stay in a processor's memory."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,11 @@ class Side:
     @property
     def complete(self) -> bool:
         return len(self.columns) == self.num_rows * self.num_columns
+
+    @cached_property
+    def whole(self) -> bool:
+        """Whether all costs are whole numbers."""
+        return all(bool((np.floor(some) == some).all()) for some in np.array_split(self.cost, 1 + len(self.cost) // BLOCK))
 
 
 def sides(problem: BinAssignment) -> list[Side]:

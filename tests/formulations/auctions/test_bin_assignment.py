@@ -6,6 +6,7 @@ import math
 import pickle
 
 import numpy as np
+import pandas as pd
 import pytest
 from bin_assignments import WORKED, enumerated, random_costs, worked
 from draws import draws
@@ -96,3 +97,19 @@ def test_settings_are_checked() -> None:
     with pytest.raises(UsageError, match="is made of an AssignmentInstance"):
         BinAssignment([[1]])  # type: ignore[arg-type]
     assert pickle.loads(pickle.dumps(worked("A"))).digest() == worked("A").digest()
+
+
+def test_frames_of_pairs_and_of_a_matrix_are_read() -> None:
+    pairs = pd.DataFrame({"robot": ["a", "a", "b"], "bin": ["x", "y", "x"], "cost": [3.0, 4.0, 1.0]})
+    matrix = pd.DataFrame([[3.0, 4.0], [1.0, np.inf]], index=["a", "b"], columns=["x", "y"])
+    for frame in (pairs, matrix):
+        assert wb.solve(BinAssignment.from_frame(frame)).to_frame()["bin"].tolist() == ["y", "x"]
+    assert BinAssignment.from_frame(matrix, objective="bottleneck", match="robots").objective == "bottleneck"
+
+
+@pytest.mark.parametrize("solver", ["epsilon-scaling", "lapjv", "cpsat", "highs"])
+def test_without_any_pair_there_is_the_empty_answer_unless_pairs_are_asked_for(solver: str) -> None:
+    none = np.full((2, 2), np.inf)
+    most = wb.solve(BinAssignment.from_matrix(none), solver)
+    assert (most.status, most.answer, most.objective, most.bound_kind) == ("optimal", (-1, -1), 0.0, "verified")
+    assert wb.solve(BinAssignment.from_matrix(none, match="robots"), solver).status == "infeasible"

@@ -112,10 +112,10 @@ def test_a_program_with_circuits_says_so_and_is_judged_by_them() -> None:
 def test_what_knows_no_circuits_refuses_them_by_name(tmp_path: Path) -> None:
     made = over(graph("01 10", 2))
     for hand_over in (made.to_highs, made.to_pulp, made.to_cvxpy, made.to_mathopt, lambda: made.write(tmp_path / "m.lp")):
-        with pytest.raises(UnsupportedError, match="lacks circuits"):
+        with pytest.raises(UnsupportedError, match="does not handle circuits"):
             hand_over()
     for solver in ("highs", "pulp", "scip", "mathopt", "mathopt:cp-sat", "cvxpy"):
-        with pytest.raises(UnsupportedError, match="lacks circuits; can take it: cpsat"):
+        with pytest.raises(UnsupportedError, match="does not handle circuits; can take it: cpsat"):
             wb.solve(made, solver)
     with pytest.raises(UsageError, match="only linear programs are relaxed"):
         wb.solve(made, "cpsat", relax=True)

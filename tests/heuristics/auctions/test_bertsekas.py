@@ -110,3 +110,9 @@ def test_an_epsilon_beyond_the_costs_ends_with_an_answer(costs: list[list[float]
 def test_options_out_of_range_are_refused(options: dict[str, object], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         run(worked("O"), **options)
+
+
+@pytest.mark.parametrize(("epsilon", "said"), [(5.0, "epsilon 5 is run as 4, the range"), (1e-30, "is run as"), (4.0, ""), (0.1, "")])
+def test_another_epsilon_than_was_asked_for_is_told(epsilon: float, said: str) -> None:
+    found = wb.solve(wb.BinAssignment.from_matrix([[1, 2], [2, 5]]), heuristic="bertsekas", epsilon=epsilon)
+    assert said in found.message and ("is run as" in found.message) == bool(said)

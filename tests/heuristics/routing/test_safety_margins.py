@@ -81,7 +81,7 @@ def test_the_same_seed_finds_the_same_and_a_start_is_kept_where_it_is_good() -> 
 
 def test_what_it_cannot_take_is_named() -> None:
     lacks = HEURISTICS[NAME].missing
-    assert lacks(replace(line(), travel=Travel(EXPLICIT, matrix=LINE))) == {"certain durations"}
+    assert lacks(replace(line(), travel=Travel(EXPLICIT, matrix=LINE))) == {"problems without a limit on risk"}
     assert lacks(line(0.1, max_duration=math.inf, energy=Energy(30.0))) >= {"energy:travel"}
     assert lacks(line(0.1)) == lacks(line(None, 0.1)) == frozenset()
     for options, words in (
@@ -96,7 +96,7 @@ def test_routes_are_by_any_engine_that_takes_what_is_left() -> None:
     answer = run_heuristic(problem, NAME, {"engine": "ortools", "rounds": 2, "splits": 1, "steps": 20}, 1).answer
     assert problem.evaluate(answer).feasible and problem.evaluate(answer).values == (36.0,)
     asked = replace(problem, objective=Objective.of(TotalCost() - Reward()))
-    with pytest.raises(UnsupportedError, match=r"engine vroom cannot take this problem: it lacks .*objective:reward"):
+    with pytest.raises(UnsupportedError, match=r"engine vroom cannot take this problem: it does not handle .*objective:reward"):
         run_heuristic(asked, NAME, {"engine": "vroom"}, 1)
 
 

@@ -34,8 +34,8 @@ def test_a_complete_matrix_is_a_view() -> None:
 @pytest.mark.parametrize(
     ("costs", "message"),
     [
-        ([[1, 2], [3]], "row 1 of the costs has a wrong length; expected 2; found 1"),
-        ([[1, float("nan")]], "the cost in row 0, column 1 is not a number"),
+        ([[1, 2], [3]], "row 2 of the costs has a wrong length; expected 2; found 1"),
+        ([[1, float("nan")]], "the cost in row 1, column 2 is not a number"),
         ([[1, -INF]], "the cost of robot 1 and bin 2 must be a number of at most 1e"),
         ([["a", 1]], "costs must hold numbers"),
         (3.0, "costs must be a matrix"),
@@ -52,9 +52,9 @@ def test_what_is_no_matrix_is_refused_in_one_line(costs: object, message: str) -
 
 def test_wrong_pairs_are_refused() -> None:
     for robots, bins, costs, message in (
-        ([0, 0], [1, 1], [1, 2], "robot 0 and bin 1 stands twice"),
-        ([0], [5], [1], "the bin of pair 0 does not exist"),
-        ([3], [0], [1], "the robot of pair 0 does not exist"),
+        ([0, 0], [1, 1], [1, 2], "robot 1 and bin 2 stands twice"),
+        ([0], [5], [1], "the bin of pair 1 does not exist"),
+        ([3], [0], [1], "the robot of pair 1 does not exist"),
         ([0], [0, 1], [1], "one entry a pair"),
         ([0], [0], [float("nan")], "must be a number"),
     ):

@@ -25,14 +25,14 @@ def test_bins_are_full_unless_said_and_there_may_be_no_requests() -> None:
     ("change", "message"),
     [
         ({"to_bin": [[1.0, 2.0], [3.0]]}, "to_bin must be a matrix of numbers"),
-        ({"to_bin": [[1.0, -2.0]]}, "to_bin in row 0, column 1 must be from 0"),
-        ({"to_bin": [[1.0, math.nan]]}, "to_bin in row 0, column 1"),
+        ({"to_bin": [[1.0, -2.0]]}, "to_bin in row 1, column 2 must be from 0"),
+        ({"to_bin": [[1.0, math.nan]]}, "to_bin in row 1, column 2"),
         ({"to_bin": np.zeros((0, 2))}, "there are no robots"),
         ({"to_request": [[1.0], [2.0]]}, "to_request has another shape; expected 1 x any"),
-        ({"between": [[1.0, math.inf]]}, "between in row 0, column 1 must be from 0 to 1e"),
+        ({"between": [[1.0, math.inf]]}, "between in row 1, column 2 must be from 0 to 1e"),
         ({"between": [[1.0]]}, "between has another shape"),
         ({"filled": [1.0]}, "one time of being filled a bin"),
-        ({"filled": [1.0, -1.0]}, "filled in row 0, column 1"),
+        ({"filled": [1.0, -1.0]}, "filled in row 1, column 2"),
         ({"robot_names": ("a", "b")}, "robot"),
     ],
 )

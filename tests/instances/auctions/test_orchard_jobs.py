@@ -38,7 +38,7 @@ def test_routes_that_leave_out_cells_are_refused(orders):
     [
         ({"robot_cells": [], "robot_free": []}, "there must be a robot"),
         ({"bin_cells": [], "after": [], "standing": np.zeros(0, bool), "work": []}, "there must be a bin"),
-        ({"robot_cells": [0, 6]}, "the cell of robot 1 does not exist"),
+        ({"robot_cells": [0, 6]}, "the cell of robot 2 does not exist"),
         ({"bin_cells": [1, 1, 5]}, "bin 2 does not stand in a harvest cell"),
         ({"after": [-1, 1, -1]}, "bin 1 is filled after one that has no lower number"),
         ({"after": [-1, 0, 0]}, "two bins are filled next after bin 0"),

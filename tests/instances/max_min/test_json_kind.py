@@ -61,13 +61,13 @@ def test_entries_may_come_in_any_order_and_weigh_1_by_default() -> None:
         ({"packing__rows": 2 * 10**9}, "there are 2000000000 rows of packing, but only 2 entries"),
         ({"packing__row": [0, 1]}, "packing.row[1] does not exist; expected 0 to 0; found 1"),
         ({"packing__row": [0]}, "packing.variable has a wrong length; expected 1; found 2"),
-        ({"packing__variable": [0, 0]}, "packing has two entries in row 0 for variable 0"),
+        ({"packing__variable": [0, 0]}, "packing has two entries in row 1 for variable 0"),
         ({"packing__value": [1, 0]}, "packing.value[1] must be positive; found 0.0"),
         ({"packing__value": [1, -2]}, "packing.value[1] must be positive; found -2.0"),
         ({"packing__value": [1]}, "packing.value has a wrong length; expected 2; found 1"),
         ({"covering__weight": [1]}, "covering has an unknown key 'weight'"),
         ({"packing__variable": [0], "packing__row": [0], "packing__value": [1]}, "variable 1 covers but is in no packing row"),
-        ({"sense": "min", "covering__rows": 3}, "covering row 2 holds no variable: nothing can cover it"),
+        ({"sense": "min", "covering__rows": 3}, "covering row 3 holds no variable: nothing can cover it"),
     ],
 )
 def test_a_fault_is_refused_by_its_path(changes: dict[str, Any], message: str) -> None:

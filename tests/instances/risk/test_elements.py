@@ -86,7 +86,7 @@ def test_what_is_no_risk_is_refused(make, message):
     [
         (LocaleRisk([0.1]), {}, "risks of locale must be one a state; expected 3"),
         (LengthRisk(0.1), {}, "risk element length needs positions of the states"),
-        (MoveRisk([-1], [0], [7], [0.1]), {}, "after 0 of moves does not exist"),
+        (MoveRisk([-1], [0], [7], [0.1]), {}, "after 1 of moves does not exist"),
         (AccessRisk([1.0], 0.1), {}, "widths of access must be one finite number a state"),
     ],
 )

@@ -59,11 +59,11 @@ def test_risks_that_are_not_conditional_are_told():
     [
         ([(0, 0)], {}, "move 0 leads from a state to itself"),
         ([(0, 1), (0, 1)], {}, "two moves lead from state 0 to state 1"),
-        ([(0, 5)], {}, "head of move 0 does not exist; expected 0 to 2; found 5"),
+        ([(0, 5)], {}, "head of move 1 does not exist; expected 0 to 2; found 5"),
         ([(0, 1)], {"start": 3}, "the start must be a state; expected 0 to 2"),
         ([(0, 1)], {"goals": (-1,)}, "the goal must be a state"),
         ([(0, 1)], {"conditional": "yes"}, "whether risks are conditional, true or false; found 'yes'"),
-        ([(0, 1)], {"rewards": [0, -1, 0]}, "reward 1 must be finite and not negative"),
+        ([(0, 1)], {"rewards": [0, -1, 0]}, "reward 2 must be finite and not negative"),
         ([(0, 1)], {"rewards": [0]}, "rewards must be one a state"),
         ([(0, 1)], {"discount": 1.5}, r"the discount must lie in \[0, 1\]; found '1.5'"),
         ([(0, 1)], {"objective": "luck"}, "the objective is unknown; expected risk, hazard, reward-per-risk"),

@@ -41,7 +41,7 @@ def test_edges_are_found_by_their_ends():
         ({"mean": [1.0]}, "one mean an edge; expected 2"),
         ({"heads": [1, 1]}, "an edge leads from 2 to itself"),
         ({"tails": [0, 0], "heads": [1, 1]}, "edge 1 -> 2 stands twice"),
-        ({"heads": [1, 3]}, "the head of edge 1 does not exist"),
+        ({"heads": [1, 3]}, "the head of edge 2 does not exist"),
         ({"heads": [1, 0]}, "no path leads from 1 to 3; found 0 other vertices lead there"),
         ({"goal": 0}, "start and goal are the same vertex"),
         ({"goal": 3}, "the goal does not exist"),

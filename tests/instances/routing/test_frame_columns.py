@@ -74,7 +74,7 @@ def test_a_title_beside_the_one_that_it_looks_like_is_kept() -> None:
         (SITES, {"wheels": "tyres"}, (), "names no title of waybound"),
         (SITES.assign(latitude=1.0, lat=1.0), None, (), "both tell lat"),
         (SITES, None, ["fone"], "extra names the column 'fone', which is not there"),
-        (SITES.assign(id=["a", None, "b"]), None, (), "row 1 has no id"),
+        (SITES.assign(id=["a", None, "b"]), None, (), "row 2 has no id"),
         (pd.concat([SITES, SITES["x"]], axis=1), None, (), "column 'x' stands twice"),
         ([1, 2], None, (), "sites must be a pandas frame"),
     ],

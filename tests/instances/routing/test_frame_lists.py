@@ -60,7 +60,7 @@ def test_a_frame_and_a_list_tell_the_same_groups() -> None:
     [
         (windows, pd.DataFrame({"sites": ["a"]}), "windows have an unknown column 'sites'; did you mean 'site'?"),
         (windows, pd.DataFrame({"ready": [1]}), "windows have no column 'site'"),
-        (windows, pd.DataFrame({"site": ["a", None], "due": 1}), "row 1 of windows has no site"),
+        (windows, pd.DataFrame({"site": ["a", None], "due": 1}), "row 2 of windows has no site"),
         (windows, {"a": [(1, 2, 3)]}, "a window of a has an opening and a close"),
         (windows, {"z": [(1, 2)]}, "windows name the unknown site 'z'"),
         (shipments_of, pd.DataFrame({"pickup": ["a"]}), "shipments have no column 'delivery'"),

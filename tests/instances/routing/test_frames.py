@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import math
 import re
 from typing import Any
@@ -303,3 +304,17 @@ def test_many_columns_that_are_kept_are_told_in_full() -> None:
     sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], **dict.fromkeys(titles, "so")})
     text = str(wb.solve(RoutingProblem.from_frame(sites, vehicles=1), "highs", bound_time=0))
     assert all(title in text for title in titles)
+
+
+def test_times_of_day_are_told_as_such_in_errors_reasons_and_files(tmp_path) -> None:
+    early, noon, late = datetime.time(6), datetime.time(6, 10), datetime.time(18)
+    sites = pd.DataFrame({"x": [0, 30], "y": [0, 0], "demand": [0, 1], "ready": [early, early], "due": [late, noon]})
+    problem = wb.RoutingProblem.from_frame(sites, time_unit="min", vehicles=1, capacity=5)
+    assert wb.explain(problem).reasons[0].message == "it is reached at 06:30 at the earliest, due 06:10"
+    (broken,) = problem.evaluate(problem.answer_of([[1]])).violations
+    assert broken.message.endswith("at 06:30, due 06:10")
+    fine = wb.RoutingProblem.from_frame(sites.assign(due=[late, late]), time_unit="min", vehicles=1, capacity=5)
+    fine.save(tmp_path / "day.json")
+    again = wb.read(tmp_path / "day.json")
+    assert again.clock == fine.clock and fine.clock.of_day
+    assert "06:00 to 18:00" in fine._repr_html_()

@@ -59,10 +59,10 @@ def test_empty_cells_of_any_sort_declare() -> None:
         (EDGES.assign(colour=1), "column 'colour' of edges is unknown"),
         (pd.concat([EDGES, EDGES[["robot"]]], axis=1), "column 'robot' of edges stands twice"),
         (EDGES.assign(weight=["1", "two", "3"]), "column weight of edges must hold numbers"),
-        (EDGES.assign(weight=[1, -1, 1]), "row 1 of edges: the weight must be a finite number, not negative; found -1.0"),
-        (EDGES.assign(weight=[1, np.nan, 1]), "row 1 of edges: the weight must be a finite number"),
-        (EDGES.assign(robot=["a", None, "b"]), "row 1 of edges: the action has no robot"),
-        (EDGES.iloc[[0, 1, 0]], "row 2 of edges: the edge stands already in row 0 of edges"),
+        (EDGES.assign(weight=[1, -1, 1]), "row 2 of edges: the weight must be a finite number, not negative; found -1.0"),
+        (EDGES.assign(weight=[1, np.nan, 1]), "row 2 of edges: the weight must be a finite number"),
+        (EDGES.assign(robot=["a", None, "b"]), "row 2 of edges: the action has no robot"),
+        (EDGES.iloc[[0, 1, 0]], "row 3 of edges: the edge stands already in row 1 of edges"),
         (EDGES.to_dict(), "edges must be a pandas frame; found dict"),
         (EDGES.iloc[:0], "there is no robot"),
     ],
@@ -74,9 +74,9 @@ def test_a_bad_frame_is_refused_by_column_or_row(frame: Any, says: str) -> None:
 
 
 def test_a_fault_in_the_second_frame_is_told_apart() -> None:
-    with pytest.raises(InputError, match="row 0 of actions: the action has no robot"):
+    with pytest.raises(InputError, match="row 1 of actions: the action has no robot"):
         SensingGraph.from_frames(EDGES, pd.DataFrame({"robot": [None], "action": ["p"]}))
-    with pytest.raises(InputError, match="row 1 of edges: the weight"):
+    with pytest.raises(InputError, match="row 2 of edges: the weight"):
         SensingGraph.from_frames(EDGES.assign(weight=[1, -1, 1]), pd.DataFrame({"robot": ["z"]}))
     with pytest.raises(InputError, match="column 'target' of actions is unknown"):
         SensingGraph.from_frames(EDGES, EDGES)

@@ -37,7 +37,9 @@ def test_a_cost_behind_what_is_done_is_compared_as_a_cost() -> None:
 
 
 def test_a_refusal_shows_what_is_lacking_and_everything_else_is_a_fault() -> None:
-    cells, good = row("OP", "vroom", Ran(2, {}, "vroom cannot take this problem: it lacks objective:reward; can take it: pyvrp", 1.0), None)
+    cells, good = row(
+        "OP", "vroom", Ran(2, {}, "vroom cannot take this problem: it does not handle objective:reward; can take it: pyvrp", 1.0), None
+    )
     assert good and cells[2] == "lacks objective:reward"
     assert not row("OP", "vroom", Ran(2, {}, "the content allows more than one format", 1.0), None)[1]
     assert not row("OP", "vroom", Ran(1, {}, "Traceback", 1.0), None)[1]

@@ -17,7 +17,7 @@ from waybound.solvers.engines import lapjv
 
 @pytest.mark.parametrize("name", OPTIMA)
 def test_worked_assignments_are_optimal_by_their_prices(name: str) -> None:
-    found = wb.solve(worked(name))
+    found = wb.solve(worked(name), "lapjv")
     assert (found.solver, found.objective, found.bound, found.bound_kind) == ("lapjv", OPTIMA[name], OPTIMA[name], "verified")
 
 
@@ -47,7 +47,7 @@ def test_no_optimum_is_claimed_that_the_prices_do_not_prove() -> None:
 
 
 def test_bottlenecks_are_refused_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="lapjv cannot take this problem: it lacks objective:bottleneck"):
+    with pytest.raises(UnsupportedError, match="lapjv cannot take this problem: it does not handle objective:bottleneck"):
         wb.solve(worked("O", objective="bottleneck"), "lapjv")
 
 

@@ -26,7 +26,7 @@ def test_other_solvers_agree():
 
 
 def test_too_many_tasks_are_refused_with_who_can_take_them():
-    with pytest.raises(wb.UnsupportedError, match=f"it lacks more than {MOST_TASKS} tasks; can take it: .*highs"):
+    with pytest.raises(wb.UnsupportedError, match=f"it does not handle more than {MOST_TASKS} tasks; can take it: .*highs"):
         wb.solve(line([0], np.arange(MOST_TASKS + 1)), "task-subsets")
 
 

@@ -17,5 +17,5 @@ def test_worked_bottlenecks_are_optimal_by_what_meets_all_cheaper_pairs(name: st
 
 
 def test_sums_are_refused_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="it lacks objective:sum"):
+    with pytest.raises(UnsupportedError, match="it does not handle objective:sum"):
         wb.solve(worked("O"), "threshold-matching")

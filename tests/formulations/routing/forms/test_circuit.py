@@ -138,7 +138,7 @@ def test_only_solvers_that_know_circuits_take_it() -> None:
     assert made.program.features() == INTEGERS | CIRCUITS
     assert "circuit" in next(row for row in wb.solvers(problem) if row.name == "cpsat").forms
     assert "circuit" not in next(row for row in wb.solvers(problem) if row.name == "highs").forms
-    with pytest.raises(UnsupportedError, match="highs cannot take this problem: it lacks circuits; can take it: cpsat"):
+    with pytest.raises(UnsupportedError, match="highs cannot take this problem: it does not handle circuits; can take it: cpsat"):
         wb.solve(problem, "highs", form="circuit")
     with pytest.raises(UsageError, match="form circuit is not linear"):
         problem.compile("circuit", relax=True)

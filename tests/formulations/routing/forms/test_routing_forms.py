@@ -239,7 +239,8 @@ def test_forms_say_what_they_lack() -> None:
     waits = routing(xy=SQUARE_4, sites=dict(TW_4), count=2, max_duration=20.0)
     assert waits.forms() == ["three-index", "set-partitioning", "circuit"]
     with pytest.raises(
-        UnsupportedError, match=r"form two-index-mtz cannot take this problem: it lacks max-duration; can take it: three-index, set-"
+        UnsupportedError,
+        match=r"form two-index-mtz cannot take this problem: it does not handle max-duration; can take it: three-index, set-",
     ):
         waits.compile("two-index-mtz")
     assert routing(xy=SQUARE_4, objective=LongestRoute()).forms() == ["three-index", "set-partitioning", "circuit"]
