@@ -115,7 +115,7 @@ class _Planes:
             try:
                 edge = self._edge(inside, outside)
                 self._take(edge)
-                if not self._support(edge, outside) and not self._support(outside, outside):
+                if not any([self._support(edge, outside), self._support(outside, outside)]):
                     break
             except Stopped:
                 limit = stop.reached()
