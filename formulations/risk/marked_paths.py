@@ -51,7 +51,7 @@ def free_reward(problem: RiskyPath, most: int = MOST_LABELS) -> Path | None:
         return all(e.no_worse(a, b) for e, a, b in zip(graph.traverse, memories, others, strict=True))
 
     left = moves.from_moves(graph.goals).tolist() if graph.goals else [0.0] * (moves.num_moves + 1)
-    return _Search(problem, marked, covers, [more == 0.0 for more in left], NEVER, most).path(False)
+    return _Search(problem, marked, covers, [more == 0.0 for more in left], NEVER, most, guard_all=False).path(False)
 
 
 def risky_path(problem: RiskyPath, stop: Stop = NEVER, most: int | None = None) -> Path | None:
@@ -72,9 +72,10 @@ def risky_path(problem: RiskyPath, stop: Stop = NEVER, most: int | None = None) 
         return None if hazard == math.inf else mark or hazard > 0.0
 
     left = moves.from_moves(graph.goals).tolist() if graph.goals else [0.0] * (moves.num_moves + 1)
-    return _Search(problem, marked, lambda one, other: one == other, [more < math.inf for more in left], stop, most).path(
-        moves.start_hazard > 0.0
+    search = _Search(
+        problem, marked, lambda one, other: one == other, [more < math.inf for more in left], stop, most, guard_all=bool(graph.traverse)
     )
+    return search.path(moves.start_hazard > 0.0)
 
 
 class _Search:
@@ -91,19 +92,21 @@ class _Search:
         Moves from which an end may be reached.
     stop, most
         What ends it.
+    guard_all : bool
+        Whether no state may be repeated from the outset: of memories that seldom are the same.
     """
 
     def __init__(
         self, problem: RiskyPath, marked: Callable[[bool, int, float], bool | None], covers: Callable[[Memories, Memories], bool],
-        open_moves: list[bool], stop: Stop, most: int | None,
+        open_moves: list[bool], stop: Stop, most: int | None, guard_all: bool,
     ) -> None:  # fmt: skip
         self.graph, self.moves, self.marked, self.covers, self.open = problem.graph, problem.moves, marked, covers, open_moves
         self.head, self.ends = problem.graph.head.tolist(), frozenset(problem.graph.goals)
-        self.stop, self.most, self.grown = stop, most, 0
+        self.stop, self.most, self.guard_all, self.grown = stop, most, guard_all, 0
 
     def path(self, mark: bool) -> Path | None:
         """The first that comes to no state twice; ``mark`` is the start's."""
-        guarded: frozenset[int] = frozenset()
+        guarded = frozenset(range(self.graph.num_states)) if self.guard_all else frozenset()
         while True:
             walk = self._walk(mark, {state: 1 << k for k, state in enumerate(sorted(guarded))})
             twice = frozenset() if walk is None else frozenset(state for state in walk if walk.count(state) > 1)
@@ -115,14 +118,16 @@ class _Search:
         """One of the fewest moves, that comes to none of the guarded states twice."""
         graph, begin = self.graph, len(self.head)
         first = tuple(element.begin(graph, graph.start)[0] for element in graph.traverse)
-        # move, state, memories, mark, guarded states behind, label before
-        ahead: deque[tuple[Any, ...]] = deque([(begin, graph.start, first, mark, 0, None)])
+        # move, state, memories, mark, guarded states behind, label before, moves
+        ahead: deque[tuple[Any, ...]] = deque([(begin, graph.start, first, mark, 0, None, 0)])
         settled: dict[int, list[tuple[Memories, bool, int]]] = {}
         while ahead:
             label = ahead.popleft()
-            move, state, memories, mark, behind, before = label
+            move, state, memories, mark, behind, before, count = label
             if before is not None and mark and (not self.ends or state in self.ends):
                 return _states(label)
+            if count == graph.num_states - 1:  # a longer one repeats a state, whatever its memories
+                continue
             others = settled.setdefault(move, [])
             if any(other >= mark and not b & ~behind and self.covers(m, memories) for m, other, b in others):
                 continue
@@ -140,7 +145,7 @@ class _Search:
                 more = math.inf if any(r >= 1.0 for _, r in stepped) else math.fsum(-math.log1p(-r) for _, r in stepped)
                 then = self.marked(mark, reached, own + more)
                 if then is not None:
-                    ahead.append((after, reached, tuple(m for m, _ in stepped), then, behind | bit.get(reached, 0), label))
+                    ahead.append((after, reached, tuple(m for m, _ in stepped), then, behind | bit.get(reached, 0), label, count + 1))
         return None
 
 
