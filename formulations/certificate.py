@@ -380,13 +380,16 @@ def answer_lines(c: Certificate) -> list[Line]:
     if c.feasible is None:
         return [Line("answer", "none", "quiet")]
     if c.feasible:
-        lines = [Line("answer", f"feasible: all {len(c.checks)} checks hold", "good")]
+        sure = min((check.confidence for check in c.checks), default=1.0)
+        known = "" if sure == 1.0 else f", with confidence {percent(sure)}"
+        lines = [Line("answer", f"feasible: all {len(c.checks)} checks hold{known}", "good")]
     else:
         broken = len(c.violations)
         lines = [Line("answer", f"infeasible: {broken} violation{'s' if broken != 1 else ''}", "bad")]
     for check in c.checks:
         if check.tested:
             text = f"{check.tested} tested, largest residual {check.residual:.3g}"
+            text += "" if check.confidence == 1.0 else f", with confidence {percent(check.confidence)}"
             lines.append(Line(f"  {check.name}", text if check.passed else f"broken: {text}", "quiet" if check.passed else "bad"))
         else:
             lines.append(Line(f"  {check.name}", "nothing to test", "quiet"))

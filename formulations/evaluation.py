@@ -44,16 +44,29 @@ class Violation:
 
 @dataclass(frozen=True)
 class Check:
-    """Outcome of one kind of check over the whole answer; ``residual`` is the largest amount found, 0 if none."""
+    """Outcome of one kind of check over the whole answer.
+
+    Parameters
+    ----------
+    name : str
+    passed : bool
+    residual : float
+        The largest amount found, 0 if none.
+    tested : int
+    confidence : float
+        With which it passed; below 1 where samples say so.
+    """
 
     name: str
     passed: bool
     residual: float
     tested: int
+    confidence: float = 1.0
 
     def to_json(self) -> dict[str, Any]:
         residual = self.residual if math.isfinite(self.residual) else None
-        return {"name": self.name, "passed": self.passed, "residual": residual, "tested": self.tested}
+        data = {"name": self.name, "passed": self.passed, "residual": residual, "tested": self.tested}
+        return data if self.confidence == 1.0 else {**data, "confidence": self.confidence}
 
 
 @dataclass(frozen=True)

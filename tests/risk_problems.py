@@ -7,6 +7,7 @@ import json
 from typing import Any
 
 import numpy as np
+from one_factor import any_fails_by_quadrature
 
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
@@ -81,3 +82,24 @@ def context(seed: int = 1, seconds: float = 60.0) -> Context:
 def run(engine: Any, problem: RiskAllocation, **options: Any) -> Any:
     """What an engine says."""
     return engine().run(problem, Options(**options), Control())
+
+
+def two_sensors(total: float, limit: float, kind: str = "joint") -> RiskAllocation:
+    """The furthest position x between two walls, where a second sensor, nearly the same as the first, has a limit of its own."""
+    return problem(
+        sense="max", decisions=["x"], lower=-20, upper=20, constraints=None, cost={"decisions": [1]},
+        quantities={"map": [[1], [1]], "covariance": [[1.0, 1.0], [1.0, 1.0 + SECOND**2]]},
+        chance={"quantities": [[1, 0], [-1, 0], [0, 1]], "limits": [limit] * 3, "names": ["left", "right", "second"]},
+        risk={"total": total, "kind": kind},
+    )  # fmt: skip
+
+
+SECOND = 0.01
+"""Deviation of the second sensor from the first."""
+
+
+def risk_of_two_sensors(x: float, limit: float) -> float:
+    """The true one, by quadrature."""
+    return any_fails_by_quadrature(
+        np.array([limit - x, limit + x, limit - x]), np.array([1.0, -1.0, 1.0]), np.array([1e-12, 1e-12, SECOND])
+    )

@@ -1,14 +1,18 @@
 """The probability that any of many jointly Gaussian constraints fails, with limits between which it lies.
 
-One constraint: the normal tail. Two: Plackett's integral. More: that over the cube of Genz (1992), the constraints in the order of their
-risk, over a lattice rule with random shifts (Richtmyer's, Cranley and Patterson 1976), whose spread gives the interval. What is summed up
-are probabilities to fail, first at the first, then at the second after the first held: so that small ones keep their digits, where one
-minus a probability to hold loses them. Alternatives, of which any suffices, are sampled.
+Proved of any number of constraints, from the probabilities that one fails and that two do: the sum less a spanning tree of pairs (Hunter
+1976, Worsley 1982) is no less, what Dawson and Sankoff (1967) and de Caen (1997) make of them no more. One or two are exact.
+
+Between these it is sampled where it happens, however rare: one constraint is drawn by its probability to fail, then the noise given that
+it does, and what is drawn counts one part in as many as fail there (Adler, Blanchet and Liu 2012; Owen, Maximov and Chertkov 2019). So each
+sample is worth between nothing and the sum of the probabilities, whatever their size, and its mean has an interval whose confidence is
+proved for bounded numbers, without a normal limit (Waudby-Smith and Ramdas 2023).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,38 +22,57 @@ from .normal import ndtr, ndtri
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
-SHIFTS, POINTS, MORE_POINTS = 12, 2039, 8191
-"""Random shifts of the lattice, and its points: primes; more where an answer is judged by them."""
+POINTS, MORE_POINTS = 24_000, 96_000
+"""Samples; more where an answer is judged by them."""
 
 WORK = 4e8
-"""Multiplications that a probability may take: of more constraints fewer points are looked at."""
+"""Multiplications that a probability may take: of more constraints fewer samples are drawn."""
 
-SAMPLES = 200_000
+PILOT = 8
+"""One part in so many of the samples says how far the others are worth to bet."""
 
 CONFIDENCE = 0.999
+"""At least, that an interval by samples holds the truth."""
 
-_STUDENT = 4.4370
-"""Of the t distribution with ``SHIFTS - 1`` degrees of freedom, the quantile that leaves (1 - CONFIDENCE) / 2 above it."""
+ROUNDED = 1e-13
+"""Part of the sum of the probabilities, for each constraint, by which tails and pairs may be rounded."""
 
-ROUNDED = 1e-15
-"""Part of a probability, for each constraint, that sums and tails round off."""
+BLURRED = 1e-6
+"""Part of the sum of the probabilities by which a root of the covariance, rounded, may move what its samples say."""
 
-ALIKE = 0.95
-"""Correlation of two constraints from which on what tells them apart is integrated."""
-
-SINGULAR = 1e-7
-"""Part of a standard deviation left by those before, under which a constraint depends on them alone."""
+_PORTION = 200_000
+"""Numbers that are drawn at a time."""
 
 
 @dataclass(frozen=True)
 class Probability:
-    """An estimate, and an interval that holds the truth with probability ``CONFIDENCE``; ``exact`` where there is no sampling in it."""
+    """An estimate, and limits of the truth.
+
+    Attributes
+    ----------
+    value, low, high : float
+    confidence : float
+        That the truth lies from ``low`` to ``high``: 1 where both are proved, at least ``CONFIDENCE`` where samples say so.
+    most : float
+        Proved: the truth is no more.
+    """
 
     value: float
     low: float
     high: float
-    exact: bool = False
+    confidence: float
+    most: float
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is computed, but for rounding."""
+        return self.low == self.high
+
+    def kept(self, risk: float) -> float:
+        """The confidence that the truth is at most ``risk``: 1 where that is proved, 0 where the limits leave it open."""
+        return 1.0 if self.most <= risk else self.confidence if self.high <= risk else 0.0
 
 
 def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None, *, seed: int = 1, points: int = POINTS) -> Probability:
@@ -63,175 +86,209 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
     constraint : array of shape (rows,), optional
         The constraint of each row: one fails where all of its rows do. By default each row is one.
     seed : int
-        Of the shifts, or samples.
+        Of the samples.
     points : int
-        Of the lattice, at most.
+        Samples, at most.
+
+    Returns
+    -------
+    Probability
+        The confidence of its limits is that of one look: who picks the best of many answers by the same samples picks their errors, too.
     """
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))  # which rounding may leave below 0
-    if constraint is not None and len(np.unique(constraint)) < len(constraint):
-        return _sampled(slack, covariance, constraint, seed)
-    if (slack[deviation == 0.0] < 0.0).any():
-        return Probability(1.0, 1.0, 1.0, True)
-    kept = deviation > 0.0
+    scale = np.where(deviation > 0.0, deviation, 1.0)
     with np.errstate(over="ignore"):
-        z = slack[kept] / deviation[kept]
-    tails = ndtr(-z)
-    felt = tails > 1e-300
-    total = float(tails.sum())
+        z = np.where(deviation > 0.0, slack / scale, np.where(slack < 0.0, -math.inf, math.inf))
+    owner = np.arange(len(z)) if constraint is None else np.unique(constraint, return_inverse=True)[1]
+    certain = np.full(int(owner.max(initial=-1)) + 1, -math.inf)
+    np.maximum.at(certain, owner, z)
+    if (certain == -math.inf).any():
+        return _exactly(1.0)
+    felt = (ndtr(-certain) > 1e-300)[owner] & (z > -math.inf)
     if not felt.any():
-        return Probability(total, total, total, True)
-    z, tails = z[felt], tails[felt]
-    correlation = (covariance[np.ix_(kept, kept)] / np.outer(deviation[kept], deviation[kept]))[np.ix_(felt, felt)]
-    if len(z) == 1:
-        return Probability(float(tails[0]), float(tails[0]), float(tails[0]), True)
-    if len(z) == 2:
-        either = total - _both(float(z[0]), float(z[1]), float(correlation[0, 1]))
-        value = min(max(either, float(tails.max())), total)
-        return Probability(value, value, value, True)
-    order = np.argsort(z, kind="stable")
-    return _integral(z[order], correlation[np.ix_(order, order)], float(tails.max()), total, seed, points)
+        return _exactly(float(ndtr(-certain).sum()))
+    correlation = covariance[np.ix_(felt, felt)] / scale[felt][:, None] / scale[felt]
+    np.fill_diagonal(correlation, 1.0)
+    parts, z, owner = _independent(correlation, owner[felt]), z[felt], owner[felt]
+    unions = [_Union(z[part], np.clip(correlation[np.ix_(part, part)], -1.0, 1.0), owner[part]) for part in parts]
+    doubt = (1.0 - CONFIDENCE) / max(1, sum(union.sampled for union in unions))
+    return _any_of([union.probability(np.random.default_rng([seed, k]), points, doubt) for k, union in enumerate(unions)])
 
 
-def gradient(slack: Floats, covariance: Floats, *, points: int = 251) -> Floats:
-    """How the probability that any fails falls with each entry of ``slack``, all of them with noise.
+def both_fail(z: Floats, correlation: Floats) -> Floats:
+    """For each two of some standard normal numbers the probability that they exceed their ``z``; their tails on the diagonal.
 
-    By the density of a constraint at its limit, times the probability that the others hold there.
+    By Owen's (1956) function, wrong by some roundings of the larger tail of the two.
     """
-    deviation = np.sqrt(np.diag(covariance))
-    density = np.exp(-0.5 * (slack / deviation) ** 2) / (deviation * math.sqrt(2.0 * math.pi))
-    made = np.zeros(len(slack))
-    for k in np.nonzero(density * deviation > 1e-12)[0].tolist():
-        others = np.arange(len(slack)) != k
-        along = covariance[others, k] / covariance[k, k]
-        left = covariance[np.ix_(others, others)] - np.outer(along, covariance[k, others])
-        variance = np.diag(left).copy()
-        variance[variance < (SINGULAR * deviation[others]) ** 2] = 0.0
-        keep = (variance > 0.0).astype(float)
-        left = left * np.outer(keep, keep)
-        np.fill_diagonal(left, variance)
-        made[k] = -density[k] * (1.0 - any_fails(slack[others] - along * slack[k], left, points=points).value)
+    from scipy.special import owens_t
+
+    h, tails, one, other = np.where(z == 0.0, 1e-300, z), ndtr(-z), *np.triu_indices(len(z), 1)
+    r, (a, b) = correlation[one, other], (h[one], h[other])
+    rest = 1.0 - np.abs(r)
+    spread = np.maximum(np.sqrt(rest * (2.0 - rest)), 1e-150)
+    like = np.where(r > 0.0, 1.0, -1.0)
+    with np.errstate(over="ignore"):
+        parts = owens_t(a, (b - like * a + like * rest * a) / (a * spread)) + owens_t(b, (a - like * b + like * rest * b) / (b * spread))
+    pair = 0.5 * (tails[one] + tails[other]) - parts - np.where((a > 0.0) == (b > 0.0), 0.0, 0.5)
+    made = np.diag(tails)
+    made[one, other] = made[other, one] = np.clip(pair, 0.0, np.minimum(tails[one], tails[other]))
     return made
 
 
-def _both(a: float, b: float, correlation: float) -> float:
-    """Probability that two standard normal numbers exceed a and b: Plackett's (1954) integral over the correlation, far from its ends."""
-    from scipy.integrate import quad
-
-    if correlation > ALIKE:
-        return max(0.0, float(ndtr(-max(a, b))) - _apart(max(a, b), min(a, b), correlation))
-    if correlation < -ALIKE:  # the second exceeds b where its opposite, which is like the first, does not exceed -b
-        if a >= -b:
-            return _apart(a, -b, -correlation)
-        return float(ndtr(-a) - ndtr(b)) + _apart(-b, a, -correlation)
-
-    def along(angle: float) -> float:
-        sine, cosine = math.sin(angle), math.cos(angle)
-        power = (a * a + b * b - 2.0 * a * b * sine) / (2.0 * cosine * cosine)
-        return float(math.exp(-power))
-
-    found = quad(along, 0.0, math.asin(correlation), epsabs=1e-300, epsrel=1e-11, limit=200)[0]
-    return max(0.0, float(ndtr(-a) * ndtr(-b)) + float(found) / (2.0 * math.pi))
+def _exactly(value: float) -> Probability:
+    return Probability(value, value, value, 1.0, value)
 
 
-def _apart(a: float, b: float, correlation: float) -> float:
-    """Probability that of two standard normal numbers, nearly the same, the first exceeds a and the second does not exceed b <= a."""
-    from scipy.integrate import quad
+def _independent(correlation: Floats, constraint: Ints) -> list[Ints]:
+    """Rows, those of a constraint beside each other, by parts that have no noise in common, nor a constraint."""
+    from scipy.sparse.csgraph import connected_components
 
-    spread = math.sqrt(max(0.0, (1.0 - correlation) * (1.0 + correlation)))
-    if spread == 0.0:
-        return 0.0
-    edge = ((b - a) + (1.0 - correlation) * a) / spread
-    if edge < -38.0:
-        return 0.0
-
-    def along(t: float) -> float:
-        x = a + spread * t
-        return float(math.exp(-0.5 * x * x) * ndtr(edge - correlation * t))
-
-    found = quad(along, 0.0, (edge + 38.0) / correlation, epsabs=1e-300, epsrel=1e-11, limit=200)[0]
-    return spread * float(found) / math.sqrt(2.0 * math.pi)
+    _, part = connected_components((correlation != 0.0) | (constraint[:, None] == constraint), directed=False)
+    order = np.lexsort((constraint, part))
+    return np.split(order, np.nonzero(np.diff(part[order]))[0] + 1)
 
 
-def _integral(z: Floats, correlation: Floats, least: float, most: float, seed: int, points: int) -> Probability:
-    """By the lattice; between the largest single risk and the sum of all, where it lies for certain (Frechet, Boole)."""
-    factor, size = _factor(correlation), len(z)
-    points = int(min(points, max(31, WORK / (SHIFTS * size * size))))
-    rng = np.random.default_rng(seed)
-    roots = np.sqrt(_primes(size))
-    base = np.arange(1, points + 1)[:, None] * (roots - np.floor(roots))
-    found = np.empty(SHIFTS)
-    for k in range(SHIFTS):
-        shifted = base + rng.random(size)
-        shifted -= np.floor(shifted)
-        found[k] = float(np.mean(_fail_first(z, factor, np.abs(2.0 * shifted - 1.0))))  # the tent makes it periodic
-    value = float(found.mean())
-    error = _STUDENT * float(found.std(ddof=1)) / math.sqrt(SHIFTS) + ROUNDED * size * value
-    clipped = np.clip([value, value - error, value + error], least, min(1.0, most))
-    return Probability(float(clipped[0]), float(clipped[1]), float(clipped[2]))
+def _any_of(parts: list[Probability]) -> Probability:
+    """Of independent events, from what is known of each."""
+    if len(parts) == 1:
+        return parts[0]
+    with np.errstate(divide="ignore"):
+        any_fails = -np.expm1(np.log1p(-np.array([(p.value, p.low, p.high, p.most) for p in parts])).sum(axis=0))
+    value, low, high, most = any_fails.tolist()
+    return Probability(value, low, high, 1.0 - math.fsum(1.0 - p.confidence for p in parts), most)
 
 
-def _fail_first(z: Floats, factor: Floats, points: Floats) -> Floats:
-    """For each point of the cube the probability to fail, one constraint after the other."""
-    many, size = points.shape
-    normal = np.zeros((many, size))
-    holds, fails = np.ones(many), np.zeros(many)
-    for k in range(size):
-        given = normal[:, :k] @ factor[k, :k]
-        own = factor[k, k]
-        if own > SINGULAR:
-            edge = (z[k] - given) / own
-            tail = ndtr(-edge)
-            normal[:, k] = np.clip(ndtri(np.maximum(points[:, k], 1e-300) * ndtr(edge)), -38.0, 38.0)
-        else:
-            tail = (given > z[k] + 1e-9).astype(np.float64)
-        fails += holds * tail
-        holds *= 1.0 - tail
-    return fails
+class _Union:
+    """Constraints, each a row or several of which all must fail, ascending; the likeliest to hold of its rows stands for it."""
+
+    def __init__(self, z: Floats, correlation: Floats, constraint: Ints) -> None:
+        self.z, self.correlation = z, correlation
+        self.starts = np.nonzero(np.diff(constraint, prepend=-1))[0]
+        ends = np.append(self.starts[1:], len(z))
+        self.rows = np.array([a + int(np.argmax(z[a:b])) for a, b in zip(self.starts.tolist(), ends.tolist(), strict=True)])
+        self.single = ends - self.starts == 1
+        self.pairs = both_fail(z[self.rows], correlation[np.ix_(self.rows, self.rows)])
+        self.tails = np.diag(self.pairs).copy()
+        self.total = float(self.tails.sum())
+        self.tree = _spanning_tree(self.pairs)
+        self.base = self.total - float(self.pairs[self.tree].sum())
+
+    @property
+    def sampled(self) -> bool:
+        """Whether samples may be needed: of more than one row or two."""
+        return len(self.z) > 2
+
+    def probability(self, rng: np.random.Generator, points: int, doubt: float) -> Probability:
+        """Exact for one row or two; else between what is proved and what samples say, but for that ``doubt``."""
+        if not self.sampled:
+            all_fail = len(self.z) == 2 and not self.single.any()
+            either = min(max(self.base, float(self.tails.max())), 1.0)
+            return _exactly(float(both_fail(self.z, self.correlation)[0, 1]) if all_fail else either)
+        slip, bits = ROUNDED * len(self.tails) * self.total, math.log(2.0 / doubt)
+        most = min(1.0, self.base + slip)
+        least = min(max(0.0, self._least() - slip), most)
+        root = self._root()
+        many = int(min(points, max(1000, WORK / (len(self.z) * (root.shape[1] + 10)))))
+        if most - least <= self.total * bits / many:  # finer than samples see
+            return Probability(0.5 * (least + most), least, most, 1.0, most)
+        pilot, found = self._counted(many // PILOT, root, rng), self._counted(many - many // PILOT, root, rng)
+        apart = [self.base - self.total * part for part in _mean_between(pilot, found, bits)]
+        blur = BLURRED * self.total
+        value, high, low = (min(max(p, least), most) for p in (apart[0], apart[1] + blur, apart[2] - blur))
+        return Probability(value, low, high, 1.0 - doubt, most)
+
+    def _least(self) -> float:
+        """Proved to be no more, of constraints of one row."""
+        tails, pairs = self.tails[self.single], self.pairs[np.ix_(self.single, self.single)]
+        if not len(tails):
+            return 0.0
+        total, twice = float(tails.sum()), float(pairs.sum() - tails.sum())
+        size = 1.0 + math.floor(twice / total)
+        return max(float(tails.max()), (2.0 * total - twice / size) / (size + 1.0), float((tails * (tails / pairs.sum(axis=1))).sum()))
+
+    def _root(self) -> Floats:
+        """A matrix whose product with its transpose is the correlation, which may be singular."""
+        values, vectors = np.linalg.eigh(self.correlation)
+        kept = values > len(values) * np.finfo(float).eps
+        return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
+
+    def _counted(self, many: int, root: Floats, rng: np.random.Generator) -> Counts:
+        """How often samples of the noise, given a failure, have which worth.
+
+        With c constraints whose row fails, t edges of the tree between them, and a = 1 if one of them fails with all of its rows:
+        (c - t - a) / c, whose mean is the part of the sum by which the tree's limit is too large. One sample of each of ``many`` equal
+        parts of the probability: they are independent, and the mean of their means is the one sought.
+        """
+        ends, size = np.cumsum(self.tails), len(self.tails)
+        counts = np.zeros((size + 1) * (size + 1), dtype=np.int64)
+        portion = max(1, _PORTION // len(self.z))
+        for begin in range(0, many, portion):
+            k = np.arange(begin, min(many, begin + portion))
+            column = k - begin
+            at = (k + rng.random(len(k))) / many * ends[-1]
+            drawn = np.minimum(np.searchsorted(ends, at, side="right"), size - 1)
+            row = self.rows[drawn]
+            tail = np.clip(at - (ends - self.tails)[drawn], 1e-300, self.tails[drawn])
+            noise = root @ rng.standard_normal((root.shape[1], len(k)))
+            noise += self.correlation[:, row] * (-ndtri(tail) - noise[row, column])
+            beyond = noise > self.z[:, None]
+            beyond[row, column] = True
+            fails = beyond[self.rows]
+            failing = fails.sum(axis=0)
+            apart = failing.copy()
+            for one, other in zip(*self.tree, strict=True):
+                apart -= fails[one] & fails[other]
+            apart -= 1 if self.single.all() else np.logical_and.reduceat(beyond, self.starts, axis=0).any(axis=0)
+            counts += np.bincount(failing * (size + 1) + apart, minlength=len(counts))
+        kinds = np.nonzero(counts)[0]
+        return (kinds % (size + 1)) / (kinds // (size + 1)), counts[kinds].astype(np.float64)
 
 
-def _factor(correlation: Floats) -> Floats:
-    """Lower triangle whose product with its transpose is the correlation, which may be singular."""
-    size = len(correlation)
-    made = np.zeros((size, size))
-    for k in range(size):
-        rest = correlation[k, k] - made[k, :k] @ made[k, :k]
-        if rest > SINGULAR**2:
-            made[k, k] = math.sqrt(rest)
-            made[k + 1 :, k] = (correlation[k + 1 :, k] - made[k + 1 :, :k] @ made[k, :k]) / made[k, k]
-    return made
+Counts = tuple[Floats, Floats]
+"""Numbers, and how often each."""
 
 
-def _primes(count: int) -> Floats:
-    """The first prime numbers."""
-    limit = max(16, int(count * (math.log(count + 2) + math.log(math.log(count + 3)) + 2)))
-    sieve = np.ones(limit, dtype=bool)
-    sieve[:2] = False
-    for p in range(2, math.isqrt(limit) + 1):
-        if sieve[p]:
-            sieve[p * p :: p] = False
-    return np.nonzero(sieve)[0][:count].astype(np.float64)
+def _spanning_tree(pairs: Floats) -> tuple[Ints, Ints]:
+    """Edges of a tree of the largest probabilities that both fail (Prim 1957)."""
+    size = len(pairs)
+    best, source, left = pairs[0].copy(), np.zeros(size, dtype=np.int64), np.ones(size, dtype=bool)
+    left[0] = False
+    one, other = np.zeros(size - 1, dtype=np.int64), np.zeros(size - 1, dtype=np.int64)
+    for k in range(size - 1):
+        new = int(np.argmax(np.where(left, best, -1.0)))
+        one[k], other[k], left[new] = source[new], new, False
+        better = pairs[new] > best
+        best, source = np.where(better, pairs[new], best), np.where(better, new, source)
+    return one, other
 
 
-def _sampled(slack: Floats, covariance: Floats, constraint: Ints, seed: int) -> Probability:
-    """By samples, with the interval of Clopper and Pearson (1934)."""
-    from scipy.special import betaincinv  # scipy.stats takes a second to load
+def _mean_between(pilot: Counts, found: Counts, bits: float) -> tuple[float, float, float]:
+    """The mean of numbers from 0 to 1, and limits that hold their expectation but with the probability 2 exp(-bits).
 
-    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    noisy, z = deviation > 0.0, np.where(slack >= 0.0, math.inf, -math.inf)
-    z[noisy] = slack[noisy] / deviation[noisy]
-    root = np.zeros((len(slack), int(noisy.sum())))  # rows without variance have no noise, not that of its rounding
-    values, vectors = np.linalg.eigh(covariance[np.ix_(noisy, noisy)] / np.outer(deviation[noisy], deviation[noisy]))
-    root[noisy] = vectors * np.sqrt(np.maximum(values, 0.0))
-    rng, failed = np.random.default_rng(seed), 0
-    order = np.argsort(constraint, kind="stable")
-    starts = np.nonzero(np.diff(constraint[order], prepend=-1))[0]
-    sorted_root, sorted_z = root[order], z[order, None]
-    portion = max(1, min(SAMPLES, int(2e6 // max(1, len(slack)))))  # what a processor keeps at hand
-    for begin in range(0, SAMPLES, portion):
-        noise = rng.standard_normal((min(portion, SAMPLES - begin), root.shape[1]))
-        beyond = sorted_root @ noise.T > sorted_z
-        failed += int(np.logical_and.reduceat(beyond, starts, axis=0).any(axis=0).sum())
-    low = 0.0 if failed == 0 else float(betaincinv(failed, SAMPLES - failed + 1, (1.0 - CONFIDENCE) / 2.0))
-    high = 1.0 if failed == SAMPLES else float(betaincinv(failed + 1, SAMPLES - failed, (1.0 + CONFIDENCE) / 2.0))
-    most = min(1.0, float(np.minimum.reduceat(ndtr(-z)[order], starts).sum()))  # Boole
-    return Probability(min(failed / SAMPLES, most), min(low, most), min(high, most))
+    Whoever stakes a fixed part of their capital on each number, at even odds if the expectation is m, is expected to end with what they
+    began with, so that exp(bits) times as much is as rare as exp(-bits) (Markov): an m that would make them so rich is refused. The parts
+    come from other numbers, the pilot's.
+    """
+    numbers, often = found
+    many, mean = float(often.sum()), float(numbers @ often / often.sum())
+    first = float(pilot[0] @ pilot[1] / pilot[1].sum())
+    spread = float((pilot[0] - first) ** 2 @ pilot[1] / pilot[1].sum()) + 1.0 / float(pilot[1].sum())
+    bet = math.sqrt(2.0 * bits / (many * spread))
+    down, up = min(bet, 0.9 / (first + 1.0 / float(pilot[1].sum()))), min(bet, 0.9)
+
+    def loses(m: float, part: float) -> bool:
+        return float(often @ np.log1p(part * (numbers - m))) > bits
+
+    low = _last(lambda m: loses(m, down), 0.0, min(mean, (1.0 - 1e-9) / down))
+    high = _last(lambda m: loses(m, -up), 1.0, mean)
+    return mean, low, high
+
+
+def _last(refused: Callable[[float], bool], begin: float, end: float) -> float:
+    """From ``begin`` towards ``end``, about the last number that is refused, on the side of those that are; ``begin`` if it is not."""
+    if not refused(begin):
+        return begin
+    for _ in range(60):
+        middle = 0.5 * (begin + end)
+        begin, end = (middle, end) if refused(middle) else (begin, middle)
+    return begin

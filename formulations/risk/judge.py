@@ -6,6 +6,7 @@ It knows no program and no solver, and shares no code with the forms.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -76,7 +77,10 @@ def _row_sizes(p: RiskAllocation, x: Floats) -> Floats:
 
 def _quantities(p: RiskAllocation, x: Floats, own: Floats) -> dict[str, float]:
     joint = next(iter(p.joint_risk(x).values()))
-    told = {"sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high}
+    told = {
+        "sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high,
+        "joint_risk_confidence": joint.confidence,
+    }  # fmt: skip
     if p.risk.total is not None:
         told["unused_share_of_risk"] = 1.0 - joint.value / p.risk.total
     return told
@@ -127,11 +131,13 @@ def _judge_budgets(p: RiskAllocation, risks: Floats) -> Judged:
 
 
 def _judge_joint(p: RiskAllocation, x: Floats, known: bool) -> Judged:
-    """Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer."""
+    """Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer; how sure that is."""
     found = p.joint_risk(x) if known else {}
     spent = np.array([found[b.name].high if known else math.nan for b in p.budgets])
     most = np.array([b.risk for b in p.budgets])
-    return judge("joint-risk", spent - most, lambda k: _over(p, k, spent[k]), VECTOR * most)
+    check, violations = judge("joint-risk", spent - most, lambda k: _over(p, k, spent[k]), VECTOR * most)
+    doubt = math.fsum(1.0 - found[b.name].kept(b.risk * (1.0 + VECTOR)) for b in p.budgets) if check.passed else 0.0
+    return replace(check, confidence=max(0.0, 1.0 - doubt)), violations
 
 
 def _over(p: RiskAllocation, k: int, spent: float) -> str:

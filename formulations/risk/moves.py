@@ -192,19 +192,6 @@ class MoveGraph:
             move = int(self._walks[move])
         return (self.graph.start, *reversed(states))
 
-    def free_path(self, states: Sequence[int]) -> tuple[int, ...] | None:
-        """A path without repetition to one of ``states`` at no risk, if the walks of least hazard hold one."""
-        if self.start_hazard > 0.0 or self.graph.traverse:
-            return None
-        reach = self.to_states()
-        for state in states:
-            if reach[state] > 0.0:
-                continue
-            walk = self.walk(state)
-            if walk is not None and len(set(walk)) == len(walk):
-                return walk
-        return None
-
     def evidence(self, value: float) -> Evidence:
         """Evidence ``move-potentials``: least hazards to the moves."""
         potentials = [None if math.isinf(p) else p for p in self.to_moves[:-1].tolist()]

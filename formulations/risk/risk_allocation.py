@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -87,7 +88,7 @@ class RiskAllocation(Problem):
         self.budgets = instance.risk.all_budgets()
         self.places: dict[str, tuple[int, tuple[int, ...]]] = {}
         self.open = np.ones(len(self.limits), dtype=bool)
-        self._joint: tuple[bytes, dict[str, Probability]] = (b"", {})
+        self._joint: tuple[tuple[bytes, int | None], dict[str, Probability]] = ((b"", None), {})
 
     @classmethod
     def from_cvxpy(
@@ -201,10 +202,18 @@ class RiskAllocation(Problem):
         """For each constraint the risk of its safest row at the decision x."""
         return safest_risks(self, x)
 
-    def joint_risk(self, x: Floats) -> dict[str, Probability]:
-        """For each budget, the total first, the probability that any of its constraints fails at the decision x."""
-        key = x.tobytes()
+    def joint_risk(self, x: Floats, seed: int | None = None) -> dict[str, Probability]:
+        """For each budget, the total first, the probability that any of its constraints fails at the decision x.
+
+        Parameters
+        ----------
+        x : array of shape (decisions,)
+        seed : int, optional
+            Of the samples. By default the decision has its own, so that a search with another one has not picked it by their errors.
+        """
+        key = (x.tobytes(), seed)
         if self._joint[0] != key:
+            own = int.from_bytes(hashlib.sha256((x + 0.0).tobytes()).digest()[:8], "little") if seed is None else seed
             slack, made = judged_slack(self, x), {}
             points = MORE_POINTS if self.risk.kind == "joint" else POINTS
             every = [(b.name, b.constraints) for b in self.budgets]
@@ -212,7 +221,7 @@ class RiskAllocation(Problem):
                 every.insert(0, ("total", np.arange(len(self.names))))
             for name, constraints in every if self.risk.kind == "joint" else every[:1]:
                 at = np.isin(self.constraint, constraints)
-                made[name] = any_fails(slack[at], self.covariance[np.ix_(at, at)], self.constraint[at], points=points)
+                made[name] = any_fails(slack[at], self.covariance[np.ix_(at, at)], self.constraint[at], seed=own, points=points)
             self._joint = (key, made)
         return self._joint[1]
 

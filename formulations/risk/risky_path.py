@@ -21,6 +21,7 @@ from ..evidence import Evidence, Reason
 from ..problem import PROBLEMS, Problem
 from ..references import indices_of
 from ..selection.submodular_selection import refuse_settings
+from .marked_paths import MOST_LABELS, CutShortError, free_reward
 from .moves import MoveGraph
 
 if TYPE_CHECKING:
@@ -73,8 +74,14 @@ class RiskyPath(Problem):
     def _check_ratio(self) -> None:
         if not self.rewards.any():
             raise InputError("reward per risk needs a state with a reward: without one it is 0, or 0/0, wherever a path leads")
-        free = self.moves.free_path(self.graph.goals or np.nonzero(self.rewards)[0].tolist())
-        if free is not None and self._reward(free) > 0.0:
+        try:
+            free = free_reward(self)
+        except CutShortError:
+            raise InputError(
+                f"whether a reward can be had without risk was not decided with {MOST_LABELS} labels, and its ratio would have no maximum",
+                expected="a risk, however small, at the start",
+            ) from None
+        if free is not None:
             way = " ".join(map(self.graph.state_name, free[-5:]))
             raise InputError(f"reward per risk has no maximum: a reward is reached without risk, by {'... ' if len(free) > 5 else ''}{way}")
 

@@ -42,7 +42,7 @@ def choosing(problem: RiskAllocation, rows: Ints) -> RiskAllocation:
     made.risk = Risk(p.risk.kind, p.risk.total, p.risk.each[kept])
     members = [(b, np.nonzero(np.isin(kept, b.constraints))[0]) for b in p.budgets]
     made.budgets = tuple(replace(b, constraints=at) for b, at in members if len(at))
-    made._joint = (b"", {})
+    made._joint = ((b"", None), {})
     return made
 
 
@@ -50,7 +50,7 @@ def by_allocation(problem: RiskAllocation) -> RiskAllocation:
     """See ``RiskAllocation.by_allocation``."""
     made = copy.copy(problem)
     made.risk = replace(problem.risk, kind="allocated", budgets=())
-    made._joint = (b"", {})
+    made._joint = ((b"", None), {})
     return made
 
 

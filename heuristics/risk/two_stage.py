@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...formulations.evidence import Guarantee
+from ...formulations.risk.marked_paths import CutShortError, risky_path
 from ...formulations.risk.risky_path import Path, RiskyPath
-from ...formulations.stop import Stopped
+from ...formulations.stop import Stop, Stopped
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .look_back import exact_for, least_risky_paths
 
@@ -47,10 +48,19 @@ def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     judged = [(problem.evaluate(paths[end]), paths[end]) for end in ends if end in paths]
     able = [(verdict.values[0], path) for verdict, path in judged if verdict.feasible]
     if not able:
-        return Outcome(None, message="no least risky path has a risk, so that none has a ratio")
+        return _any_ratio(problem, stop)
     value, best = max(able, key=lambda pair: pair[0])
     statistics = {"steps": steps, "candidates": len(able), "walks_with_loops": len(looped)}
     return Outcome(best, _guarantee(problem, steps, paths, looped, value), statistics=statistics)
+
+
+def _any_ratio(problem: RiskyPath, stop: Stop) -> Outcome:
+    """Some path with a risk, where the least risky ones have none, and so no ratio."""
+    try:
+        found = risky_path(problem, stop)
+    except CutShortError as cut:
+        return Outcome(None, message="no least risky path has a risk, so that none has a ratio", limit=str(cut))
+    return Outcome(found, message="" if found is not None else "no path may end where it has a risk between 0 and 1")
 
 
 def _guarantee(problem: RiskyPath, steps: int, paths: dict[int, Path], looped: frozenset[int], value: float) -> Guarantee | None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...formulations.rendering import number
-from ...formulations.risk.joint_normal import CONFIDENCE
+from ...formulations.rendering import number, percent
 from ...formulations.risk.risk_allocation import RiskAllocation
 from . import TABLES, Tables
 from .answers import SHOWN_ROWS
@@ -42,7 +41,8 @@ def _together(problem: RiskAllocation, decision: Any) -> list[Row]:
     rows = [] if problem.risk.total is None else [("allowed", f"{_risk(problem.risk.total)} in total, {problem.risk.kind}")]
     rows.append(("sum of the risks", _risk(problem.risks(decision).sum())))
     for name, found in problem.joint_risk(decision).items():
-        span = "exact" if found.exact else f"{_risk(found.low)} to {_risk(found.high)} with confidence {CONFIDENCE:.1%}"
+        sure = "proved" if found.confidence == 1.0 else f"with confidence {percent(found.confidence)}"
+        span = "exact" if found.exact else f"{_risk(found.low)} to {_risk(found.high)}, {sure}"
         rows.append(("any fails" if name == "total" else f"any of {name} fails", f"{_risk(found.value)} ({span})"))
     if problem.risk.total is not None:
         joint = next(iter(problem.joint_risk(decision).values()))

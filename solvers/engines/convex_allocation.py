@@ -26,6 +26,8 @@ PROVED = 1e-6
 
 LEANING = "the answer gains from limits that it breaks by what solvers round, so that no optimum is claimed"
 
+BEYOND = "no allocation keeps the budgets in sum; this one keeps the joint risk"
+
 BOX = 2.0
 """Times the largest number of a decision."""
 
@@ -34,7 +36,8 @@ BOX = 2.0
 class ConvexAllocation(Engine):
     """Blackmore and Ono's (2009) joint program of decisions and risks: HiGHS for linear costs, Clarabel for cones and squares.
 
-    Where risk is joint it finds the best allocation, which is an answer (Boole), and bounds nothing.
+    Where risk is joint it finds the best allocation, which is an answer (Boole), or one of more risk in sum that keeps the joint risk, and
+    bounds nothing.
     """
 
     name = "convex-allocation"
@@ -50,6 +53,7 @@ class ConvexAllocation(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
+        from .convex_allocation_steps.beyond_boole import beyond_boole
         from .convex_allocation_steps.successive_tangents import SuccessiveTangents
 
         lacking = self.missing(problem)
@@ -73,7 +77,11 @@ class ConvexAllocation(Engine):
             result = replace(result, message=unproved)
         if not joint:
             return result
-        answer = None if result.answer is None else Allocation(result.answer.decision)
+        decision = beyond_boole(problem, options.seed, stop) if result.answer is None else result.answer.decision
+        if result.answer is None and decision is not None:
+            objective = problem.value(decision)[0]
+            result = replace(result, status="feasible", objective=objective, bound=None, message=BEYOND)
+        answer = None if decision is None else Allocation(decision)
         return replace(result, answer=answer, holds=Exactness.RESTRICTION, evidence=())
 
 

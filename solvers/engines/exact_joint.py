@@ -12,11 +12,16 @@ from ...formulations.problem import Problem
 from ...formulations.programs.rows import rows
 from ...formulations.risk.allocations import Allocation
 from ...formulations.risk.forms._fixed_risks import fixed_margins_program, margins
-from ...formulations.risk.joint_normal import gradient
+from ...formulations.risk.joint_gradient import gradient
+from ...formulations.risk.joint_normal import Probability
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UnsupportedError
 from ..backend import BACKENDS, Control, Engine, Options, RawResult
+from .convex_allocation_steps.beyond_boole import beyond_boole, quantile, room
+from .convex_allocation_steps.session import open_session
+from .convex_allocation_steps.successive_tangents import SuccessiveTangents
+from .convex_allocation_steps.units import Units
 
 Floats = NDArray[np.float64]
 
@@ -25,17 +30,20 @@ MOST_ROWS = 60
 
 CLOSED = 1e-6
 MOST_PLANES = 200
-NEAR, MOST_LOOKS = 1e-5, 30
-"""Part of the way to the boundary to which it is known, and looks at most."""
+NEAR, FINE, MOST_LOOKS = 1e-8, 0.3, 30
+"""Deviations from the boundary at which a point is taken to be there, or this part of what the limits leave open; looks at most."""
+
+HIGHER = (1e-2, 1e-3, 1e-5, 0.0)
+"""Deviations above its budget's quantile, to which a plan is looked for that is allowed."""
 
 
 @BACKENDS.register("exact-joint")
 class ExactJoint(Engine):
-    """Outer search over the multivariate normal probability, which is logarithmically concave in the decision (Prekopa 1971).
+    """Outer search over the multivariate normal probability that nothing fails, whose quantile is concave in the decision (Ehrhard 1983).
 
-    A program with planes that support ``log P(nothing fails)`` bounds the cost; from its decision the way to a plan that is known to be
-    allowed crosses the boundary, where the next plane is laid (Veinott 1967). The integrals' errors count against the plan, whose bound is
-    claimed: it is as good as they are.
+    A program with planes that support the quantile bounds the cost; from its decision the way to a plan that is known to be allowed crosses
+    the boundary, where the next plane is laid (Veinott 1967). Where no allocation is allowed the planes alone lead to a plan (Kelley 1960).
+    The integrals' errors count against the plan, and against the bound, which is claimed: its planes' slopes are as good as they are.
     """
 
     name = "exact-joint"
@@ -72,23 +80,24 @@ class _Planes:
     """The search."""
 
     def __init__(self, problem: RiskAllocation, options: Options, control: Control, stop: Stop) -> None:
-        from scipy.special import ndtri
-
-        from .convex_allocation_steps.session import open_session
-        from .convex_allocation_steps.units import Units
-
         self.problem, self.options, self.control, self.stop, self.units = problem, options, control, stop, Units.of(problem)
         inner = self.units.problem
-        program = fixed_margins_program(inner, "planes", margins(inner, -ndtri(problem.caps)))
+        program = fixed_margins_program(inner, "planes", margins(inner, quantile(problem.caps)))
         self.session = open_session(program, options.seed)
-        self.bound, self.value, self.planes = -math.inf, math.inf, 0
+        self.bound, self.value, self.planes, self.higher, self.none = -math.inf, math.inf, 0, 0.0, False
+        self.first = sum(block.size for block in program.rows)
+        self.sides: list[tuple[float, float]] = []
         self.answer: Allocation | None = None
 
     def run(self) -> RawResult:
         """Planes until plan and bound meet."""
-        p, stop, inside = self.problem, self.stop, self._start(self.stop)
+        p, stop = self.problem, self.stop
+        try:
+            inside = self._start()
+        except Stopped:
+            inside = None
         if inside is None:
-            return RawResult("unknown", stop.reached() or "none", message="there is no plan with allocated risks, from which it starts")
+            return self._without_plan()
         aim, most, limit = max(self.options.gap, CLOSED), min(self.options.iterations or MOST_PLANES, MOST_PLANES), "none"
         self._take(inside)
         while True:
@@ -106,33 +115,77 @@ class _Planes:
             try:
                 edge = self._edge(inside, outside)
                 self._take(edge)
-                if not self._support(edge, outside):
+                if not any([self._support(edge, outside), self._support(outside, outside)]):
                     break
             except Stopped:
                 limit = stop.reached()
                 break
             self.planes += 1
         closed = self.value - self.bound <= aim * max(abs(self.value), 1e-300)
-        statistics: dict[str, Any] = {"planes": self.planes, "joint_risk": next(iter(p.joint_risk(self.answer.decision).values())).value}  # type: ignore[union-attr]
-        if self.options.start is not None:
-            statistics["start"] = "ignored"
         limit = "gap" if closed and self.options.gap > 0.0 else limit
         bound = p.sign * self.bound if math.isfinite(self.bound) else None
         status = "optimal" if closed and limit != "gap" else "feasible"
-        return RawResult(status, limit, self.answer, p.sign * self.value, bound, statistics=statistics)
+        return RawResult(
+            status, limit, self.answer, p.sign * self.value, bound, statistics=self._statistics(), message=self._said(closed, limit)
+        )
 
-    def _start(self, stop: Stop) -> Floats | None:
-        """The best plan of allocated risk, which keeps the joint risk by Boole's inequality."""
-        from .convex_allocation_steps.successive_tangents import SuccessiveTangents
+    def _statistics(self) -> dict[str, Any]:
+        told: dict[str, Any] = {"planes": self.planes}
+        if self.answer is not None:
+            told["joint_risk"] = next(iter(self.problem.joint_risk(self.answer.decision, self.options.seed).values())).value
+        return told if self.options.start is None else {**told, "start": "ignored"}
 
-        found = SuccessiveTangents(self.problem.by_allocation(), self.options.seed).run(stop, 1e-6).answer
-        return None if found is None else found.decision
+    def _said(self, closed: bool, limit: str) -> str:
+        return "" if closed or limit != "none" else "its samples of the joint risk tell no finer what is left between answer and bound"
 
-    def _excess(self, x: Floats) -> float:
-        """By which part the upper limits of the probabilities exceed a budget at most."""
+    def _without_plan(self) -> RawResult:
+        if self.none:
+            message = "the planes of the joint risk leave no plan"
+            return RawResult("infeasible", statistics=self._statistics(), message=message)
+        message = "no plan was found that keeps the joint risk, and none is ruled out"
+        return RawResult("unknown", self.stop.reached() or "none", statistics=self._statistics(), message=message)
+
+    def _start(self) -> Floats | None:
+        """The best plan of allocated risk, which keeps the joint risk by Boole's inequality; or one of more risk; or where planes lead."""
+        found = SuccessiveTangents(self.problem.by_allocation(), self.options.seed).run(self.stop, CLOSED).answer
+        if found is not None:
+            return found.decision
+        beyond = beyond_boole(self.problem, self.options.seed, self.stop)
+        return self._led() if beyond is None else beyond
+
+    def _led(self) -> Floats | None:
+        """The cheapest point beyond planes at a level a little higher than asked for, again and again, until it is allowed."""
+        for higher in HIGHER:
+            self._raise(higher)
+            while self.planes < MOST_PLANES:
+                made = self.session.solve(self.stop)
+                if made.status != "optimal":
+                    self.none = made.status == "infeasible" and higher == 0.0
+                    break
+                x = np.clip(made.x[: self.problem.size] * self.units.columns, self.problem.lower, self.problem.upper)
+                if self._look(x)[0] >= 0.0:
+                    self._raise(0.0)
+                    return x
+                if not self._support(x, x):
+                    break
+                self.planes += 1
+        return None
+
+    def _raise(self, higher: float) -> None:
+        """Move all planes to that many deviations above the level asked for."""
+        self.higher = higher
+        for k, (side, unit) in enumerate(self.sides):
+            self.session.change_upper(self.first + k, np.array([(side - higher) * unit]))
+
+    def _risks(self, x: Floats) -> dict[str, Probability]:
         self.stop.check()  # one takes up to some tenths of a second
-        found = self.problem.joint_risk(x)
-        return max(found[b.name].high / b.risk - 1.0 for b in self.problem.budgets)
+        return self.problem.joint_risk(x, self.options.seed)
+
+    def _look(self, x: Floats) -> tuple[float, float]:
+        """Deviations below the budgets, and those that the limits of the probabilities leave open."""
+        found = self._risks(x)
+        limits = np.array([(f.low, f.high) for f in (found[b.name] for b in self.problem.budgets)])
+        return room(self.problem, x, self.options.seed), float(np.ptp(quantile(limits), axis=1).max(initial=0.0))
 
     def _take(self, x: Floats) -> None:
         p, decision = self.problem, np.clip(x, self.problem.lower, self.problem.upper)
@@ -142,38 +195,41 @@ class _Planes:
             self.control.publish(self.answer, p.sign * value)
 
     def _edge(self, inside: Floats, outside: Floats) -> Floats:
-        """About the last allowed point on the way from ``inside`` to ``outside``."""
-        from scipy.optimize import brentq
-
-        if self._excess(outside) <= 0.0:
+        """About the last allowed point on the way from ``inside`` to ``outside``: chords of a concave function stay inside."""
+        way, part, (beyond, _), (left, blur) = outside - inside, 0.0, self._look(outside), self._look(inside)
+        if beyond >= 0.0:
             return outside
-        if self._excess(inside) >= 0.0:
-            return inside
-        way = outside - inside
-        part = brentq(lambda t: self._excess(inside + t * way), 0.0, 1.0, xtol=NEAR, maxiter=MOST_LOOKS, disp=False)
-        while part > 0.0 and self._excess(inside + part * way) > 0.0:
-            part -= NEAR
-        return np.asarray(inside + max(part, 0.0) * way)
+        for _ in range(MOST_LOOKS):
+            near = max(NEAR, FINE * blur)
+            if left <= near:
+                break
+            tried = part + (1.0 - part) * (left - 0.5 * near) / (left - beyond)
+            found, blur = self._look(inside + tried * way)
+            if found < 0.0:  # by its samples' noise
+                break
+            part, left = tried, found
+        return np.asarray(inside + part * way)
 
     def _support(self, edge: Floats, outside: Floats) -> bool:
         """Lay planes at the edge; whether one of them is in the way of ``outside``."""
         p, laid = self.problem, False
-        slack = p.limits - p.chance @ edge
+        slack, risks = p.limits - p.chance @ edge, self._risks(edge)
         for budget in p.budgets:
             self.stop.check()
             at = np.nonzero(np.isin(p.constraint, budget.constraints) & (p.deviation > 0.0))[0]
-            found = p.joint_risk(edge)[budget.name]
-            holds = 1.0 - found.value
-            slope = -gradient(slack[at], p.covariance[np.ix_(at, at)]) / holds  # of log P(nothing fails), by slack
-            normal = slope @ p.chance[at]
-            # log holds - normal (x - edge) >= log(1 - budget)
-            side = math.log(holds) + float(normal @ edge) - math.log1p(-budget.risk)
-            if float(normal @ outside) > side + 1e-10 * max(1.0, abs(side)):
+            found = risks[budget.name]
+            level, least, most = quantile(np.array([found.value, found.high, found.low])).tolist()
+            density = math.exp(-0.5 * level * level) / math.sqrt(2.0 * math.pi)
+            normal = -gradient(slack[at], p.covariance[np.ix_(at, at)]) / density @ p.chance[at]  # of the quantile, by the decision
+            # most - normal (x - edge) >= quantile of the budget
+            side = most + float(normal @ edge) - float(quantile(np.array(budget.risk)))
+            if float(normal @ outside) > side - self.higher + max(1e-10 * max(1.0, abs(side)), FINE * (most - least)):
                 entries = np.nonzero(normal)[0]
                 inner = normal[entries] * self.units.columns[entries]
                 largest = float(np.abs(inner).max(initial=0.0))
-                own = 2.0 ** -math.floor(math.log2(largest)) if largest > 1e-300 else 1.0
-                row = [(np.zeros(len(entries), dtype=np.int64), entries, inner * own)]
-                self.session.add(rows("plane", 1, row, -math.inf, side * own))
+                unit = 2.0 ** -math.floor(math.log2(largest)) if largest > 1e-300 else 1.0
+                row = [(np.zeros(len(entries), dtype=np.int64), entries, inner * unit)]
+                self.session.add(rows("plane", 1, row, -math.inf, (side - self.higher) * unit))
+                self.sides.append((side, unit))
                 laid = True
         return laid

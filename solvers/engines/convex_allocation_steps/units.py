@@ -69,7 +69,7 @@ class Units:
         made.chance, made.limits = chance * columns * per_chance[:, None], p.limits * per_chance
         made.deviation, made.covariance = p.deviation * per_chance, p.covariance * np.outer(per_chance, per_chance)
         made.cones = tuple((f * columns * k, c * k, g * columns * k, h * k) for (f, c, g, h), k in zip(p.cones, per_cone, strict=True))
-        made._joint = (b"", {})
+        made._joint = ((b"", None), {})
         return cls(made, columns, per_row, per_chance, cost, per_cone, per_term)
 
     def prices(self, given: dict[str, Floats]) -> dict[str, Floats]:

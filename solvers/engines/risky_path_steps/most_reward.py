@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.risk.marked_paths import CutShortError, risky_path
 from ....formulations.risk.risky_path import Path, RiskyPath
 from ....formulations.stop import Stop
 from ...backend import Control, Options, RawResult
@@ -43,7 +44,7 @@ class _Search:
             self.ends[:] = False
             self.ends[list(self.graph.goals)] = True
         self.best: Path | None = None
-        self.value, self.grown, self.unsure = 0.0, 0, False
+        self.value, self.grown = 0.0, 0
 
     def offer(self, path: Path) -> bool:
         """Keep ``path`` if it is the best so far; whether it is an answer."""
@@ -63,7 +64,7 @@ class _Search:
     def by_ends(self) -> RawResult:
         """The last reward over the risk of the least risky path to it, the most promising ends first."""
         self.offer_walks()
-        rewards, free = self.problem.rewards, False
+        rewards = self.problem.rewards
         able = np.nonzero(self.ends & (rewards > 0.0) & np.isfinite(self.reach))[0]
         able = able[able != self.graph.start]
         with np.errstate(divide="ignore"):
@@ -77,11 +78,11 @@ class _Search:
             found = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, left)
             self.grown += found.labels
             if found.path is not None:
-                free |= not self.offer(found.path)  # without risk: riskier ones have a ratio, and are not looked for
+                self.offer(found.path)
             elif found.limit != "none":
                 return self._result(found.limit, max(float(hopes[k]), self.value))
             bound = self.value
-        return self._result("none", math.inf if free else max(bound, self.value))
+        return self._result("none", max(bound, self.value))
 
     def by_paths(self) -> RawResult:
         """All paths that may earn more than the best one so far."""
@@ -132,25 +133,18 @@ class _Search:
         if self.best is None:
             if limit != "none":
                 return RawResult("unknown", limit, statistics=statistics)
-            if self.unsure:
-                return RawResult(
-                    "unknown", statistics=statistics, message="the least risky paths have no risk, and no other was looked for"
-                )
             return RawResult("infeasible", statistics=statistics, message="no path may end where it has a risk between 0 and 1")
         status = "optimal" if limit == "none" and math.isfinite(bound) else "feasible"
         return RawResult(status, limit, self.best, self.value, bound if math.isfinite(bound) else None, statistics=statistics)
 
     def _without_reward(self) -> str:
-        """Offer a least risky path to each end until one is an answer, though none earns anything; what cut it short."""
-        for state in np.nonzero(np.isfinite(self.reach) & self.ends)[0].tolist():
-            left = None if self.budget is None else max(self.budget - self.grown, 0)
-            found = least_hazard(self.problem, (state,), self.stop, self.memories, labels=left)
-            self.grown += found.labels
-            if found.path is None and found.limit != "none":
-                return found.limit
-            if found.path is not None and self.offer(found.path):
-                return "none"
-            self.unsure |= found.path is not None
+        """Offer any path with a risk, as none earns anything; what cut it short."""
+        try:
+            found = risky_path(self.problem, self.stop, None if self.budget is None else max(self.budget - self.grown, 0))
+        except CutShortError as cut:
+            return str(cut)
+        if found is not None:
+            self.offer(found)
         return "none"
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from one_factor import any_fails_by_quadrature, drawn
 from scipy.stats import multivariate_normal, norm
 
-from waybound.formulations.risk.joint_normal import any_fails, gradient
+from waybound.formulations.risk.joint_normal import CONFIDENCE, _mean_between, any_fails
 
 
 @pytest.mark.parametrize(
@@ -65,12 +66,24 @@ def test_singular_covariances_are_integrated() -> None:
     assert any_fails(np.array([2.0]), np.eye(1)).exact
 
 
-def test_one_alternative_that_holds_is_enough() -> None:
+def test_two_alternatives_fail_as_often_as_both_do() -> None:
     slack, rho = np.array([1.0, 1.0]), 0.5
     covariance = np.array([[1.0, rho], [rho, 1.0]])
     both = 2.0 * norm.sf(1.0) - any_fails(slack, covariance).value
     found = any_fails(slack, covariance, np.array([0, 0]))
-    assert found.low < both < found.high < found.low + 0.01
+    assert found.exact and found.value == pytest.approx(both, rel=1e-12)
+
+
+@pytest.mark.parametrize("z", [1.0, 3.0, 4.5])
+def test_rare_failures_of_constraints_with_alternatives_are_met(z: float) -> None:
+    """Three constraints of three alternatives each, with one noise in common and much of their own."""
+    own, constraint = 0.5, np.repeat(np.arange(3), 3)
+    covariance = np.ones((9, 9)) + own**2 * np.eye(9)
+    f = np.linspace(-12.0, 12.0, 200_001)
+    each = norm.sf((z - f) / own) ** 3
+    truth = float(np.trapezoid((1.0 - (1.0 - each) ** 3) * norm.pdf(f), f))
+    found = any_fails(np.full(9, z), covariance, constraint)
+    assert found.low <= truth <= found.high <= truth + 0.02 * found.most
 
 
 def test_rows_without_variance_have_no_noise_among_alternatives() -> None:
@@ -91,11 +104,61 @@ def test_a_variance_that_rounds_below_zero_is_none() -> None:
     assert any_fails(np.array([-9.0, 3.0, 4.0]), np.diag([-1.5e-17, 1.0, 1.0]), np.array([0, 1, 1])).value == 1.0
 
 
-def test_the_gradient_is_that_of_finite_differences() -> None:
-    rng = np.random.default_rng(4)
-    root = rng.normal(size=(4, 4))
-    covariance, slack, step = root @ root.T, np.full(4, 2.5), 1e-3
-    made = gradient(slack, covariance, points=2039)
-    for k in range(4):
-        up, down = (any_fails(slack + sign * step * np.eye(4)[k], covariance).value for sign in (1.0, -1.0))
-        assert made[k] == pytest.approx((up - down) / (2.0 * step), rel=0.01)
+def test_failures_that_come_together_are_met_however_rare() -> None:
+    """Two walls, and a second sensor of one of them: what a lattice over the cube never meets."""
+    b, s = np.array([1.0, -1.0, 1.0]), np.full(3, 0.01)
+    for z in (2.0, 4.3, 5.0, 7.0):
+        slack = np.array([z, z - 0.1, z]) * np.hypot(b, s)
+        truth, found = any_fails_by_quadrature(slack, b, s), any_fails(slack, np.outer(b, b) + np.diag(s * s))
+        assert found.low * (1.0 - 1e-10) <= truth <= found.high * (1.0 + 1e-10)
+        assert found.high <= 1.001 * truth
+
+
+def test_limits_hold_of_random_constraints_from_a_risk_of_1e_12_on() -> None:
+    rng = np.random.default_rng(6)
+    for _ in range(40):
+        slack, covariance, truth = drawn(rng)
+        found = any_fails(slack, covariance)
+        assert found.low <= truth * (1.0 + 1e-10) and truth * (1.0 - 1e-10) <= min(found.high, found.most)
+        assert found.high - found.low <= 0.3 * truth
+
+
+def test_no_interval_is_narrower_than_its_samples_see() -> None:
+    """Where not one of them shows what the tree's limit leaves out, it may still be that much."""
+    unseen = np.zeros(1), np.array([1000.0])
+    mean, low, high = _mean_between(unseen, unseen, 7.6)
+    assert (mean, low) == (0.0, 0.0) and 7.6e-3 <= high <= 9e-3
+
+
+@pytest.mark.parametrize("p", [0.003, 0.1, 0.5])
+def test_the_limits_of_a_mean_are_kept_as_often_as_they_say(p: float) -> None:
+    rng, doubt, missed = np.random.default_rng(8), 0.2, 0
+    for _ in range(400):
+        pilot, found = (
+            (np.array([0.0, 1.0]), np.array([n - k, k], dtype=float)) for n, k in ((100, rng.binomial(100, p)), (800, rng.binomial(800, p)))
+        )
+        _, low, high = _mean_between(pilot, found, np.log(2.0 / doubt))
+        missed += not low <= p <= high
+    assert missed <= 400 * doubt
+
+
+def test_independent_parts_are_exact() -> None:
+    found = any_fails(np.full(50, 3.0), np.eye(50))
+    assert found.value == pytest.approx(-np.expm1(50 * np.log1p(-norm.sf(3.0))), rel=1e-13) and found.confidence == 1.0
+    pair, apart = np.array([[1.0, 0.9], [0.9, 1.0]]), np.array([0, 2, 1, 3])
+    twice = np.kron(np.eye(2), pair)[np.ix_(apart, apart)]
+    one = any_fails(np.full(2, 4.0), pair).value
+    assert any_fails(np.full(4, 4.0), twice).value == pytest.approx(2.0 * one - one * one, rel=1e-13)
+
+
+def test_alike_constraints_count_once() -> None:
+    many = any_fails(np.full(30, 5.0), np.ones((30, 30)))
+    assert many.low <= norm.sf(5.0) * (1.0 + 1e-9) and many.high == pytest.approx(norm.sf(5.0), rel=1e-9)
+    walls = np.array([1.0, -1.0] * 5)
+    assert any_fails(np.full(10, 5.0), np.outer(walls, walls)).value == pytest.approx(2.0 * norm.sf(5.0), rel=1e-9)
+
+
+def test_what_is_kept_is_proved_or_said_with_its_confidence() -> None:
+    found = any_fails(np.full(5, 3.0), np.full((5, 5), 0.9) + 0.1 * np.eye(5))
+    assert found.low < found.value < found.high < found.most
+    assert found.kept(found.most) == 1.0 and found.kept(found.high) == CONFIDENCE and found.kept(found.value) == 0.0

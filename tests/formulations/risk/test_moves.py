@@ -64,12 +64,6 @@ def test_prices_are_paid_at_every_state():
     assert reach[ends].min() == pytest.approx(11 / 20 + 4 * 0.25)  # fewer states, though the hazard is larger than 10 / 20
 
 
-def test_a_reward_without_risk_is_found():
-    graph = cases.graph([(0, 1), (1, 2)], [LocaleRisk([0, 0, 0.1])], rewards=[0, 0, 1])
-    assert MoveGraph(graph).free_path([2]) is None
-    assert MoveGraph(graph).free_path([2, 1]) == (0, 1)
-
-
 def test_evidence_proves_the_least_hazard():
     problem = cases.ring()
     assert CHECKERS["move-potentials"](problem, problem.moves.evidence(0.0).data) == pytest.approx(0.393469, abs=5e-7)

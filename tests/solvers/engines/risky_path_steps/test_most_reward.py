@@ -8,6 +8,7 @@ import risky_cases as cases
 
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.stop import NEVER
+from waybound.instances.errors import InputError
 from waybound.instances.risk.elements import LocaleRisk
 from waybound.instances.risk.traverse_elements import CollectedRisk
 from waybound.solvers.backend import Control, Options
@@ -50,13 +51,13 @@ def test_a_ratio_of_zero_is_found_where_the_least_risky_walk_comes_to_a_state_tw
     assert (result.status, result.answer, result.bound) == ("optimal", (0, 1, 2), 0.0)
 
 
-@pytest.mark.parametrize("last", [0.0, 1.0])
-def test_what_has_no_ratio_is_no_proof_that_there_is_none(last):
+def test_a_ratio_of_zero_is_found_where_the_least_risky_path_has_none():
     risk = CollectedRisk([False, True, False, False], [[0.0] * 4, [0.0, 0.0, 0.0, 0.2]])  # at the end, for those who came by 1
-    arcs = [(0, 3), (0, 1), (1, 3)]
-    graph = cases.graph(arcs, [risk], states=4, goals=(3,), rewards=[0.0, 0.0, 1.0, last], discount=0.0, objective="reward-per-risk")
-    result = most_reward(RiskyPath(graph), NEVER, Options(), Control())
-    assert (result.status, result.bound) == ("unknown", None)
+    arcs, given = [(0, 3), (0, 1), (1, 3)], {"states": 4, "goals": (3,), "discount": 0.0, "objective": "reward-per-risk"}
+    result = most_reward(RiskyPath(cases.graph(arcs, [risk], rewards=[0.0, 0.0, 1.0, 0.0], **given)), NEVER, Options(), Control())
+    assert (result.status, result.answer, result.bound) == ("optimal", (0, 1, 3), 0.0)
+    with pytest.raises(InputError, match="a reward is reached without risk, by 1 4"):
+        RiskyPath(cases.graph(arcs, [risk], rewards=[0.0, 0.0, 1.0, 1.0], **given))
 
 
 def test_a_limit_leaves_the_best_so_far_and_a_bound():

@@ -1,0 +1,157 @@
+"""Paths without repetition that have what their ratio of reward and risk turns on: a reward and no risk, or some risk at all.
+
+Labels of moves carry the memories of traverse elements. Repetition is forbidden only where it pays: where a walk comes to a state twice,
+that state is guarded, and the search begins again (Righini and Salani 2008), so that the first walk without repetition is a path, and that
+there is none is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Hashable
+from typing import TYPE_CHECKING, Any
+
+from ..stop import NEVER, Stop
+
+if TYPE_CHECKING:
+    from .risky_path import Path, RiskyPath
+
+MOST_LABELS = 200_000
+"""Labels that are grown at most before a problem is taken for one that cannot be decided."""
+
+LOOK = 256
+"""Labels between two looks at the clock."""
+
+Memories = tuple[Hashable, ...]
+
+
+class CutShortError(Exception):
+    """The search had to end before it knew: the reason as ``Stop.reached`` gives it, or ``iterations``."""
+
+
+def free_reward(problem: RiskyPath, most: int = MOST_LABELS) -> Path | None:
+    """A path that may end where it does with a reward and without any risk; None where there is none.
+
+    Raises
+    ------
+    CutShortError
+        If more than ``most`` labels would have to be grown to know.
+    """
+    graph, moves, rewards = problem.graph, problem.moves, problem.rewards.tolist()
+    if moves.start_hazard > 0.0:
+        return None
+    if rewards[graph.start] > 0.0 and (not graph.goals or graph.start in graph.goals):
+        return (graph.start,)
+
+    def marked(mark: bool, state: int, hazard: float) -> bool | None:
+        return None if hazard > 0.0 else rewards[state] > 0.0 or (mark and graph.discount > 0.0)
+
+    def covers(memories: Memories, others: Memories) -> bool:
+        return all(e.no_worse(a, b) for e, a, b in zip(graph.traverse, memories, others, strict=True))
+
+    left = moves.from_moves(graph.goals).tolist() if graph.goals else [0.0] * (moves.num_moves + 1)
+    return _Search(problem, marked, covers, [more == 0.0 for more in left], NEVER, most, guard_all=False).path(False)
+
+
+def risky_path(problem: RiskyPath, stop: Stop = NEVER, most: int | None = None) -> Path | None:
+    """A path that may end where it does, at a risk between 0 and 1, both excluded; None where there is none.
+
+    Raises
+    ------
+    CutShortError
+        If ``stop``, or ``most`` labels, ended the search before.
+    """
+    graph, moves = problem.graph, problem.moves
+    if moves.start_hazard == math.inf:
+        return None
+    if moves.start_hazard > 0.0 and (not graph.goals or graph.start in graph.goals):
+        return (graph.start,)
+
+    def marked(mark: bool, state: int, hazard: float) -> bool | None:
+        return None if hazard == math.inf else mark or hazard > 0.0
+
+    left = moves.from_moves(graph.goals).tolist() if graph.goals else [0.0] * (moves.num_moves + 1)
+    search = _Search(
+        problem, marked, lambda one, other: one == other, [more < math.inf for more in left], stop, most, guard_all=bool(graph.traverse)
+    )
+    return search.path(moves.start_hazard > 0.0)
+
+
+class _Search:
+    """Breadth first for a marked walk to an end.
+
+    Parameters
+    ----------
+    problem : RiskyPath
+    marked : callable
+        From a label's mark, the next state and the hazard of the move to it to the mark there; None where there is no way on.
+    covers : callable
+        Whether whatever is worth while with some memories is so with others.
+    open_moves : list of bool
+        Moves from which an end may be reached.
+    stop, most
+        What ends it.
+    guard_all : bool
+        Whether no state may be repeated from the outset: of memories that seldom are the same.
+    """
+
+    def __init__(
+        self, problem: RiskyPath, marked: Callable[[bool, int, float], bool | None], covers: Callable[[Memories, Memories], bool],
+        open_moves: list[bool], stop: Stop, most: int | None, guard_all: bool,
+    ) -> None:  # fmt: skip
+        self.graph, self.moves, self.marked, self.covers, self.open = problem.graph, problem.moves, marked, covers, open_moves
+        self.head, self.ends = problem.graph.head.tolist(), frozenset(problem.graph.goals)
+        self.stop, self.most, self.guard_all, self.grown = stop, most, guard_all, 0
+
+    def path(self, mark: bool) -> Path | None:
+        """The first that comes to no state twice; ``mark`` is the start's."""
+        guarded = frozenset(range(self.graph.num_states)) if self.guard_all else frozenset()
+        while True:
+            walk = self._walk(mark, {state: 1 << k for k, state in enumerate(sorted(guarded))})
+            twice = frozenset() if walk is None else frozenset(state for state in walk if walk.count(state) > 1)
+            if not twice:
+                return walk
+            guarded |= twice
+
+    def _walk(self, mark: bool, bit: dict[int, int]) -> Path | None:
+        """One of the fewest moves, that comes to none of the guarded states twice."""
+        graph, begin = self.graph, len(self.head)
+        first = tuple(element.begin(graph, graph.start)[0] for element in graph.traverse)
+        # move, state, memories, mark, guarded states behind, label before, moves
+        ahead: deque[tuple[Any, ...]] = deque([(begin, graph.start, first, mark, 0, None, 0)])
+        settled: dict[int, list[tuple[Memories, bool, int]]] = {}
+        while ahead:
+            label = ahead.popleft()
+            move, state, memories, mark, behind, before, count = label
+            if before is not None and mark and (not self.ends or state in self.ends):
+                return _states(label)
+            if count == graph.num_states - 1:  # a longer one repeats a state, whatever its memories
+                continue
+            others = settled.setdefault(move, [])
+            if any(other >= mark and not b & ~behind and self.covers(m, memories) for m, other, b in others):
+                continue
+            others.append((memories, mark, behind))
+            self.grown += 1
+            if self.grown % LOOK == 0 and (limit := self.stop.reached()):
+                raise CutShortError(limit)
+            if self.most is not None and self.grown > self.most:
+                raise CutShortError("iterations")
+            for after, own in zip(*self.moves.successors[move], strict=True):
+                reached = self.head[after]
+                if behind & bit.get(reached, 0) or not self.open[after]:
+                    continue
+                stepped = [e.step(graph, m, state, reached) for e, m in zip(graph.traverse, memories, strict=True)]
+                more = math.inf if any(r >= 1.0 for _, r in stepped) else math.fsum(-math.log1p(-r) for _, r in stepped)
+                then = self.marked(mark, reached, own + more)
+                if then is not None:
+                    ahead.append((after, reached, tuple(m for m, _ in stepped), then, behind | bit.get(reached, 0), label, count + 1))
+        return None
+
+
+def _states(label: tuple[Any, ...] | None) -> Path:
+    states: list[int] = []
+    while label is not None:
+        states.append(label[1])
+        label = label[5]
+    return tuple(reversed(states))
