@@ -16,6 +16,9 @@ from ..solvers.backend import Control
 from ..solvers.bounds import BOUNDS, BoundMethod, replaced
 from ..solvers.linear_programs import LinearPrograms
 
+AT_ONCE = 0
+"""Order of the methods that are asked however little time is left: what a bound is at least must not hang on the clock."""
+
 
 def find_bounds(
     problem: Problem,
@@ -65,7 +68,7 @@ def find_bounds(
     control.on_stop(stop.ask)
 
     for method in methods:
-        if stop.reached():
+        if stop.reached() and (method.order > AT_ONCE or control.stopped):
             break
         try:
             evidence = method.evidence(problem, stop, linear, target)
