@@ -40,6 +40,7 @@ from ...programs.rows import Part, rows
 from ..preparation import offset
 from ..reachability import minimum_vehicles
 from ..routes import Route, Routes
+from . import _sizes
 from ._all_routes import MOST_ROUTES, Priced, Walk, orders_of_stops, way_home
 from ._objective import Weights, weights_of_levels
 from ._priorities import with_levels
@@ -277,5 +278,14 @@ def _share(r: Priced, weight: Weights) -> float:
 
 
 FORMS.add(
-    "set-partitioning", Form("set-partitioning", "routing", (FEATURES | RISKS) - {"forbidden-moves"}, build, refuses=refuses, order=5)
+    "set-partitioning",
+    Form(
+        "set-partitioning",
+        "routing",
+        (FEATURES | RISKS) - {"forbidden-moves"},
+        build,
+        refuses=refuses,
+        order=5,
+        size=_sizes.set_partitioning,
+    ),
 )
