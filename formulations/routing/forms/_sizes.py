@@ -123,7 +123,7 @@ def circuit(problem: RoutingProblem, arcs_say_enough: bool) -> ProgramSize:
 def set_partitioning(problem: RoutingProblem) -> ProgramSize:
     """Of one variable a route: at least as many as there are sets of sites, and one for each order of some where all of them count."""
     n = len(problem.customers)
-    sets = len(problem.fleet) * 2.0 ** min(n, 500)
+    sets = len(problem.fleet) * 2.0 ** min(n, 500) * (1.0 if problem.team_risk is None else 2.0)
     maxima = sum(name in problem.features() for name in ("objective:makespan", "objective:longest-route", "objective:latest-return"))
     return ProgramSize(
         sets + 4.0, n * (1.0 + maxima) + len(problem.fleet) * 4.0 + 3.0 + len(problem.sites.groups), sets * (n * (1.0 + maxima) + 4.0)
