@@ -11,6 +11,7 @@ from ..instances.registry import Registry
 from .programs.compiled import Compiled
 from .programs.exactness import Exactness
 from .programs.program import INTEGERS
+from .programs.size import ProgramSize
 
 
 class Asked(Protocol):
@@ -43,6 +44,9 @@ class Form:
     exactness : Exactness
     refuses : callable, optional
         Further reasons why it cannot take a problem, as feature names.
+    size : callable, optional
+        From the problem to a ``ProgramSize``, estimated without building anything: what the memory at hand does not hold is refused.
+        None, the default, where nothing is known.
     makes : callable, optional
         Features of the program that it makes of a problem (see ``Program.features``); integers by default.
     order : int
@@ -57,6 +61,7 @@ class Form:
     refuses: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
     makes: Callable[[Any], frozenset[str]] = lambda problem: INTEGERS
     order: int = 0
+    size: Callable[[Any], ProgramSize | None] = lambda problem: None
 
     def missing(self, problem: Asked) -> frozenset[str]:
         """Features of ``problem`` that the form lacks; empty if it can take it."""
@@ -101,6 +106,9 @@ def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False
     missing = chosen.missing(problem)
     if missing:
         raise UnsupportedError(f"form {form}", missing, problem.forms())
+    size = chosen.size(problem)
+    if size is not None:
+        size.refuse_beyond_memory(chosen.name)
     made = chosen.build(problem)
     exactness = chosen.exactness.then(made.exactness)
     made = replace(made, exactness=exactness, links=(replace(made.links[0], exactness=exactness), *made.links[1:]))

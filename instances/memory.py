@@ -23,6 +23,8 @@ def fits(size: float) -> bool:
 
 def readable(size: float) -> str:
     """A size for people: "6.7 GiB"."""
+    if size >= 100 * 2**30:
+        return f"{size / 2**30:,.0f} GiB"
     return f"{size / 2**30:.2g} GiB" if size >= 2**30 / 10 else f"{size / 2**20:.2g} MiB"
 
 

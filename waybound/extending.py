@@ -26,6 +26,7 @@ from .formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from .formulations.programs.reductions.reduction import Chain, Irreducible, Reduction, Step
 from .formulations.programs.reductions.whole_numbers import WHOLE_NUMBERS
 from .formulations.programs.rows import rows
+from .formulations.programs.size import ProgramSize
 from .formulations.routing.problem import RoutingProblem
 from .formulations.routing.routes import Route, Routes
 from .formulations.selection.selections import Selection
@@ -132,6 +133,7 @@ __all__ = [
     "Problem",
     "Program",
     "ProgramBackend",
+    "ProgramSize",
     "RawResult",
     "Reason",
     "Reduction",

@@ -18,6 +18,7 @@ from ..evaluation import Evaluation, judge
 from ..evidence import Evidence
 from ..problem import Decision, Problem
 from ..programs.cones import KINDS as CONE_KINDS
+from ..programs.names import own_names
 from ..programs.program import Floats, Program
 from ..programs.reductions.units import scaled
 from ..tolerance import EQUAL, VECTOR
@@ -227,7 +228,7 @@ class ArrayProblem(Problem):
         import pandas as pd
 
         p = self.program
-        names = [p.variable_name(k) for k in range(p.num_variables)]
+        names = own_names(p.variables)
         return pd.DataFrame({"variable": names, "value": self._vector(answer), "lower": p.lower, "upper": p.upper})
 
     def _vector(self, answer: Any) -> Floats:

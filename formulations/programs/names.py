@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .program import Program
+    from .program import Program, Rows, Variables
 
 RESERVED = frozenset(
     {
@@ -26,12 +26,17 @@ _NUMBERLIKE = re.compile(r"[^A-Za-z_]|[eE][0-9.]|[eE]$|inf|nan", re.IGNORECASE)
 
 def column_names(program: Program) -> list[str]:
     """The name of each variable in every export: ``load_flow(1,2)`` for ``load-flow[1,2]``."""
-    return readable_names(program.num_variables, program.variable_name, "x")
+    return readable_names(program.variables, "x")
 
 
 def row_names(program: Program) -> list[str]:
     """The name of each row in every export."""
-    return readable_names(program.num_rows, program.row_name, "r")
+    return readable_names(program.rows, "r")
+
+
+def own_names(blocks: Iterable[Variables | Rows]) -> list[str]:
+    """``Program.variable_name`` of all variables, or ``row_name`` of all rows."""
+    return [name for block in blocks for name in _in_brackets(block, block.name, str, "[", "]")]
 
 
 def block_names(program: Program) -> list[str]:
@@ -50,23 +55,54 @@ def in_block(name: str, k: int) -> str:
     return f"{name}#{k}"
 
 
-def readable_names(count: int, name: Callable[[int], str], prefix: str) -> list[str]:
-    """Different names made from ``name(k)``: ``time[17,4,2]`` becomes ``time(17,4,2)``.
+def readable_names(blocks: Iterable[Variables | Rows], prefix: str) -> list[str]:
+    """Different names made from those of blocks: ``time[17,4,2]`` becomes ``time(17,4,2)``.
 
     Parameters
     ----------
-    count : int
-    name : callable
-        ``Program.variable_name`` or ``Program.row_name``.
+    blocks : sequence of Variables or of Rows
     prefix : str
         One letter, put before a name that would not do as it is.
     """
+    made: list[str] = []
+    for block in blocks:
+        start = _spelt(block.name)
+        names = _in_brackets(block, start, _spelt, "(", ")")
+        # What makes a name unfit stands at its beginning, but for its length; without brackets it is looked at as a whole.
+        fit = not _unfit(f"{start}(") and all(name.endswith(")") for name in names[:1])
+        if not fit or max(map(len, names), default=0) > LONGEST:
+            names = [f"{prefix}_{name[:LONGEST]}" if _unfit(name) else name for name in names]
+        made += names
+    return made if len(set(made)) == len(made) else _different(made, prefix)
+
+
+def _in_brackets(block: Variables | Rows, start: str, spelt: Callable[[str], str], opened: str, closed: str) -> list[str]:
+    """Names of the entries of a block; each label is spelt once."""
+    if not block.keys:
+        return [start] if block.size == 1 else [f"{start}{opened}{k}{closed}" for k in range(block.size)]
+    parts = []
+    for position, key in enumerate(block.keys):
+        labels = block.labels[position] if position < len(block.labels) else None
+        entries = key.tolist()
+        texts = {k: spelt(str(k if labels is None else labels[k])) for k in set(entries)}
+        parts.append([texts[k] for k in entries])
+    begin = start + opened
+    return [begin + ",".join(words) + closed for words in zip(*parts, strict=True)]
+
+
+def _spelt(text: str) -> str:
+    return _FORBIDDEN.sub("_", text.translate(_BRACKETS))
+
+
+def _unfit(text: str) -> bool:
+    return not text or len(text) > LONGEST or text.lower() in RESERVED or _NUMBERLIKE.match(text) is not None
+
+
+def _different(names: list[str], prefix: str) -> list[str]:
+    """The same, those that were there before with their number."""
     taken: set[str] = set()
     made = []
-    for k in range(count):
-        text = _FORBIDDEN.sub("_", name(k).translate(_BRACKETS))
-        if not text or len(text) > LONGEST or text.lower() in RESERVED or _NUMBERLIKE.match(text):
-            text = f"{prefix}_{text[:LONGEST]}"
+    for k, text in enumerate(names):
         if text in taken:
             text = f"{text}_{prefix}{k}"
             while text in taken:

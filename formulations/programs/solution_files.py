@@ -20,7 +20,7 @@ from ...instances.document import parse_json
 from ...instances.errors import InputError
 from ...instances.suggestions import did_you_mean
 from ...instances.text import is_number, lines_of, shown
-from .names import block_names, column_names, in_block
+from .names import block_names, column_names, in_block, own_names
 from .program import Floats, Program
 
 _POSITION = re.compile(r"(?:x|c|col|var)_?0*([0-9]+)\Z", re.IGNORECASE)
@@ -332,7 +332,7 @@ def _named(program: Program, read: SolverFile) -> Mapping[int, float]:
     if not read.numbered:
         if all(name in columns for name in given):
             return {columns[name]: value for name, value in given.items()}
-        own = {program.variable_name(k): k for k in range(n)}
+        own = {name: k for k, name in enumerate(own_names(program.variables))}
         if all(name in own for name in given):
             return {own[name]: value for name, value in given.items()}
         blocks = zip(block_names(program), program.variables, strict=True)

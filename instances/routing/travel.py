@@ -290,6 +290,10 @@ class Travel:
             return self.distance(origin, destination) if self.pace == 1.0 else self.pace * self.distance(origin, destination)
         return np.asarray(self.duration_matrix[np.asarray(origin, dtype=np.int64), np.asarray(destination, dtype=np.int64)])
 
+    def rounded(self, distances: ArrayLike) -> Floats:
+        """Distances of the metric, as the convention rounds them: it keeps their order."""
+        return self._rounding(np.asarray(distances, dtype=np.float64))
+
     def least_distance(self, origin: ArrayLike, destination: ArrayLike) -> Floats:
         """Distances rounded down to whole numbers, which no convention undercuts."""
         return self._between(origin, destination, np.floor)

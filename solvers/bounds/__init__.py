@@ -26,7 +26,8 @@ class BoundMethod:
         ``compute(problem, stop, linear)`` returns Evidence, or None where it found nothing before ``stop``, which it keeps in compiled
         loops too. Linear programs are solved by ``linear``, which knows the user's solver, seed and threads.
     order : int
-        Cheap methods first.
+        Cheap methods first. Those of order 0 are asked even where the time is over, and have nothing to prepare: they search nothing, or
+        find nothing then.
     prepare : callable
         What it does once a process, such as compiling a kernel; not counted against the budget.
     aims : bool

@@ -22,6 +22,7 @@ def test_something_is_known_of_this_machine() -> None:
 def test_sizes_are_readable() -> None:
     assert memory.readable(7.2e9) == "6.7 GiB"
     assert memory.readable(3e6) == "2.9 MiB"
+    assert memory.readable(9.4e11) == "875 GiB"
 
 
 def test_a_container_leaves_what_is_unused(tmp_path: Path) -> None:

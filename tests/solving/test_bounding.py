@@ -12,8 +12,8 @@ import pytest
 import waybound as wb
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.instances.errors import InputError, UnsupportedError
-from waybound.solvers.bounds import BOUNDS
-from waybound.solving.bounding import find_bounds, proved
+from waybound.solvers.bounds import BOUNDS, BoundMethod
+from waybound.solving.bounding import AT_ONCE, find_bounds, proved
 
 GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))
 PROBLEM = wb.WinnerTakesAllSATA(GRAPH)
@@ -80,3 +80,27 @@ def test_a_method_that_searches_learns_what_it_searches_for(registered: Any) -> 
     find_bounds(PROBLEM, 5.0)
     find_bounds(PROBLEM, 5.0, target=6.0, searching=False)
     assert heard == [6.0, None]
+
+
+def test_what_searches_nothing_comes_before_anything_is_prepared_however_little_time_there_is(registered: Any) -> None:
+    said: list[str] = []
+
+    def told(name: str, order: int) -> None:
+        def compute(*_: Any) -> Evidence:
+            said.append(name)
+            return Evidence("item-prices", name, 0.0, {})
+
+        registered(BOUNDS, name, BoundMethod(name, lambda problem: frozenset(), compute, order, lambda: said.append(f"{name} made ready")))
+
+    for name in list(BOUNDS):
+        instead(registered, name, lambda *_: None)
+    told("later", 1), told("first", 0)
+    assert [e.source for e in find_bounds(PROBLEM, 5.0)] == ["first", "later"]
+    assert said == ["first", "later made ready", "later"]
+    for given in ({"bound_time": 1e-12}, {"bound_time": 5.0, "at_once": True}):
+        said.clear()
+        assert [e.source for e in find_bounds(PROBLEM, **given)] == said == ["first"]  # type: ignore[arg-type]
+
+
+def test_what_is_to_be_prepared_is_no_method_that_is_asked_at_once() -> None:
+    assert not [name for name in BOUNDS if (method := BOUNDS[name]).order <= AT_ONCE and method.prepare.__name__ != "<lambda>"]

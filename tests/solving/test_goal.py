@@ -55,3 +55,11 @@ def test_what_one_thread_saw_reached_stays_so_whatever_another_sees() -> None:
     assert made(best.answer, best.objective)
     assert made(worse, best.objective)
     assert (made.reached, made.limit) == (True, "none")
+
+
+def test_large_problems_set_no_goal_but_have_the_bound_that_is_there_at_once(monkeypatch) -> None:
+    monkeypatch.setattr(goal, "LARGEST", 3)
+    problem = wb.generate("random", seed=1, customers=6)
+    monkeypatch.setattr("waybound.solving.bounding.prepared", lambda *_: pytest.fail("made ready"))
+    evidence, aim = goal.first_evidence(problem, 5.0)
+    assert aim is None and {e.kind for e in evidence} == {"load-shares", "nearest-moves"}

@@ -16,7 +16,7 @@ from ..instances.errors import in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.isolation import run_in_process
 from ..solvers.linear_programs import LinearPrograms
-from .bounding import find_bounds, prepared_methods
+from .bounding import applying_methods, find_bounds, prepared
 from .goal import Goal
 
 _TICK = 0.05
@@ -40,7 +40,7 @@ class BoundWork:
     modules: ClassVar[tuple[str, ...]] = ("numba", "highspy")
 
     def prepare(self) -> None:
-        prepared_methods(self.problem, [])
+        prepared(applying_methods(self.problem, []), [])
 
     def __call__(self, control: Control) -> RawResult:
         control.publish([])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from ..formulations.certificate import verified_bound
@@ -15,6 +15,9 @@ from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control
 from ..solvers.bounds import BOUNDS, BoundMethod, replaced
 from ..solvers.linear_programs import LinearPrograms
+
+AT_ONCE = 0
+"""Order of the methods that are asked however little time is left: what a bound is at least must not hang on the clock."""
 
 
 def find_bounds(
@@ -28,6 +31,7 @@ def find_bounds(
     unable: list[str] | None = None,
     linear: LinearPrograms | None = None,
     searching: bool = True,
+    at_once: bool = False,
 ) -> list[Evidence]:
     """Evidence for bounds of ``problem``, to be verified by the checker.
 
@@ -50,6 +54,9 @@ def find_bounds(
         Who solves linear programs, with which seed and threads.
     searching : bool
         Whether methods may search (``BoundMethod.aims``): these take all the time that there is.
+    at_once : bool
+        Whether to ask those alone that search nothing and have nothing to prepare. They come first in any case, and before anything is
+        compiled or loaded for the others.
 
     Returns
     -------
@@ -60,44 +67,68 @@ def find_bounds(
     if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    methods = prepared_methods(problem, failed, searching=searching)
-    stop, linear = Stop(bound_time), linear or LinearPrograms()
-    control.on_stop(stop.ask)
+    linear = linear or LinearPrograms()
 
-    for method in methods:
-        if stop.reached():
-            break
+    def settled(method: BoundMethod, stop: Stop) -> bool:
+        """Whether what the method finds leaves nothing to look for."""
         try:
             evidence = method.evidence(problem, stop, linear, target)
         except UnsupportedError:
-            continue
+            return False
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
             failed.append(f"no bound by {method.name}: {in_words(fault)}")
-            continue
+            return False
         if evidence is None:
-            continue
+            return False
         found.append(evidence)
         control.publish(list(found))
         if progress is not None:
             seconds = bound_time - stop.seconds_left
             progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
-        if evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target)):
+        return evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target))
+
+    applying = applying_methods(problem, failed, searching=searching)
+    stop = Stop(bound_time)
+    control.on_stop(stop.ask)
+    for method in (m for m in applying if m.order <= AT_ONCE):
+        if control.stopped or settled(method, stop):
+            return found
+    if at_once or stop.reached():
+        return found
+
+    left = stop.seconds_left
+    methods = prepared((m for m in applying if m.order > AT_ONCE), failed)
+    stop = Stop(left)
+    control.on_stop(stop.ask)
+    for method in methods:
+        if stop.reached() or settled(method, stop):
             break
     return found
 
 
-def prepared_methods(problem: Problem, failed: list[str], *, searching: bool = True) -> list[BoundMethod]:
-    """The methods that apply, cheapest first, with their loops compiled; ``failed`` receives a line for each that cannot say."""
+def applying_methods(problem: Problem, failed: list[str], *, searching: bool = True) -> list[BoundMethod]:
+    """The methods that apply, cheapest first; ``failed`` receives a line for each that cannot say."""
     methods: list[BoundMethod] = []
     others = replaced(problem)
     for method in sorted(BOUNDS.values(), key=lambda method: method.order):
         try:
             if (searching or not method.aims) and method.name not in others and not method.missing(problem):
-                method.prepare()
                 methods.append(method)
         except Exception as fault:
             failed.append(f"no bound by {method.name}: {in_words(fault)}")
     return methods
+
+
+def prepared(methods: Iterable[BoundMethod], failed: list[str]) -> list[BoundMethod]:
+    """Those whose loops are compiled now; ``failed`` receives a line for each other."""
+    able: list[BoundMethod] = []
+    for method in methods:
+        try:
+            method.prepare()
+            able.append(method)
+        except Exception as fault:
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+    return able
 
 
 def proved(problem: Problem, evidence: Evidence) -> float | None:

@@ -7,6 +7,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import CIRCUITS, INTEGERS, LINEAR, Program, described
+from ..formulations.programs.size import TooLargeError
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import UnsupportedError, UsageError
 from ..solvers.backend import BACKENDS
@@ -56,13 +57,20 @@ def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Co
     if not problem.forms():
         raise UnsupportedError(backend.name, nearest_form(problem)[1], able_solvers(problem))
     first: Compiled | None = None
+    beyond: TooLargeError | None = None
     for form in sorted(problem.forms(), key=lambda form: not FORMS[form].makes(problem) >= CIRCUITS):
         features = FORMS[form].makes(problem) - (INTEGERS if relax else LINEAR)
         if relax and features >= CIRCUITS:
             continue
         if FORMS[form].exactness is Exactness.EXACT and backend.able(features):
-            made = problem.compile(form, relax=relax)
+            try:
+                made = problem.compile(form, relax=relax)
+            except TooLargeError as fault:
+                beyond = beyond or fault
+                continue
             first = first or made
             if not backend.missing(made.program):
                 return made
+    if first is None and beyond is not None:
+        raise beyond
     return first or problem.compile(relax=relax)

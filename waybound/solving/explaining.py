@@ -24,6 +24,7 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program, Rows
+from ..formulations.programs.size import TooLargeError
 from ..formulations.rendering import Line, as_html, as_rich, as_text
 from ..formulations.solution import Solution
 from ..heuristics.heuristic import HEURISTICS
@@ -223,7 +224,10 @@ def _explain_by_methods(problem: Problem, end: float, control: Control, notes: l
         evidence = _proof(problem, end - time.perf_counter(), control)
     if evidence is not None:
         return Explanation("infeasible", "the data", evidence=evidence, proof=tuple(in_words(problem, evidence)))
-    form = None if control.stopped else _relaxation(problem)
+    try:
+        form = None if control.stopped else _relaxation(problem)
+    except TooLargeError as fault:
+        return Explanation("undecided", message=f"no rows can be named: {fault}")
     if form is None:
         return Explanation(
             "undecided", message="no method found an answer or a proof that there is none, and no form names rows that prove it"
@@ -285,7 +289,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
             made = problem
         else:
             made = ArrayProblem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
-    except UnsupportedError as error:
+    except (UnsupportedError, TooLargeError) as error:
         if form is not None:
             raise
         return Explanation("undecided", message=f"no rows can be named: {error}")

@@ -19,23 +19,24 @@ SECONDS = 1.0
 """What may be spent on it, though no more than the budget for bounding."""
 
 LARGEST = 500
-"""Problems of a larger ``size`` have bounds that no answer reaches, and whose verification takes as long as finding them."""
+"""Problems of a larger ``size`` have bounds that no answer reaches, and whose verification takes as long as finding them: what is there at
+once is all that is looked for before the search."""
 
 
 def first_evidence(
     problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0
 ) -> tuple[list[Evidence], Goal | None]:
-    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for."""
-    if problem.size > LARGEST:
-        return [], None
+    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for; large problems set none."""
+    large = problem.size > LARGEST
     try:
 
         def find(control: Control) -> RawResult:
-            return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, linear=linear, searching=False))
+            found = find_bounds(problem, seconds, control=control, linear=linear, searching=False, at_once=large)
+            return RawResult("unknown", answer=found)
 
         found = search(find, Control(), seconds)
         evidence = found.result.answer or []
-        return evidence, Goal(problem, evidence, most)
+        return evidence, None if large else Goal(problem, evidence, most)
     except (Exception, KeyboardInterrupt):  # whatever fails here will be told by the bounding that follows the search, and costs no answer
         return [], None
 

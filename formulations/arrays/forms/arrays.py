@@ -21,6 +21,7 @@ from ...problem import Decision, Problem
 from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
 from ...programs.program import Floats
+from ...programs.size import ProgramSize
 from ..problem import ArrayProblem
 
 
@@ -53,6 +54,12 @@ def build(problem: ArrayProblem) -> Compiled:
     return replace(made, dual_evidence=dual_evidence) if linear else made
 
 
+def size(problem: ArrayProblem) -> ProgramSize:
+    """The program is there: what is joined of it and a solver's copy come to it."""
+    given = problem.program
+    return ProgramSize(given.num_variables, given.num_rows, float(len(given.data)) + sum(len(c.data) for c in given.cones))
+
+
 FORMS.add(
     "arrays",
     Form(
@@ -61,5 +68,6 @@ FORMS.add(
         frozenset({"LP", "integer", "quadratic", "cones", "circuits"}),
         build,
         makes=lambda problem: problem.program.features(),
+        size=size,
     ),
 )

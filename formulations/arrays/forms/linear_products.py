@@ -20,6 +20,7 @@ from ...programs.exactness import Link
 from ...programs.program import INTEGERS, QUADRATIC, Floats
 from ...programs.reductions.linear_products import LINEAR_PRODUCTS, Linearised
 from ...programs.reductions.reduction import Irreducible
+from ...programs.size import ProgramSize
 from ..problem import ArrayProblem
 from . import arrays
 
@@ -68,7 +69,14 @@ def _refuses(problem: ArrayProblem) -> frozenset[str]:
     return frozenset()
 
 
+def _size(problem: ArrayProblem) -> ProgramSize:
+    """A column and at most two rows a product."""
+    quadratic = problem.program.quadratic
+    products = 0.0 if quadratic is None else float(quadratic.nnz) / 2.0 + 1.0
+    return arrays.size(problem) + ProgramSize(products, 2.0 * products, 5.0 * products)
+
+
 FORMS.add(
     "linear-products",
-    Form("linear-products", "arrays", frozenset({"LP", "integer", "quadratic"}), build, refuses=_refuses, order=1),
+    Form("linear-products", "arrays", frozenset({"LP", "integer", "quadratic"}), build, refuses=_refuses, order=1, size=_size),
 )

@@ -10,9 +10,16 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...programs.program import Rows, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..bin_assignment import Assignment, BinAssignment
 
 Floats = NDArray[np.float64]
+
+
+def pairs_size(problem: BinAssignment) -> ProgramSize:
+    """Of one binary a pair, with the rows that all forms have."""
+    pairs = float(len(problem.bins))
+    return ProgramSize(pairs, problem.num_robots + problem.num_bins + 1.0, 3.0 * pairs)
 
 
 def pair_variables(problem: BinAssignment, cost: Floats) -> Variables:

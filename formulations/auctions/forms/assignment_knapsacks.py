@@ -13,6 +13,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..generalised_assignment import AgentOfJob, GeneralisedAssignment
 
 Floats = NDArray[np.float64]
@@ -59,7 +60,12 @@ def build(problem: GeneralisedAssignment) -> Compiled:
     return Compiled(Program("assignment-knapsacks", problem.sense, (x,), (job, capacity)), problem, decode, encode, dual_evidence)
 
 
+def _size(problem: GeneralisedAssignment) -> ProgramSize:
+    pairs = float(problem.num_agents) * problem.num_jobs
+    return ProgramSize(pairs, problem.num_agents + problem.num_jobs, 2.0 * pairs)
+
+
 FORMS.add(
     "assignment-knapsacks",
-    Form("assignment-knapsacks", "generalised-assignment", frozenset({"objective:cost", "objective:profit"}), build),
+    Form("assignment-knapsacks", "generalised-assignment", frozenset({"objective:cost", "objective:profit"}), build, size=_size),
 )

@@ -10,7 +10,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program
 from ..bin_assignment import BinAssignment
-from ._pairs import decoded, encoded, pair_rows, pair_variables
+from ._pairs import decoded, encoded, pair_rows, pair_variables, pairs_size
 
 Floats = NDArray[np.float64]
 
@@ -37,4 +37,4 @@ def build(problem: BinAssignment) -> Compiled:
     return Compiled(program, problem, lambda v: decoded(problem, v), lambda a: encoded(problem, a), dual_evidence)
 
 
-FORMS.add("bipartite", Form("bipartite", "bin-assignment", frozenset({"objective:sum"}), build))
+FORMS.add("bipartite", Form("bipartite", "bin-assignment", frozenset({"objective:sum"}), build, size=pairs_size))

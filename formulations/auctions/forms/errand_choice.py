@@ -13,6 +13,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..joint_assignment import Errands, JointAssignment
 
 Floats = NDArray[np.float64]
@@ -75,4 +76,9 @@ def build(problem: JointAssignment) -> Compiled:
     return Compiled(Program("errand-choice", "min", (y,), tuple(blocks)), problem, decode, encode, dual_evidence)
 
 
-FORMS.add("errand-choice", Form("errand-choice", "joint-assignment", frozenset({"triples"}), build))
+def _size(problem: JointAssignment) -> ProgramSize:
+    errands = float(problem.costs.size)
+    return ProgramSize(errands, problem.num_robots + problem.num_bins + problem.num_requests + 2.0, 5.0 * errands)
+
+
+FORMS.add("errand-choice", Form("errand-choice", "joint-assignment", frozenset({"triples"}), build, size=_size))

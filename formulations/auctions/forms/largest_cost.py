@@ -11,8 +11,9 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..bin_assignment import BinAssignment
-from ._pairs import decoded, encoded, labels, pair_rows, pair_variables
+from ._pairs import decoded, encoded, labels, pair_rows, pair_variables, pairs_size
 
 Floats = NDArray[np.float64]
 
@@ -41,4 +42,13 @@ def build(problem: BinAssignment) -> Compiled:
     return Compiled(program, problem, lambda v: decoded(problem, v), encode)
 
 
-FORMS.add("largest-cost", Form("largest-cost", "bin-assignment", frozenset({"objective:bottleneck"}), build))
+FORMS.add(
+    "largest-cost",
+    Form(
+        "largest-cost",
+        "bin-assignment",
+        frozenset({"objective:bottleneck"}),
+        build,
+        size=lambda problem: pairs_size(problem) + ProgramSize(1.0, problem.num_robots, problem.num_robots + float(len(problem.bins))),
+    ),
+)

@@ -13,6 +13,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..balanced_partition import OBJECTIVES, BalancedPartition, Parts
 
 Floats = NDArray[np.float64]
@@ -91,10 +92,20 @@ def build(problem: BalancedPartition) -> Compiled:
     return Compiled(Program("part-choice", "min", tuple(variables), tuple(blocks)), problem, decode, encode)
 
 
+def _size(problem: BalancedPartition) -> ProgramSize:
+    tasks, parts, spread = float(problem.num_tasks), float(problem.num_robots), problem.objective == "min-difference"
+    pairs = tasks * (tasks - 1.0) / 2.0 if problem.edges == "clique" else 0.0
+    columns = parts * (tasks + pairs)
+    return ProgramSize(
+        columns + 2.0, tasks + parts * (1.0 + spread) + parts * pairs * (1.0 + 2.0 * spread),
+        parts * (2.0 + spread) * (tasks + 1.0) + parts * pairs * (4.0 + 5.0 * spread),
+    )  # fmt: skip
+
+
 FORMS.add(
     "part-choice",
     Form(
         "part-choice", "balanced-partition",
-        frozenset({*(f"objective:{objective}" for objective in OBJECTIVES), "edges:none", "edges:clique"}), build,
+        frozenset({*(f"objective:{objective}" for objective in OBJECTIVES), "edges:none", "edges:clique"}), build, size=_size,
     ),
 )  # fmt: skip

@@ -13,6 +13,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..task_allocation import OBJECTIVES, Paths, TaskAllocation
 
 Floats = NDArray[np.float64]
@@ -126,4 +127,12 @@ def build(problem: TaskAllocation) -> Compiled:
     return Compiled(Program("path-flow", "min", tuple(variables), tuple(blocks)), problem, decode, encode)
 
 
-FORMS.add("path-flow", Form("path-flow", "task-allocation", frozenset(f"objective:{objective}" for objective in OBJECTIVES), build))
+def _size(problem: TaskAllocation) -> ProgramSize:
+    arcs, longest = float(problem.instance.distances.size), problem.objective == "mini-max"
+    nodes = float(problem.instance.num_robots + 2 * problem.instance.num_tasks)
+    return ProgramSize((2.0 + longest) * arcs + 1.0, (1.0 + longest) * arcs + 3.0 * nodes, (6.0 + 6.0 * longest) * arcs + nodes)
+
+
+FORMS.add(
+    "path-flow", Form("path-flow", "task-allocation", frozenset(f"objective:{objective}" for objective in OBJECTIVES), build, size=_size)
+)

@@ -12,6 +12,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..room_exploration import GO, MAP, SEARCH, Plans, RoomExploration
 
 Floats = NDArray[np.float64]
@@ -187,4 +188,16 @@ def _refuses(problem: Any) -> frozenset[str]:
     return frozenset({f"more than {MOST_VARIABLES:,} moves"}) if moves > MOST_VARIABLES else frozenset()
 
 
-FORMS.add("time-expanded", Form("time-expanded", "room-exploration", frozenset({"contact"}), build, refuses=_refuses))
+def _size(problem: RoomExploration) -> ProgramSize:
+    given = problem.instance
+    n, rooms, last = float(given.num_robots), float(given.num_rooms), float(given.steps)
+    doors, heard = 2.0 * len(given.doors), float(given.linked.mean())
+    moves, pairs, gains = doors + 3.0 * rooms, n * (n - 1.0), float(given.exploring.size + given.mapping.size + given.searching.size)
+    hears = pairs * last * moves * (1.0 + rooms * heard)
+    return ProgramSize(
+        n * last * (moves + 2.0) + 2.0 * pairs * last + gains, n * rooms * last + pairs * rooms * last + 4.0 * n * last + 3.0 * rooms,
+        n * last * (3.0 * moves + given.silence + 8.0) + gains + hears + (rooms + 4.0) * pairs * last,
+    )  # fmt: skip
+
+
+FORMS.add("time-expanded", Form("time-expanded", "room-exploration", frozenset({"contact"}), build, refuses=_refuses, size=_size))

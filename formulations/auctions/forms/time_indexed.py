@@ -12,6 +12,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..orchard_day import OrchardDay, Trips, in_order
 
 Floats = NDArray[np.float64]
@@ -149,7 +150,18 @@ def _refuses(problem: Any) -> frozenset[str]:
     return frozenset({f"more than {MOST_STARTS:,} pairs of bin and step"}) if starts > MOST_STARTS else frozenset()
 
 
+def _size(problem: OrchardDay) -> ProgramSize:
+    jobs, last = problem.jobs, float(latest_end(problem))
+    length = (jobs.out + jobs.home).astype(np.float64)
+    starts = np.maximum(last - length - np.maximum(full_at(problem) - jobs.out, 0) + 1.0, 0.0)
+    first, away = float(jobs.away.sum()) * jobs.num_bins, float(jobs.away.sum())
+    return ProgramSize(
+        float(starts.sum()) + first + away + 1.0, 2.0 * jobs.num_bins + away + last,
+        float((starts * (length + 2.0)).sum()) + (first + away) * (last / 2.0 + 3.0),
+    )  # fmt: skip
+
+
 FORMS.add(
     "time-indexed",
-    Form("time-indexed", "orchard-day", frozenset({"objective:makespan", "objective:completion"}), build, refuses=_refuses),
+    Form("time-indexed", "orchard-day", frozenset({"objective:makespan", "objective:completion"}), build, refuses=_refuses, size=_size),
 )

@@ -34,6 +34,7 @@ from ...evidence import Evidence
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, LINEAR, Floats, Indices, Program, Rows, Variables
+from ...programs.size import ProgramSize
 from ...selection.forms._selections import Labels, chosen, decided, indicator, proved
 from ...selection.selections import Selection
 
@@ -208,8 +209,29 @@ def _clean(duals: Floats) -> Floats:
     return np.where(y > NEGLIGIBLE * y.max(initial=0.0), y, 0.0)
 
 
+def _size(problem: BottleneckSATA | MaxMinLP) -> ProgramSize:
+    from ..bottleneck_sata import BottleneckSATA
+
+    if isinstance(problem, BottleneckSATA):
+        g = problem.graph
+        return ProgramSize(g.num_actions + 1.0, g.num_robots + float(g.num_targets), float(len(g.indices)) + g.num_actions + g.num_targets)
+    a, c = problem.packing, problem.covering
+    return ProgramSize(problem.num_variables + 1.0, a.rows + float(c.rows), float(len(a.indices)) + len(c.indices) + a.rows + c.rows)
+
+
+def _makes(problem: BottleneckSATA | MaxMinLP) -> frozenset[str]:
+    return INTEGERS if "whole-actions" in problem.features() else LINEAR
+
+
 FEATURES = frozenset({"sensing", "whole-actions", "packing-covering", "min-max", "several-packing-rows"})
 FORMS.add(
     "max-min",
-    Form("max-min", "max-min", FEATURES, build, makes=lambda problem: INTEGERS if "whole-actions" in problem.features() else LINEAR),
+    Form(
+        "max-min",
+        "max-min",
+        FEATURES,
+        build,
+        size=_size,
+        makes=lambda problem: INTEGERS if "whole-actions" in problem.features() else LINEAR,
+    ),
 )

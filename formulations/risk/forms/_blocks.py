@@ -13,6 +13,7 @@ from ...evidence import Evidence
 from ...programs.cones import Cones
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..risk_allocation import RiskAllocation
 
 Floats = NDArray[np.float64]
@@ -27,6 +28,23 @@ def dense_rows(name: str, matrix: Floats, lower: Any, upper: Any, extra: Any = (
     """A block of rows from a matrix over the first columns, and further parts."""
     row, column = np.nonzero(matrix)
     return rows(name, len(matrix), [(row, column, matrix[row, column]), *extra], lower, upper, keys, labels)
+
+
+def size_of(problem: RiskAllocation, pieces: int = 0) -> ProgramSize:
+    """Of a form with so many pieces a constraint, or with fixed margins."""
+    terms, cones = problem.terms, problem.cones
+    values = float(sum(len(constant) for _, _, _, constant in terms))
+    entries = float(np.count_nonzero(problem.rows) + np.count_nonzero(problem.chance))
+    entries += 2.0 * sum(np.count_nonzero(matrix) + len(constant) for _, _, matrix, constant in terms)
+    entries += sum(np.count_nonzero(matrix) + np.count_nonzero(limit) for matrix, _, limit, _ in cones)
+    rows, constraints, decisions = float(len(problem.limits)), float(len(problem.names)), float(len(problem.lower))
+    squares = decisions**2 if any(kind == "square" for kind, *_ in terms) else 0.0
+    choices = rows if problem.disjunctive else 0.0
+    return ProgramSize(
+        decisions + values + choices + (2.0 * constraints if pieces else 0.0),
+        len(problem.rows) + rows + 2.0 * values + constraints * (pieces + bool(choices)) + len(problem.budgets),
+        entries + rows + 3.0 * choices + constraints * (2.0 * pieces + 1.0), work=8.0 * squares,
+    )  # fmt: skip
 
 
 @dataclass

@@ -15,6 +15,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ..risky_path import Path, RiskyPath
 
 Floats = NDArray[np.float64]
@@ -95,9 +96,20 @@ def _refuses(problem: RiskyPath) -> frozenset[str]:
     return frozenset({"a start that is a goal"}) if problem.graph.start in problem.graph.goals else frozenset()
 
 
+def _size(problem: RiskyPath) -> ProgramSize:
+    graph, moves = problem.graph, problem.moves
+    begin, follow, edges = float(len(moves.begin)), float(len(moves.first)), float(len(graph.tail))
+    return ProgramSize(begin + follow + edges, edges + graph.num_states + 1.0, 3.0 * (begin + follow) + edges)
+
+
 FORMS.add(
     "consecutive-moves",
     Form(
-        "consecutive-moves", "risky-path", frozenset({"objective:hazard", "goals", "locale-risk", "action-risk"}), build, refuses=_refuses
+        "consecutive-moves",
+        "risky-path",
+        frozenset({"objective:hazard", "goals", "locale-risk", "action-risk"}),
+        build,
+        refuses=_refuses,
+        size=_size,
     ),
 )

@@ -18,6 +18,7 @@ from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
 from ..normal import ndtr
 from ..risk_allocation import RiskAllocation
+from ._blocks import size_of
 from ._fixed_risks import FEATURES, compiled, makes
 from ._fixed_risks import refuses as lacks_bounds
 
@@ -52,4 +53,7 @@ def build(problem: RiskAllocation) -> Compiled:
     return compiled(problem, "ellipsoid", every, np.full(len(problem.names), float(ndtr(-rho))))
 
 
-FORMS.add("ellipsoid", Form("ellipsoid", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=3))
+FORMS.add(
+    "ellipsoid",
+    Form("ellipsoid", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=3, size=size_of),
+)

@@ -5,6 +5,8 @@ See the mathematics in ``_piecewise.py`` and docs/formulations/risk-allocation.m
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
 from ..allocations import Allocation
 from ..risk_allocation import RiskAllocation
+from ._blocks import size_of
 from ._fixed_risks import FEATURES, makes, refuses
 from ._piecewise import mean_risk, piecewise_program, points
 
@@ -32,4 +35,17 @@ def build(problem: RiskAllocation) -> Compiled:
     return Compiled(made.program, problem, decode)
 
 
-FORMS.add("secants", Form("secants", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=0))
+FORMS.add(
+    "secants",
+    Form(
+        "secants",
+        "risk-allocation",
+        FEATURES,
+        build,
+        Exactness.RESTRICTION,
+        refuses=refuses,
+        makes=makes,
+        order=0,
+        size=partial(size_of, pieces=POINTS),
+    ),
+)

@@ -6,6 +6,8 @@ restriction, as the allocated problem is a restriction of that.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +17,7 @@ from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
 from ..allocations import Allocation
 from ..risk_allocation import RiskAllocation
-from ._blocks import evidence_of, prices
+from ._blocks import evidence_of, prices, size_of
 from ._fixed_risks import FEATURES, makes, refuses
 from ._piecewise import mean_risk, piecewise_program, points
 
@@ -42,4 +44,17 @@ def build(problem: RiskAllocation) -> Compiled:
     return Compiled(made.program, problem, decode, dual_evidence=dual_evidence if linear else None, exactness=exactness)
 
 
-FORMS.add("tangents", Form("tangents", "risk-allocation", FEATURES, build, Exactness.RELAXATION, refuses=refuses, makes=makes, order=1))
+FORMS.add(
+    "tangents",
+    Form(
+        "tangents",
+        "risk-allocation",
+        FEATURES,
+        build,
+        Exactness.RELAXATION,
+        refuses=refuses,
+        makes=makes,
+        order=1,
+        size=partial(size_of, pieces=POINTS),
+    ),
+)

@@ -16,6 +16,7 @@ from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
 from ..normal import ndtri
 from ..risk_allocation import RiskAllocation
+from ._blocks import size_of
 from ._fixed_risks import FEATURES, compiled, makes, refuses
 
 Floats = NDArray[np.float64]
@@ -35,4 +36,7 @@ def build(problem: RiskAllocation) -> Compiled:
     return compiled(problem, "uniform", -ndtri(risks), risks)
 
 
-FORMS.add("uniform", Form("uniform", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=2))
+FORMS.add(
+    "uniform",
+    Form("uniform", "risk-allocation", FEATURES, build, Exactness.RESTRICTION, refuses=refuses, makes=makes, order=2, size=size_of),
+)

@@ -14,11 +14,13 @@ import numpy as np
 
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
+from ...stop import Stopped
 from .infeasible_site import verdict
 from .known_features import departure, own_moves
 from .round_trips import PEAKS
 from .route_limits import Limits, allowed, limits_of, summable
-from .vehicle_moves import terms_of
+from .route_sets import MOST, fronts, put_together
+from .vehicle_moves import Terms, terms_of
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -40,16 +42,30 @@ def orders(problem: RoutingProblem) -> float:
 def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """The optimum of the first level, as far as rounding lets it be told, or that there is no answer; nothing of ``data`` is read.
 
-    Nothing is proved where there are too many routes (``MOST_ORDERS``), or the objective mixes the largest of all routes with other terms,
-    or has terms that are neither.
+    Up to 12 customers are looked at by sets of them where their orders are too many (``MOST_ORDERS``), which proves as much where all that
+    counts adds up along a route, and where routes share a risk of the team. Nothing is proved of more, or where the objective mixes the
+    largest of all routes with other terms, or has terms that are neither.
     """
     if problem.family != "routing":
         raise InputError("all routes are evidence for routing problems", found=problem.family)
     level = problem.objective.levels()[0].terms
     terms, peak = terms_of(problem), any(term.name in PEAKS for _, term in level)
-    if orders(problem) > MOST_ORDERS or not summable(problem) or terms is None or (peak and (len(level) > 1 or level[0][0] < 0)):
+    if not summable(problem) or terms is None or (peak and (len(level) > 1 or level[0][0] < 0)):
         return verdict(problem, proved=False)
-    least = problem.sense == "min"
+    many = orders(problem) > MOST_ORDERS
+    if not many and (peak or problem.team_risk is None):
+        return _walked(problem, terms, peak)
+    if peak or len(problem.sites.customers) > MOST:
+        return verdict(problem, proved=False)
+    found = _by_sets(problem, terms)
+    if many:
+        return found
+    return (max if problem.sense == "min" else min)(found, _walked(problem, terms, peak))
+
+
+def _walked(problem: RoutingProblem, terms: Terms, peak: bool) -> float:
+    """By every order of customers; each route may have all of a risk of the team."""
+    level, least = problem.objective.levels()[0].terms, problem.sense == "min"
     doubt, n = 0.0, len(problem.sites.customers)
     idle = min(departure(problem, v) for v in problem.fleet) if "latest-return" in terms.peaks else 0.0
     ways: dict[tuple[int, int], float] = {(0, 0): level[0][0] * idle if idle else 0.0}  # customers visited and number of routes
@@ -78,6 +94,29 @@ def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     fixed += weights["penalties"] * math.fsum(sites.penalty[~sites.depot].tolist())
     best = min(found) - n * doubt if least else max(found) + n * doubt
     return best + fixed - (1.0 if least else -1.0) * 8.0 * _EPS * (abs(best) + abs(fixed)) if fixed else best
+
+
+def _by_sets(problem: RoutingProblem, terms: Terms) -> float:
+    """The same of more customers, by sets of them: less than the optimum where somebody waits or loads on the way."""
+    sites, n = problem.sites, len(problem.sites.customers)
+    most = min(n, sum(n if v.count is None else v.count for v in problem.fleet))
+    risk = math.inf if problem.team_risk is None else -math.log1p(-problem.team_risk) * (1.0 + 1e-8)
+    try:
+        every = [fronts(problem, vehicle, limits_of(problem, vehicle), terms) for vehicle in problem.fleet]
+        ways = put_together([found for found, _ in every], n, problem.min_vehicles, most, risk)
+    except Stopped:
+        return verdict(problem, proved=False)
+    doubt = max(off for _, off in every)
+    must = sum(1 << k for k, required in enumerate(sites.required[sites.customers].tolist()) if required)
+    values = [value for (done, count), value in ways.items() if done & must == must and count >= problem.min_vehicles]
+    if not values:
+        return verdict(problem, proved=True)
+    fixed = terms.reward * math.fsum(sites.reward[sites.depots].tolist()) + terms.penalties * math.fsum(
+        sites.penalty[~sites.depot].tolist()
+    )
+    best = min(values)
+    bound = best + fixed - n * doubt - 16.0 * _EPS * (abs(best) + abs(fixed))
+    return bound if problem.sense == "min" else -bound
 
 
 def _keep(ways: dict[Any, float], way: Any, value: float, least: bool) -> None:

@@ -73,15 +73,15 @@ def _round_trips(problem: RoutingProblem, vehicle: VehicleType, name: str) -> Fl
     sites, at = problem.sites, problem.sites.customers
     far, move = own_moves(problem, vehicle)
     if name == "longest-route":
-        return _ways(far[vehicle.start, at], far[np.ix_(at, at)]) + _ways(far[at, vehicle.end], far[np.ix_(at, at)].T)
+        return ways(far[vehicle.start, at], far[np.ix_(at, at)]) + ways(far[at, vehicle.end], far[np.ix_(at, at)].T)
     busy = sites.service[at][:, None] + move[np.ix_(at, at)]
-    home = _ways(sites.service[at] + move[at, vehicle.end], busy.T)
+    home = ways(sites.service[at] + move[at, vehicle.end], busy.T)
     if name == "makespan":
-        return _ways(move[vehicle.start, at], busy) + home
-    return _ways(departure(problem, vehicle) + move[vehicle.start, at], busy, sites.ready[at]) + home
+        return ways(move[vehicle.start, at], busy) + home
+    return ways(departure(problem, vehicle) + move[vehicle.start, at], busy, sites.ready[at]) + home
 
 
-def _ways(first: Floats, between: Floats, ready: Floats | float = -math.inf) -> Floats:
+def ways(first: Floats, between: Floats, ready: Floats | float = -math.inf) -> Floats:
     """Least level at each node of all ways that begin with a move of ``first`` and wait for each node to be ready (Bellman-Ford)."""
     level = np.maximum(first, ready)
     for _ in range(len(first)):

@@ -30,8 +30,9 @@ from ...forms import FORMS, Form
 from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import CIRCUITS, INTEGERS, Floats
+from ...programs.size import ProgramSize
 from ..preparation import prepare
-from . import three_index, two_index
+from . import _sizes, three_index, two_index
 from ._priorities import with_levels
 from ._vehicle_columns import Drive, Written
 
@@ -97,7 +98,13 @@ def _of_each_vehicle(made: Written) -> tuple[Circuit, ...]:
     return tuple(found)
 
 
+def _size(problem: RoutingProblem) -> ProgramSize:
+    return _sizes.circuit(problem, arcs_say_enough(problem))
+
+
 FORMS.add(
     "circuit",
-    Form("circuit", "routing", three_index.FEATURES, build, refuses=refuses, makes=lambda problem: INTEGERS | CIRCUITS, order=6),
+    Form(
+        "circuit", "routing", three_index.FEATURES, build, refuses=refuses, makes=lambda problem: INTEGERS | CIRCUITS, order=6, size=_size
+    ),
 )

@@ -16,7 +16,9 @@ A route that is no better in anything that a level of the objective counts than 
 Relaxed, this is the strongest of the forms: its bound is that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).
 Rows of maxima by site are stronger than those by route, makespan >= d_p y_p.
 
-The form writes down all routes that there are, as long as few orders of stops have to be walked; ``over`` takes given ones: a restriction.
+The form writes down all routes that there are, as long as few orders of stops have to be walked; where all that counts adds up along a
+route (``_best_orders``: no windows, nothing loaded on the way), the best of each set of up to 12 sites. ``over`` takes given ones: a
+restriction.
 
 Source: Balinski and Quandt (1964); Mitchell (2020), CMU-RI-TR-20-52, 3.2, prices its routes one by one.
 """
@@ -40,7 +42,9 @@ from ...programs.rows import Part, rows
 from ..preparation import offset
 from ..reachability import minimum_vehicles
 from ..routes import Route, Routes
+from . import _sizes
 from ._all_routes import MOST_ROUTES, Priced, Walk, orders_of_stops, way_home
+from ._best_orders import adds_up, best_orders
 from ._objective import Weights, weights_of_levels
 from ._priorities import with_levels
 from ._routes import used
@@ -60,12 +64,18 @@ def refuses(problem: RoutingProblem) -> frozenset[str]:
         f"objective:{name}"
         for sense, level in levels for name, weight in level.items() if name in MAXIMA and weight * (1.0 if sense == "min" else -1.0) < 0
     }  # fmt: skip
-    return frozenset(found | ({f"more than {MOST_ROUTES} orders of stops"} if orders_of_stops(problem) > MOST_ROUTES else set()))
+    if orders_of_stops(problem) > MOST_ROUTES and not adds_up(problem):
+        found.add(f"more than {MOST_ROUTES} orders of stops")
+    return frozenset(found)
 
 
 def build(problem: RoutingProblem) -> Compiled:
     """The program over all routes; see the module's text for its mathematics."""
-    every = [route for kind in range(len(problem.fleet)) for route in Walk(problem, kind).routes()]
+    walks = [Walk(problem, kind) for kind in range(len(problem.fleet))]
+    if orders_of_stops(problem) > MOST_ROUTES:
+        every = [route for walk in walks for visits in sorted(best_orders(walk)) if (route := walk.given(visits)) is not None]
+    else:
+        every = [route for walk in walks for route in walk.routes()]
     return with_levels(problem, lambda p: _Writing(p, every).compiled(Exactness.EXACT))
 
 
@@ -277,5 +287,14 @@ def _share(r: Priced, weight: Weights) -> float:
 
 
 FORMS.add(
-    "set-partitioning", Form("set-partitioning", "routing", (FEATURES | RISKS) - {"forbidden-moves"}, build, refuses=refuses, order=5)
+    "set-partitioning",
+    Form(
+        "set-partitioning",
+        "routing",
+        (FEATURES | RISKS) - {"forbidden-moves"},
+        build,
+        refuses=refuses,
+        order=5,
+        size=_sizes.set_partitioning,
+    ),
 )

@@ -58,6 +58,7 @@ from ...programs.program import Floats, Program
 from ...programs.reductions.units import scaled
 from ..preparation import leaves_cycles, offset
 from ..routes import Route, Routes
+from . import _sizes
 from ._choices import add_copies, add_groups, add_shipments, add_windows
 from ._levels import add_loads, add_residual_energy
 from ._objective import add_objective, adverse, idle_cost, weights
@@ -254,4 +255,4 @@ def _in_time(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.in
     return bool((times <= kind.upper[nodes] + slack).all() and (begins <= kind.closing[kind.arc_of[arcs]] + slack).all())
 
 
-FORMS.add("three-index", Form("three-index", "routing", FEATURES, build, refuses=refuses, order=4))
+FORMS.add("three-index", Form("three-index", "routing", FEATURES, build, refuses=refuses, order=4, size=_sizes.three_index))

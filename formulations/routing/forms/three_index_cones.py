@@ -32,6 +32,7 @@ from ...programs.cones import Cones
 from ...programs.program import CONES, INTEGERS, Floats
 from ...programs.rows import Part, rows
 from ..overrun import quantile
+from . import _sizes
 from ._priorities import with_levels
 from ._vehicle_columns import Drive, VehicleColumns, Written
 from .three_index import FEATURES, refuses, written
@@ -134,5 +135,7 @@ def _makes(problem: RoutingProblem) -> frozenset[str]:
 
 FORMS.add(
     "three-index-cones",
-    Form("three-index-cones", "routing", KNOWN, build, refuses=_refuses, makes=_makes, order=7),
+    Form(
+        "three-index-cones", "routing", KNOWN, build, refuses=_refuses, makes=_makes, order=7, size=partial(_sizes.three_index, further=3.0)
+    ),
 )

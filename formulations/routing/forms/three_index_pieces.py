@@ -40,7 +40,9 @@ from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
 from ...programs.program import Floats
 from ...programs.rows import Part, rows
+from ...programs.size import ProgramSize
 from ..overrun import quantile, tail
+from . import _sizes
 from ._priorities import with_levels
 from ._vehicle_columns import Drive, VehicleColumns, Written
 from .three_index import refuses, written
@@ -227,7 +229,22 @@ def _refuses(problem: RoutingProblem) -> frozenset[str]:
     return refuses(problem) | (frozenset() if RISKS & problem.features() else frozenset({"certain durations"}))
 
 
+def _size(problem: RoutingProblem) -> ProgramSize:
+    many = 1 if problem.team_risk is None else QUANTILES + 1
+    return _sizes.three_index_pieces(problem, 1.0 + many * PIECES)
+
+
 for _name, _exactness, _above in (
     ("three-index-tangents", Exactness.RESTRICTION, True), ("three-index-chords", Exactness.RELAXATION, False),
 ):  # fmt: skip
-    FORMS.add(_name, Form(_name, "routing", KNOWN | RISKS, partial(build, above=_above), _exactness, refuses=_refuses, order=8))
+    _form = Form(
+        _name,
+        "routing",
+        KNOWN | RISKS,
+        partial(build, above=_above),
+        _exactness,
+        refuses=_refuses,
+        order=8,
+        size=_size,
+    )
+    FORMS.add(_name, _form)

@@ -83,6 +83,7 @@ from ...programs.rows import rows
 from ..preparation import Preparation, Resource, leaves_cycles, offset, prepare, waiting_is_possible
 from ..reachability import minimum_vehicles
 from ..routes import Routes
+from . import _sizes
 from ._priorities import with_levels
 from ._routes import ArcIndex, levels, routes_of, used
 
@@ -384,4 +385,7 @@ for _order, (_name, _flows) in enumerate(
         (UNIT_FLOW, lambda name: name == "order"),
     )
 ):
-    FORMS.add(_name, Form(_name, "routing", FEATURES, partial(_with_levels, form=_name, flows=_flows), refuses=refuses, order=_order))
+    _size = partial(_sizes.two_index, flows=_flows, connected=_name == UNIT_FLOW)
+    FORMS.add(
+        _name, Form(_name, "routing", FEATURES, partial(_with_levels, form=_name, flows=_flows), refuses=refuses, order=_order, size=_size)
+    )

@@ -15,6 +15,7 @@ from ...certificate import verified_bound
 from ...evidence import Evidence
 from ...programs.program import Floats, Rows, Variables
 from ...programs.rows import rows
+from ...programs.size import ProgramSize
 from ...routing.forms._routes import INTEGRALITY
 from ..selections import Selection
 
@@ -115,6 +116,20 @@ def edges_of(problem: SubmodularSelection) -> Edges:
     return Edges(
         *weights.edges(), problem.num_elements, weights.num_items, Labels(problem.num_elements, problem.element_name),
         Labels(weights.num_items, (lambda j: str(j + 1)) if graph is None else graph.target_name),
+    )  # fmt: skip
+
+
+def edges_size(problem: SubmodularSelection, each: tuple[float, float, float, float]) -> ProgramSize:
+    """Of a form with so many columns and rows an edge, rows an item, and entries an edge, beside the choice of elements."""
+    weights = problem.function.as_item_weights()
+    assert weights is not None
+    edges = float(len(weights.indices) or np.count_nonzero(weights.matrix))
+    limits = problem.constraint.rows(problem.num_elements)
+    assert limits is not None
+    columns, rows, of_items, entries = each
+    return ProgramSize(
+        problem.num_elements + columns * edges, len(limits.limit) + rows * edges + of_items * weights.num_items,
+        len(limits.row) + entries * edges,
     )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ docs/formulations/winner-takes-all.md#facility-location.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +34,19 @@ from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import FEATURES, Labels, at_most, choice, chosen, constraint_rows, decisions, edges_of, indicator, prices_evidence
+from ._selections import (
+    FEATURES,
+    Labels,
+    at_most,
+    choice,
+    chosen,
+    constraint_rows,
+    decisions,
+    edges_of,
+    edges_size,
+    indicator,
+    prices_evidence,
+)
 
 if TYPE_CHECKING:
     from ...problem import Problem
@@ -83,4 +96,4 @@ def build(problem: SubmodularSelection) -> Compiled:
     return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence, **decisions(problem))
 
 
-FORMS.add("facility-location", Form("facility-location", "selection", FEATURES, build))
+FORMS.add("facility-location", Form("facility-location", "selection", FEATURES, build, size=partial(edges_size, each=(1.0, 1.0, 0.0, 3.0))))

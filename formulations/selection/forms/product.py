@@ -16,6 +16,7 @@ Source: Sung (2019), (3.1), (3.3), (3.4); docs/formulations/winner-takes-all.md#
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +26,7 @@ from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, QUADRATIC, Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, indicator
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, edges_of, edges_size, indicator
 
 if TYPE_CHECKING:
     from ..submodular_selection import SubmodularSelection
@@ -58,4 +59,15 @@ def build(problem: SubmodularSelection) -> Compiled:
     return Compiled(program, problem, lambda v: chosen(v[:n]), encode)
 
 
-FORMS.add("product", Form("product", "selection", FEATURES, build, makes=lambda problem: INTEGERS | QUADRATIC, order=3))
+FORMS.add(
+    "product",
+    Form(
+        "product",
+        "selection",
+        FEATURES,
+        build,
+        makes=lambda problem: INTEGERS | QUADRATIC,
+        order=3,
+        size=partial(edges_size, each=(1.0, 0.0, 1.0, 3.0)),
+    ),
+)

@@ -20,6 +20,7 @@ docs/formulations/winner-takes-all.md#strong-linearisation.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,7 +31,7 @@ from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, decisions, edges_of, indicator, prices_evidence
+from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, decisions, edges_of, edges_size, indicator, prices_evidence
 
 if TYPE_CHECKING:
     from ...problem import Problem
@@ -63,4 +64,7 @@ def build(problem: SubmodularSelection) -> Compiled:
     return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence, **decisions(problem))
 
 
-FORMS.add("strong-linearisation", Form("strong-linearisation", "selection", FEATURES, build, order=1))
+FORMS.add(
+    "strong-linearisation",
+    Form("strong-linearisation", "selection", FEATURES, build, order=1, size=partial(edges_size, each=(1.0, 1.0, 1.0, 3.0))),
+)

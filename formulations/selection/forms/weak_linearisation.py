@@ -22,6 +22,7 @@ Source: McCormick (1976); Sung (2019), footnote 4; docs/formulations/winner-take
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +33,19 @@ from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program, Variables
 from ...programs.rows import rows
 from ..selections import Selection
-from ._selections import FEATURES, at_most, choice, chosen, constraint_rows, credits_of, decisions, edges_of, indicator, prices_evidence
+from ._selections import (
+    FEATURES,
+    at_most,
+    choice,
+    chosen,
+    constraint_rows,
+    credits_of,
+    decisions,
+    edges_of,
+    edges_size,
+    indicator,
+    prices_evidence,
+)
 
 if TYPE_CHECKING:
     from ...problem import Problem
@@ -70,4 +83,7 @@ def build(problem: SubmodularSelection) -> Compiled:
     return Compiled(program, problem, lambda v: chosen(v[:n]), encode, dual_evidence, **decisions(problem))
 
 
-FORMS.add("weak-linearisation", Form("weak-linearisation", "selection", FEATURES, build, order=2))
+FORMS.add(
+    "weak-linearisation",
+    Form("weak-linearisation", "selection", FEATURES, build, order=2, size=partial(edges_size, each=(2.0, 2.0, 1.0, 5.0))),
+)

@@ -34,4 +34,4 @@ def _prepare() -> None:
     from ...engines.assignment_steps import auction_kernels  # noqa: F401 - compiles on import or first use
 
 
-BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", missing, compute, prepare=_prepare))
+BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", missing, compute, order=1, prepare=_prepare))

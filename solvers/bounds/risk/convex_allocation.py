@@ -46,7 +46,7 @@ def part_evidence(problem: RiskAllocation, rows: Ints, found: Interval) -> tuple
 BOUNDS.add(
     "convex-allocation",
     BoundMethod(
-        "convex-allocation", missing, compute, order=0,
+        "convex-allocation", missing, compute, order=1,
         replaces=lambda problem: frozenset({"linear-relaxation"}) if problem.family == "risk-allocation" else frozenset(),
     ),
 )  # fmt: skip

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.forms import FORMS
+from ....formulations.programs.size import ProgramSize
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
@@ -66,6 +67,9 @@ def sifted_relaxation_bound(problem: RoutingProblem, stop: Stop = NEVER, linear:
     if stop.reached() or too_many_arcs(problem, stop.seconds_left):
         return None
     left = stop.seconds_left
+    size = FORMS[FORM].size(problem)
+    if size is not None:  # of the program a part is written down, but all moves are prepared
+        ProgramSize(0.0, 0.0, 0.0, size.work).refuse_beyond_memory(FORM)
     prep = prepare(problem)
     resources = needed_resources(problem, prep)
     if set(resources) == {"order"}:

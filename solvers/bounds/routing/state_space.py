@@ -85,6 +85,11 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
     linear : unused
         No program is solved.
 
+    Returns
+    -------
+    Evidence or None
+        None where the time does not suffice for one round: prices to begin with, from walks that were cut short, prove next to nothing.
+
     Notes
     -----
     Source: Christofides, Mingozzi, Toth (1981); sharing by walks through each customer: Baldacci, Christofides, Mingozzi (2008).
@@ -125,7 +130,7 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
         prices, value = shared_prices(moves[0], name, walks[0], limits, np.append(0.0, _weights(relaxed)), most, stop, fine)
     else:
         prices, value = _followed(walks, rows, most, stop)
-    if value > most:  # than any answer costs: there is none, which others prove
+    if value > most or value == -math.inf:  # more than any answer costs: there is none, which others prove; or no time for one round
         return None
     listed = np.zeros(len(sites))
     listed[customers] = prices

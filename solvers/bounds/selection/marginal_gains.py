@@ -196,4 +196,4 @@ def _prepare() -> None:
         marginal_gains_bound(SubmodularSelection(function, Cardinality(1)))
 
 
-BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=0, prepare=_prepare))
+BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=1, prepare=_prepare))

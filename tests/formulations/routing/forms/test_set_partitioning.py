@@ -109,9 +109,11 @@ def test_given_routes_are_put_together_best() -> None:
 
 def test_it_refuses_what_has_many_routes_and_maxima_that_should_be_large() -> None:
     form = FORMS["set-partitioning"]
-    xy = np.arange(18.0).reshape(9, 2)
+    xy = np.arange(28.0).reshape(14, 2)
     assert form.missing(routing(xy=xy, count=2)) == {"more than 20000 orders of stops"}
-    assert form.missing(routing(xy=xy[:8], count=2)) == set()
+    assert form.missing(routing(xy=xy[:13], count=2)) == set(), "12 sites, where what counts adds up"
+    for sites, missing in ((8, set()), (9, {"more than 20000 orders of stops"})):
+        assert form.missing(routing(xy=xy[:sites], count=2, sites={"ready": np.arange(float(sites))})) == missing
     assert form.missing(routing(xy=xy[:4], count=2, objective=Reward() + Makespan())) == {"objective:makespan"}
 
 

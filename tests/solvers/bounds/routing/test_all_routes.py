@@ -35,7 +35,8 @@ def test_a_fleet_of_several_types_and_optional_sites_are_proved_optimal() -> Non
 def test_it_applies_to_few_customers() -> None:
     missing = BOUNDS["all-routes"].missing
     assert missing(small("capacity", 0, "exact")) == frozenset()
-    assert missing(wb.generate("random", seed=1, customers=12)) == {"few customers"}
+    assert missing(wb.generate("random", seed=1, customers=13)) == {"few customers"}
+    assert missing(wb.generate("random", seed=1, customers=12)) == frozenset()
     assert missing(ArrayProblem(program([1.0], [[1.0]], 0, 1))) == {"arrays problems"}
 
 

@@ -1,0 +1,200 @@
+"""The least that routes through each set of a few customers cost and risk, by the sums of their moves alone.
+
+Waiting, windows and loads on the way are left out, so that routes cost no more, and more of them are possible; where none of these is,
+nothing is left out. Of two orders of a set with the same last customer the one with no more of any sum stands for the other: whatever
+follows, it costs no more, and keeps each limit that the other keeps, since all are monotone in the sums.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...stop import current_stop
+from .known_features import own_moves
+from .route_limits import Limits, able, allowed
+from .vehicle_moves import Terms
+
+if TYPE_CHECKING:
+    from ....instances.routing.instance import VehicleType
+    from ..problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+MOST = 12
+"""Customers of which all sets are looked at."""
+
+Front = NDArray[np.float64]
+"""Shape (routes, 2): worth, and what the route takes of the team's risk; in order of worth, and ever less of the risk."""
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms: Terms) -> tuple[dict[int, Front], float]:
+    """Of each set of customers, a mask, that one route of the vehicle may serve; and by how much worths may be off."""
+    sites = problem.sites
+    at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
+    far = own_moves(problem, vehicle)[0][np.ix_(at, at)]
+    n, end = len(sites.customers), len(at) - 1
+    sums = [far, limits.busy, *(w for w, _ in limits.budgets), *(w for chance in limits.chances for w in chance[:2])]
+    along, where, fixed = list[Floats](), list[int](), list[Floats]()  # rows that depend on the order, and what each sum is read off
+    for weight in sums:
+        if weight is not far and bool((weight == weight[0]).all()):  # a load: the same in any order
+            where.append(-1 - len(fixed))
+            fixed.append(weight[0])
+            continue
+        known = next((k for k, other in enumerate(along) if np.array_equal(weight, other)), len(along))
+        along += [weight] * (known == len(along))
+        where.append(known)
+    moves = np.array(along)
+    good = able(problem, vehicle)
+    demand, capacity = limits.demand, allowed(limits.capacity)
+    latest = limits.latest(float(limits.due[-1]))
+    labels: dict[tuple[int, int], Floats] = {}
+    found: dict[int, Front] = {}
+    size, stop = 0.0, current_stop()
+    of_time = terms.cost * vehicle.unit_duration_cost + terms.duration
+    team = problem.team_risk
+
+    def read(total: Floats, k: int, members: NDArray[np.int64]) -> Floats:
+        """The k-th of all sums, shape (labels,)."""
+        return total[:, where[k]] if where[k] >= 0 else np.full(len(total), math.fsum(fixed[-1 - where[k]][members]))
+
+    def kept(total: Floats, members: NDArray[np.int64]) -> NDArray[np.bool_]:
+        busy = read(total, 1, members)
+        fits: NDArray[np.bool_] = np.isfinite(total).all(axis=1) & (limits.ready[0] + busy <= latest)
+        for rate, limit, _ in limits.spans:
+            fits &= rate * busy <= limit
+        for k, (_, limit) in enumerate(limits.budgets):
+            fits &= read(total, 2 + k, members) <= limit
+        for k, (_, _, deviations, limit) in enumerate(limits.chances):
+            first = 2 + len(limits.budgets) + 2 * k
+            fits &= read(total, first, members) + deviations * np.sqrt(read(total, first + 1, members)) <= limit
+        return fits
+
+    for mask in range(1, 1 << n):
+        stop.check()
+        members = np.nonzero((mask >> np.arange(n)) & 1)[0] + 1
+        if not good[members - 1].all() or math.fsum(demand[members]) * (1.0 - 1e-13) > capacity:
+            continue
+        ended = []
+        for last in members.tolist():
+            rest = mask ^ (1 << (last - 1))
+            come = [labels[rest, k] + moves[:, k, last] for k in members.tolist() if (rest, k) in labels]
+            total = np.concatenate(come) if rest and come else moves[:, 0, last][None] if not rest else np.zeros((0, len(along)))
+            total = total[kept(total, members)]
+            if len(total):
+                labels[mask, last] = _least(total)
+                ended.append(labels[mask, last] + moves[:, last, end])
+        if not ended:
+            continue
+        total = np.concatenate(ended)
+        total = total[kept(total, members)]
+        if not len(total):
+            continue
+        busy, visited = read(total, 1, members), at[members]
+        gained = terms.reward * math.fsum(sites.reward[visited]) - terms.penalties * math.fsum(sites.penalty[visited])
+        paid = terms.cost * (vehicle.fixed_cost + vehicle.unit_cost * total[:, 0]) + of_time * busy
+        paid = paid + terms.cost * vehicle.unit_overtime_cost * np.maximum(0.0, busy - vehicle.regular_duration)
+        size = max(size, float(np.abs(paid).max()) + abs(gained) + abs(terms.vehicles))
+        risk = np.zeros(len(total))
+        for k, (_, _, _, limit) in enumerate(limits.chances if team is not None else ()):
+            first = 2 + len(limits.budgets) + 2 * k
+            risk = np.maximum(
+                risk, _overrun(read(total, first, members), read(total, first + 1, members), limit, _rate(vehicle, k, limits))
+            )
+        worth = np.column_stack([paid + gained + terms.vehicles, -np.log1p(-np.minimum(risk, 0.5)) * (1.0 - 1e-8)])
+        found[mask] = _front(worth)
+    by_time = (of_time + terms.cost * vehicle.unit_overtime_cost) * limits.rounding
+    return found, 16.0 * (len(at) + 2) * _EPS * size + by_time
+
+
+def _rate(vehicle: VehicleType, k: int, limits: Limits) -> float:
+    """What a unit of time draws: the chance of the store comes last."""
+    store = vehicle.energy is not None and k == len(limits.chances) - 1 and math.isfinite(vehicle.energy.at_departure)
+    return vehicle.energy.rate if store and vehicle.energy is not None else 1.0
+
+
+def _overrun(mean: Floats, variance: Floats, limit: float, rate: float) -> Floats:
+    """At least so likely a sum exceeds its limit."""
+    deviation = rate * np.sqrt(variance)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beyond = np.where(deviation > 0.0, (limit - mean) / deviation, math.inf)
+    return np.array([0.5 * math.erfc(z / math.sqrt(2.0)) if z < math.inf else 0.0 for z in beyond.tolist()])
+
+
+def _least(rows: Floats) -> Floats:
+    """Rows that no other one is nowhere above; of equal ones one."""
+    rows = np.unique(rows, axis=0)
+    if rows.shape[1] == 1:
+        return rows[:1]
+    made: list[Floats] = []
+    while len(rows):  # the first in this order is above none
+        made.append(rows[0])
+        rows = rows[(rows < rows[0]).any(axis=1)]
+    return np.array(made)
+
+
+def _front(rows: Floats) -> Front:
+    """Least worths for ever less of the risk."""
+    rows = rows[np.lexsort((rows[:, 1], rows[:, 0]))]
+    before = np.minimum.accumulate(np.append(math.inf, rows[:-1, 1]))
+    made: Front = rows[rows[:, 1] < before]
+    return made
+
+
+def put_together(found: list[dict[int, Front]], customers: int, fewest: int, most: int, risk: float) -> dict[tuple[int, int], float]:
+    """Least worth of routes that serve each set, by set and number of routes, all together within ``risk``.
+
+    Numbers of routes are told apart where they count; 1 stands for any number where any will do.
+    """
+    any_number = fewest <= 1 and most >= customers
+    ways: dict[tuple[int, int], Front] = {(0, 0): np.zeros((1, 2))}
+    of_set: dict[int, Front] = {}
+    for one in found:
+        for mask, front in one.items():
+            of_set[mask] = _front(np.concatenate([of_set[mask], front])) if mask in of_set else front
+    if risk == math.inf:
+        return _cheapest(of_set, customers, most, any_number)
+    stop = current_stop()
+    for mask in range(1, 1 << customers):
+        stop.check()
+        low, sub, new = mask & -mask, mask, dict[int, list[Floats]]()
+        while sub:
+            if sub & low and sub in of_set:
+                for count in range(2 if any_number else most):
+                    before = ways.get((mask ^ sub, count))
+                    if before is not None:
+                        joined = (before[:, None] + of_set[sub][None]).reshape(-1, 2)
+                        new.setdefault(1 if any_number else count + 1, []).append(joined)
+            sub = (sub - 1) & mask
+        for count, parts in new.items():
+            every = np.concatenate(parts)
+            every = every[every[:, 1] <= risk]
+            if len(every):
+                ways[mask, count] = _front(every)
+    return {way: float(front[0, 0]) for way, front in ways.items()}
+
+
+def _cheapest(of_set: dict[int, Front], customers: int, most: int, any_number: bool) -> dict[tuple[int, int], float]:
+    """The same without a risk of the team, by arrays over all parts of a set."""
+    best = np.full(1 << customers, math.inf)
+    for mask, front in of_set.items():
+        best[mask] = front[0, 0]
+    least = np.full((2 if any_number else most + 1, 1 << customers), math.inf)
+    least[0, 0] = 0.0
+    parts, stop = {0: np.zeros(1, np.int64)}, current_stop()
+    for mask in range(1, 1 << customers):
+        stop.check()
+        low, top = mask & -mask, 1 << (mask.bit_length() - 1)
+        fewer = parts[mask ^ top]
+        parts[mask] = np.concatenate([fewer, fewer | top])
+        others = parts[mask ^ low]
+        made = (best[others | low] + least[:, (mask ^ low) ^ others]).min(axis=1)
+        least[1:, mask] = made[:-1]
+        if any_number:
+            least[1, mask] = min(made)
+    return {(mask, count): float(least[count, mask]) for count, mask in np.argwhere(np.isfinite(least)).tolist()}
