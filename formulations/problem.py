@@ -94,6 +94,10 @@ class Problem(ABC):
         """
         return {}
 
+    def remarks(self) -> tuple[str, ...]:
+        """What its solutions tell of it: the notes, and what the data hold that counts for nothing."""
+        return tuple(self.notes)
+
     def _repr_html_(self) -> str:
         told = plotting.tell(self)
         return as_html(told.title, [Line(*row) for row in told.rows])

@@ -278,6 +278,7 @@ class Solution:
             "versions": self.versions,
             "statistics": self.statistics,
             "message": self.message,
+            "notes": list(self.problem.remarks()),
             "opinions": [asdict(opinion) for opinion in self.opinions],
             "faults": list(self.faults),
             "answer": None if self.answer is None else self.problem.answer_to_json(self.answer),
@@ -350,7 +351,7 @@ def _seconded(solution: Solution) -> str:
 
 
 def solution_lines(solution: Solution) -> list[Line]:
-    """How a run ended and what its certificate says; a claimed bound is told apart from a verified one."""
+    """How a run ended, what its certificate says, a claimed bound told apart from a verified one, and remarks on the problem."""
     s, c = solution, solution.certificate
     lines = [status_line(s), *(Line("fault", fault, "bad") for fault in s.faults), *answer_lines(c)]
     if s.bound_kind == "claimed":
@@ -368,4 +369,4 @@ def solution_lines(solution: Solution) -> list[Line]:
     lines.append(Line("seconds", ", ".join(f"{name} {spent:.2f}" for name, spent in s.seconds.items()), "quiet"))
     if s.message:
         lines.append(Line("message", s.message))
-    return lines
+    return lines + [Line("note", note) for note in s.problem.remarks()]

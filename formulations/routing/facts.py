@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...instances.instance import digest
 from ...instances.routing.features import features
 from ...instances.routing.geography import middle
+from ...instances.routing.sites import UNUSED, unused
 from ...instances.routing.travel import EXPLICIT
 from .reachability import unreachable
 
@@ -52,6 +53,26 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
         **({"around": dataclasses.asdict(middle(s.coordinates))} if s.geographic and s.coordinates is not None else {}),
         **_further(problem),
     }
+
+
+def remarks(problem: RoutingProblem) -> tuple[str, ...]:
+    """What is told beside the notes: what the data hold that does not count, and what counts though nobody asked."""
+    from .members import DEFAULT_OBJECTIVE, default_objective, pointless
+
+    s, at, aims = problem.sites, problem.customers, problem.objective.features()
+    made = list(problem.notes)
+    if not any(note.startswith(UNUSED) for note in made):
+        made += unused(s.attributes)
+    aim = str(problem.objective)
+    for name, values in (("rewards", s.reward), ("penalties", s.penalty)):
+        if values[at].any() and f"objective:{name.removesuffix('s') if name == 'rewards' else name}" not in aims:
+            why = "every site is required" if s.required[at].all() else f"the objective is {aim}"
+            made.append(f"{name} count for nothing: {why}")
+    if many := pointless(s):
+        made.append(f"{many} {'site' if many == 1 else 'sites'} may be left out, and nothing tells what a visit is worth")
+    if aim == str(default_objective(problem.problem, s)) != str(DEFAULT_OBJECTIVE.get(problem.problem)):
+        made.append(f"sites may be left out, and what they are worth counts: the objective is {aim}")
+    return tuple(made)
 
 
 def _further(problem: RoutingProblem) -> dict[str, Any]:

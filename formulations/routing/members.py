@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.routing.fleet import equal_fleet
@@ -20,7 +21,7 @@ from ...instances.routing.sites import Sites
 from ...instances.routing.travel import Travel
 from ...instances.routing.vehicle_type import Energy, VehicleType
 from ..problem import PROBLEMS
-from .objective import Composable, Makespan, Objective, Reward, TotalCost, Vehicles
+from .objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, Vehicles, Weighted
 from .problem import RoutingProblem
 
 DEFAULT_OBJECTIVE: dict[str, Objective] = {
@@ -36,7 +37,38 @@ DEFAULT_OBJECTIVE: dict[str, Objective] = {
     "recharging-vrp": Objective.of(Makespan()),
     "pdptw": Vehicles().then(TotalCost()),
 }
-"""By the names of ``--problem``."""
+"""By the names of ``--problem``, where all sites are visited; ``default_objective`` looks at those that may be left out."""
+
+
+def default_objective(problem: str, sites: Sites) -> Objective:
+    """The objective of a member where none is asked for.
+
+    Total cost, where sites may be left out, with what that forgoes: the penalties of the sites left out are added, the rewards of those
+    visited subtracted. So it is for pairs too, whose fewest vehicles would be none at all.
+    """
+    usual = DEFAULT_OBJECTIVE.get(problem, Objective())
+    left = optional(sites)
+    if not left.any() or not any(isinstance(term, TotalCost) for level in usual.levels() for _, term in level.terms):
+        return usual
+    level = Weighted(((1.0, TotalCost()),))
+    level = level + Penalties() if sites.penalty[left].any() else level
+    level = level - Reward() if sites.reward[left].any() else level
+    return usual if len(level.terms) == 1 else Objective.of(level)
+
+
+def optional(sites: Sites) -> NDArray[np.bool_]:
+    """Which sites an answer may leave out, for they are neither depots nor required, nor alternatives of which one is."""
+    free = ~(sites.depot | sites.required)
+    for group in sites.groups:
+        if group.required:
+            free[list(group.sites)] = sites.reward[list(group.sites)] > 0
+    return free
+
+
+def pointless(sites: Sites) -> int:
+    """How many sites may be left out, where nothing tells what a visit to any of them is worth."""
+    left = optional(sites)
+    return 0 if sites.reward[left].any() or sites.penalty[left].any() else int(left.sum())
 
 
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RoutingProblem:
@@ -245,7 +277,7 @@ def _optional(sites: Sites) -> Sites:
 
 
 def _made(problem: str, sites: Sites, travel: Travel, vehicles: int | None, **given: Any) -> RoutingProblem:
-    objective: Composable = given.pop("objective", None) or DEFAULT_OBJECTIVE[problem]
+    objective: Composable = given.pop("objective", None) or default_objective(problem, sites)
     least, name, fleet = given.pop("min_vehicles", 0), given.pop("name", problem), given.pop("fleet", None)
     if fleet is None:
         try:

@@ -23,7 +23,7 @@ from ..evaluation import Evaluation
 from ..evidence import Evidence, LeftOut, Reason
 from ..problem import Decision, Problem
 from .answers import Visits, routes_frame, routes_from_json, routes_lines, routes_to_frame, routes_to_json, visits_of
-from .facts import digested, facts
+from .facts import digested, facts, remarks
 from .fleet_need import fleet_conflicts, none
 from .geojson import answer_geojson, visits_of_geojson
 from .given_routes import routes_given
@@ -222,11 +222,7 @@ class RoutingProblem(Problem):
             time_unit=time_unit, distance_unit=distance_unit, weight=weight, convention=convention, name=name, closing=closing,
             min_vehicles=min_vehicles, windows=windows, shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
         )  # fmt: skip
-        made = cls.from_instance(instance, problem)
-        if objective is None:
-            return made
-        aim = Objective.named(tuple(objective.split(" then "))) if isinstance(objective, str) else Objective.of(objective)
-        return replace(made, objective=aim)
+        return cls.from_instance(instance, problem, {} if objective is None else {"objective": objective})
 
     @classmethod
     def from_instance(
@@ -299,6 +295,10 @@ class RoutingProblem(Problem):
 
     def linear_entries(self) -> int:
         return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
+
+    def remarks(self) -> tuple[str, ...]:
+        """The notes, columns that are kept and not used, and rewards and penalties that do not count, or count without being asked."""
+        return remarks(self)
 
     def facts(self) -> dict[str, Any]:
         """Objective, sites, demand, service, windows, travel and fleet, and what else there is."""
@@ -473,9 +473,9 @@ class RoutingProblem(Problem):
         return answer_graph(self, answer)
 
     def to_instance(self) -> RoutingInstance:
-        from .members import DEFAULT_OBJECTIVE
+        from .members import default_objective, pointless
 
-        usual = str(self.objective) == str(DEFAULT_OBJECTIVE.get(self.problem, Objective()))
+        usual = str(self.objective) == str(default_objective(self.problem, self.sites)) and pointless(self.sites) < len(self.customers)
         objective = () if usual else tuple(str(level) for level in self.objective.levels())
         return RoutingInstance(
             self.name, "json", self.sites, self.travel, self.fleet, self.problem, (), self.min_vehicles, objective, self.notes,

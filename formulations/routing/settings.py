@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ...instances.errors import UsageError
+from ...instances.errors import InputError, UsageError
 from ...instances.formats import FORMATS
 from ...instances.routing.travel import convention_named
 from ...instances.suggestions import did_you_mean
-from .members import DEFAULT_OBJECTIVE
+from .members import default_objective, pointless
 from .objective import Objective
 
 if TYPE_CHECKING:
@@ -75,12 +75,17 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
         keys = tuple(dict.fromkeys((*KNOWN, *read)))
         known = f"{', '.join(keys)}{did_you_mean(min(given), keys)}"
         raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {known}")
-    objective = DEFAULT_OBJECTIVE.get(name, Objective())
-    if instance.objective and (name == instance.problem or objective == Objective()):
-        objective = Objective.named(instance.objective)
+    usual = objective = default_objective(name, instance.sites)
     if asked is not None:
         objective = Objective.of(asked)
         _refuse_empty_terms(objective, instance)
+    elif instance.objective and (name == instance.problem or usual == Objective()):
+        objective = Objective.named(instance.objective)
+    elif not instance.min_vehicles and pointless(instance.sites) == len(instance.sites.customers):
+        raise InputError(
+            "all sites may be left out, and nothing tells what a visit is worth, so that none would be visited",
+            expected="a reward or a penalty, or the objective total-cost by name",
+        )
     return {
         "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": objective, "min_vehicles": least, "name": instance.name,
         "problem": name, "notes": notes, "team_risk": risks.get("team-risk", instance.team_risk),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from ..clock import Times
 from ..errors import InputError
 from ..suggestions import did_you_mean, nearest
 from ..text import shown
+from .foreign_names import elsewhere, may_be_another_load, ours
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,12 +28,6 @@ COLUMNS = (
 
 ALIASES = {"latitude": "lat", "longitude": "lon", "lng": "lon", "long": "lon"}
 """Titles that can mean nothing else."""
-
-MEANT = {
-    "ready": ("earliest", "tw_start", "tw_open", "window_start", "time_window_start", "open", "opens"),
-    "due": ("latest", "tw_end", "tw_close", "window_end", "time_window_end", "close", "closes", "deadline"),
-}
-"""Titles under which others keep what must not be dropped in silence."""
 
 NUMBERED = re.compile(r"(demand|pickup)[2-9]")
 """Titles of further loads."""
@@ -66,6 +61,11 @@ class Columns:
 
     def __getitem__(self, title: str) -> Any:
         return self.frame[self.titles[title]]
+
+    def without(self, title: str) -> Columns:
+        """The same, with a column that is kept and not used."""
+        left = {own: theirs for own, theirs in self.titles.items() if own != title}
+        return Columns(self.frame, left, (*self.extra, self.titles[title]), self.ids)
 
     def reals(self, title: str) -> Floats:
         """Numbers; what is missing at a depot is 0, for nothing is done there."""
@@ -123,36 +123,39 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
     if len(set(titles)) < len(titles):
         raise InputError(f"column {next(t for t in titles if titles.count(t) > 1)!r} stands twice")
     found = mapped(titles, mapping or {})
-    taken = set(found.values())
-    for title in titles:
-        known = ALIASES.get(str(title).casefold(), str(title))
-        if title not in taken and (known in COLUMNS or NUMBERED.fullmatch(known)):
-            if known in found:
-                if mapping and known in {*mapping, *mapping.values()}:
-                    continue  # the user says which of them counts
-                raise InputError(f"columns {found[known]!r} and {title!r} both tell {known}", expected="one of them")
-            found[known] = title
+    told = {own for own in found if mapping and own in {*mapping, *mapping.values()}}
+    granted = titles if extra is True else [] if extra is False else list(extra)
+    for title in granted:
+        if title not in titles:
+            raise InputError(f"extra names the column {title!r}, which is not there{did_you_mean(str(title), map(str, titles))}")
+    for exact in (True, False):
+        for title in titles:
+            own = own_title(title)
+            if own is None or title in found.values() or own in told or (own == title) != exact or (title in granted and extra is not True):
+                continue
+            if own not in found:
+                found[own] = title
+            elif own in ALIASES.values():
+                raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected="one of them")
     named = next((t for t in titles if str(t).casefold() == "name"), None)
     counted = isinstance(frame.index, pd.RangeIndex)
     if "id" not in found and counted and named is not None:
         names = frame[named].tolist()
         if all(isinstance(name, str | int) for name in names) and len(set(names)) == len(names):
             found["id"] = named
-    kept = [title for title in titles if title not in set(found.values())]
-    granted = kept if extra is True else [] if extra is False else list(extra)
-    for title in granted:
-        if title not in titles:
-            raise InputError(f"extra names the column {title!r}, which is not there{did_you_mean(str(title), map(str, titles))}")
+    used = set(found.values())
+    kept = [title for title in titles if title not in used]
     for title in kept:
-        meant = _meant(str(title), found)
-        twin = _twin(str(title), found)
-        if title not in granted and twin is not None and not (mapping and twin in {*mapping, *mapping.values()}):
-            cure = f"one of them, or extra=[{title!r}] to keep the other only"
-            raise InputError(f"columns {found[twin]!r} and {title!r} both tell {twin}", expected=cure)
-        if title not in granted and meant is not None:
-            cure = f"columns={{{meant!r}: {title!r}}} to use it, extra=[{title!r}] to keep it only"
-            raise InputError(f"column {shown(str(title))} is unknown; did you mean {meant!r}?", expected=cure)
+        if title not in granted:
+            _refuse_dropping(title, found, told, frame[title])
     return Columns(frame, found, tuple(kept), _ids(frame, found))
+
+
+def own_title(title: Any) -> str | None:
+    """Waybound's title, in whatever case it is written; None for any other."""
+    plain = str(title).casefold()
+    plain = ALIASES.get(plain, plain)
+    return plain if known(plain) else None
 
 
 def mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
@@ -183,23 +186,42 @@ def known(title: Any) -> bool:
     return isinstance(title, str) and (title in COLUMNS or NUMBERED.fullmatch(title) is not None)
 
 
-def _meant(title: str, found: Mapping[str, Any]) -> str | None:
+def _refuse_dropping(title: Any, found: Mapping[str, Any], told: Collection[str], values: pd.Series) -> None:
+    """Raise InputError for a column that would not count, though its title says that it should: that of others, or a misspelt one.
+
+    ``told`` are the titles for which the user says which column counts.
+    """
+    text, column = str(title), f"column {shown(str(title))} is unknown"
+    keep = f"extra=[{title!r}] to keep it only"
+    own, instead = ours(text), elsewhere(text)
+    if instead is None and _plain_words(text) == "location" and not all(isinstance(v, str) for v in values.dropna()):
+        instead = elsewhere("coordinates")  # an address is no place to compute with
+    if own is not None and own in found and own not in told and may_be_another_load(text):
+        own = next((further for k in range(2, 10) if (further := f"{own[:6]}{k}") not in found), own)
+    own = own or own_title(title) or next((o for o in found if _plain_words(text).rstrip("s") == o.rstrip("s")), None)
+    if own is not None and own in found:
+        if own not in told:
+            raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected=f"one of them, or extra=[{title!r}] to keep the other only")
+        return
+    elsewhere_placed = (own in ("x", "y") and "lat" in found) or (own in ("lat", "lon") and "x" in found)
+    meant = None if elsewhere_placed else own or _misspelt(text, found)
+    if meant is not None:
+        raise InputError(f"{column}; did you mean {meant!r}?", expected=f"columns={{{meant!r}: {title!r}}} to use it, {keep}")
+    if instead is not None:
+        raise InputError(f"{column}; {instead}", expected=keep)
+
+
+def _plain_words(title: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", title.casefold()).strip("_")
+
+
+def _misspelt(title: str, found: Mapping[str, Any]) -> str | None:
     """The known title, not there, that an unknown one is likely meant for."""
-    plain = re.sub(r"[^a-z0-9]+", "_", title.casefold()).strip("_")
-    for known, others in MEANT.items():
-        if plain in others and known not in found:
-            return known
+    plain = _plain_words(title)
     absent = [c for c in COLUMNS if c not in found and len(c) > 2]
     long = [c for c in (*absent, *ALIASES) if len(c) > 4]  # short words are near to too many: a note is no node
     word = next((word for word in plain.split("_") if word in absent), None) or nearest(plain, long)
     return next((known for known in (word, ALIASES.get(word or "")) if known in absent), None)
-
-
-def _twin(title: str, found: Mapping[str, Any]) -> str | None:
-    """The known title, there already, that another one says once more: in another case or number, or under a name that others use."""
-    plain = re.sub(r"[^a-z0-9]+", "_", title.casefold()).strip("_")
-    alike = (own for own in found if ALIASES.get(plain, plain).rstrip("s") == own.rstrip("s") or plain in MEANT.get(own, ()))
-    return next(alike, None)
 
 
 def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..clock import Times
 from ..errors import InputError
-from ..suggestions import did_you_mean
+from .foreign_names import hint
 from .frame_columns import words_of
 from .frame_lists import placed
 from .json_vehicles import VEHICLE_KEYS, decode_vehicle
@@ -75,8 +75,8 @@ def _rows(frame: Any) -> list[dict[str, Any]]:
     with placed(frame):
         for title in frame.columns:
             if title not in known:
-                hint = did_you_mean(str(title), known)
-                raise InputError(f"the fleet has an unknown column {str(title)!r}{hint}", expected=", ".join((*VEHICLE_KEYS, *SHIFT)))
+                told = hint(str(title), "fleet", known)
+                raise InputError(f"the fleet has an unknown column {str(title)!r}{told}", expected=", ".join((*VEHICLE_KEYS, *SHIFT)))
     rows: list[dict[str, Any]] = frame.to_dict("records")
     if "name" not in frame.columns and not isinstance(frame.index, pd.RangeIndex):
         for name, row in zip(frame.index.tolist(), rows, strict=True):
@@ -122,8 +122,8 @@ def _held(row: Mapping[Any, Any], path: str, times: Times) -> dict[str, Any]:
         held["reloads"] = [str(site) for site in held["reloads"]]
     unknown = next((key for key in held if key not in VEHICLE_KEYS), None)
     if unknown is not None:
-        hint = did_you_mean(unknown, VEHICLE_KEYS)
-        raise InputError(f"{path} has an unknown key {unknown!r}{hint}", expected=", ".join(VEHICLE_KEYS))
+        told = hint(unknown, "fleet", VEHICLE_KEYS)
+        raise InputError(f"{path} has an unknown key {unknown!r}{told}", expected=", ".join(VEHICLE_KEYS))
     return held
 
 

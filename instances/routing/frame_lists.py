@@ -13,6 +13,7 @@ import numpy as np
 from ..clock import Times
 from ..errors import InputError
 from ..suggestions import did_you_mean
+from .foreign_names import hint
 from .frame_columns import id_text
 from .sites import Group, Shipment, Window
 
@@ -158,7 +159,7 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
         for title in frame.columns:
             if title not in known:
                 raise InputError(
-                    f"{what} have an unknown column {str(title)!r}{did_you_mean(str(title), known)}", expected=", ".join(known)
+                    f"{what} have an unknown column {str(title)!r}{hint(str(title), what, known)}", expected=", ".join(known)
                 )
         lacking = next((title for title in names if title not in frame.columns), None)
         if lacking is not None:

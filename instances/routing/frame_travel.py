@@ -62,7 +62,7 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
         distance = _sized(distance, sites, "distance")
         held = None if own is None else _sized(own, sites, "duration")
         held = held if durations is None else matrix_of(durations, sites, "duration", times)
-    elif hasattr(travel, "edges") and hasattr(travel, "nodes"):
+    elif is_graph(travel):
         distance = _along_roads(travel, nodes, sites, weight, "distance")
         if durations is None or isinstance(durations, str):
             held = None if durations is None else _along_roads(travel, nodes, sites, durations, "duration")
@@ -76,6 +76,11 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
         distance = matrix_of(travel, sites, "distance", None)
         held = None if durations is None else matrix_of(durations, sites, "duration", times)
     return Moves(*without_infinities(distance, held), notes)
+
+
+def is_graph(travel: Any) -> bool:
+    """Whether it looks like a networkx graph."""
+    return hasattr(travel, "edges") and hasattr(travel, "nodes")
 
 
 def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Floats, Floats | None, NDArray[np.bool_] | None]:

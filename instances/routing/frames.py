@@ -19,11 +19,12 @@ from .fleet import equal_fleet, with_problems
 from .frame_columns import Columns, columns_of
 from .frame_fleet import fleet_of, see_times
 from .frame_lists import groups_of, see_windows, shipments_of, windows_of
-from .frame_travel import Moves, in_order, matrix_of, moves_of
+from .frame_travel import Moves, in_order, is_graph, matrix_of, moves_of
 from .geography import coordinates_of, warn_of_swapped
 from .instance import RoutingInstance, Sites, VehicleType
 from .reach import refuse_powerless
 from .routing_service import is_table, unit_of_distance
+from .sites import unused
 from .travel import EXPLICIT, GEOGRAPHIC, METRICS, Travel
 
 if TYPE_CHECKING:
@@ -76,6 +77,8 @@ def instance_from_frame(
         For a unit that does not exist.
     """
     table, times, unit = columns_of(sites, columns, extra), Times(time_unit), unit_of_distance(distance_unit)
+    if "node" in table and not is_graph(travel):
+        table = table.without("node")
     for title in ("ready", "due"):
         if title in table:
             times.see(table[title])
@@ -114,8 +117,7 @@ def instance_from_frame(
             notes += (f"{'any number of' if vehicles is None else vehicles} vehicles at each of {len(kinds)} depots",)
     else:
         kinds = fleet_of(fleet, made, times)
-    if table.extra:
-        notes += (f"columns kept and not used: {', '.join(map(str, table.extra))}",)
+    notes += unused(map(str, table.extra))
     clock = times.clock
     if clock is not None:
         notes += (f"times are in {clock}",)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, UsageError
+from ..printable import LONGEST_LINE, printable
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -368,6 +369,21 @@ class Sites:
             geographic=self.geographic,
             **{name: np.array(getattr(self, name)[keep]) for name in COLUMNS},
         )
+
+
+UNUSED = "columns kept and not used: "
+
+
+def unused(attributes: Iterable[str]) -> tuple[str, ...]:
+    """Notes on columns that are kept and count for nothing, each short enough to be shown whole."""
+    notes: list[str] = []
+    for title in attributes:
+        name = printable(title, 60)
+        if notes and len(notes[-1]) + len(name) < LONGEST_LINE - 2:
+            notes[-1] += f", {name}"
+        else:
+            notes.append(UNUSED + name)
+    return tuple(notes)
 
 
 def _dimensions(values: ArrayLike, n: int, what: str) -> Floats:

@@ -24,7 +24,7 @@ def facts(problem: Problem) -> dict[str, Any]:
         "instance_hash": problem.digest(),
         "features": sorted(problem.features()),
         "forms": problem.forms(),
-        "notes": list(problem.notes),
+        "notes": list(problem.remarks()),
         **problem.facts(),
     }
 

@@ -128,7 +128,7 @@ def solve(
     from .progress import Progress
 
     if not quiet:
-        for note in asked.notes if json else ():
+        for note in asked.remarks() if json else ():
             remark(note)
     begin = None
     if start is not None:
@@ -233,7 +233,6 @@ def _shown(solution: Solution, verbose: bool) -> str:
 
     told = "".join(table_text(table, every=verbose) for table in answer_tables(solution.problem, solution.answer))
     lines = solution_lines(solution)
-    lines += [Line("note", note) for note in solution.problem.notes]
     if verbose:
         lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
         lines += [Line("chain" if k == 0 else "", str(link), "quiet") for k, link in enumerate(solution.chain)]

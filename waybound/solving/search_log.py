@@ -63,6 +63,8 @@ class SearchLog:
 
         self._began = self._said = time.perf_counter()
         self._line(f"waybound {__version__}, {one_line(repr(problem).strip('<>'))}")
+        for remark in problem.remarks():
+            self._line(f"note: {one_line(remark)}")
         self._line(f"search by {method}; {told}")
         self._line("")
         self._line(f"{'seconds':>9}  {'objective':>14}  {'bound':>14}  {'gap':>8}")

@@ -14,6 +14,7 @@ from ...clock import unit_named
 from ...errors import InputError, UsageError
 from ...formats.table import delimiter_of, table_of
 from ...text import is_number, number, read_text, refuse, shown, whole
+from ..foreign_names import hint
 from ..frame_fleet import SHIFT, SPANS
 from ..frame_lists import LOADS, READ_FROM
 from ..routing_service import unit_of_distance
@@ -172,9 +173,13 @@ def _table(file: Path, key: str, line: int | None, name: str) -> pd.DataFrame:
     import pandas as pd
 
     known, text = _READ[key], _text(file, key, line, name)
+    titles = next((k for k, row in enumerate(text.split("\n"), start=1) if row.strip()), 1)
     try:
-        table = table_of(text, 0, str.strip if key == "fleet" else known, "vehicles" if key == "fleet" else key)
+        table = table_of(text, 0, lambda cell: own if (own := cell.lower()) in known else cell, "vehicles" if key == "fleet" else key)
         held: dict[str, list[Any]] = {}
+        strange = next((title for title in table.titles if title not in known and key != "fleet"), None)
+        if strange is not None:
+            raise InputError(f"column {shown(strange)} is unknown{hint(strange, key, known)}", line=titles, expected=", ".join(known))
         for k, title in enumerate(table.titles):
             cells = [(row[k], at) for row, at in zip(table.rows, table.at, strict=True)]
             read = known.get(title)
@@ -182,7 +187,6 @@ def _table(file: Path, key: str, line: int | None, name: str) -> pd.DataFrame:
     except InputError as error:
         raise error.at(file=file) from None
     frame = pd.DataFrame({title: pd.Series(values, dtype=object) for title, values in held.items()})
-    titles = next(k for k, row in enumerate(text.split("\n"), start=1) if row.strip())
     frame.attrs[READ_FROM] = str(file), (titles, *table.at)
     return frame
 

@@ -33,11 +33,12 @@ class Section:
 
 @dataclass
 class Specification:
-    """Headers as (line, value) and sections of one file; ``end`` is the line where the data end."""
+    """Headers as (line, value) and sections of one file; ``end`` is the line where the data end, ``complete`` whether EOF stands there."""
 
     headers: dict[str, tuple[int, str]]
     sections: dict[str, Section]
     end: int
+    complete: bool = True
 
     def line(self, key: str) -> int:
         """Line of a header."""
@@ -75,13 +76,15 @@ class Specification:
 
 
 def scan(text: str) -> Specification:
-    """Split a text into headers and sections; what follows EOF is not read."""
+    """Split a text into headers and sections; lines that begin with ``#`` and what follows EOF are not read."""
     headers: dict[str, tuple[int, str]] = {}
     sections: dict[str, Section] = {}
     current: Section | None = None
     last, complete = 1, False
     for number, line in lines_of(text):
         last = number
+        if line.startswith("#"):
+            continue
         if not line[0].isalpha():
             if current is None:
                 raise InputError("neither a header nor a section", line=number, expected="KEY : value", found=shown(line))
@@ -107,7 +110,7 @@ def scan(text: str) -> Specification:
         raise InputError(
             "ends early: the last line is not ended, and EOF is missing", line=last, expected="EOF", found="the end of the file"
         )
-    return Specification(headers, sections, last)
+    return Specification(headers, sections, last, complete)
 
 
 def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...]) -> tuple[Floats, Lines]:
@@ -149,7 +152,8 @@ def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...])
 
 
 def node_list(spec: Specification, name: str, n: int) -> tuple[list[int], list[int]]:
-    """Node numbers of a list that ends with -1, and the line of each."""
+    """Node numbers of a list, and the line of each. It ends with -1, or where another section or EOF begins, as PyVRP has it: a file that
+    ends there without either may have been cut off."""
     section = spec.section(name)
     nodes: list[int] = []
     lines: list[int] = []
@@ -168,7 +172,13 @@ def node_list(spec: Specification, name: str, n: int) -> tuple[list[int], list[i
             raise InputError(f"{name} names node {node} twice", line=line, expected="different nodes")
         nodes.append(node)
         lines.append(line)
-    raise InputError(f"{name} ends early", line=lines[-1] if lines else section.line, expected="-1", found="the end of the section")
+    last = section is list(spec.sections.values())[-1]
+    if nodes and (spec.complete or not last):
+        return nodes, lines
+    raise InputError(
+        f"{name} ends early", line=lines[-1] if lines else section.line, expected="-1" if spec.complete or not last else "-1 or EOF",
+        found="the end of the section",
+    )
 
 
 def edge_weights(spec: Specification, n: int) -> tuple[Floats, Lines]:

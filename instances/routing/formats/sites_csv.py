@@ -21,7 +21,8 @@ from ...formats import FORMATS, Format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
 from ...text import is_number, number, plain, refuse, shown
 from ..fleet import equal_fleet
-from ..frame_columns import ALIASES, COLUMNS, columns_of, known, mapped
+from ..foreign_names import ours
+from ..frame_columns import COLUMNS, columns_of, known, mapped, own_title
 from ..instance import RoutingInstance, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, GEOGRAPHIC, convention_named
@@ -31,6 +32,7 @@ from ._limits import cannot, refuse_inexpressible
 WRITTEN = ("demand", "ready", "due", "service", "reward")
 LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance": "max_distance", "fixed-cost": "fixed_cost",
           "unit-cost": "unit_cost"}  # fmt: skip
+PLACES = ("x", "y", "lat", "lon")
 NAMES = ("name", "problem", "convention")
 KEYS = (*NAMES, *_frame_settings.KEYS)
 EXPRESSIBLE = frozenset(
@@ -44,7 +46,7 @@ EXPRESSIBLE = frozenset(
 
 def recognises(text: str) -> bool:
     """Whether the first line that is no comment holds titles of coordinates, or ``id``, among others, and no roles."""
-    titles = {ALIASES.get(title, title) for title in titles_of(text)}
+    titles = {own if (own := ours(title)) in PLACES else title for title in titles_of(text)}
     return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles or bool({"lat", "lon"} & titles)) and "role" not in titles
 
 
@@ -55,15 +57,16 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     from ..frames import instance_from_frame
 
     keys, start = settings_of(text, KEYS, COLUMNS)
-    table = table_of(text, start, _title, "sites")
+    table = table_of(text, start, str, "sites")
     at, n = table.at, len(table.rows)
     own = {key: value for key, value in keys.items() if key not in NAMES}
     given = _frame_settings.arguments(own | _frame_settings.of_set(settings or {}), path.parent, n)
     if "convention" in keys:
         given["convention"] = _frame_settings.named(convention_named, *keys["convention"])
     try:
-        meant = {theirs: title for title, theirs in mapped(table.titles, given.get("columns") or {}).items()}
-        columns = {title: _column(table, k, meant.get(title, ALIASES.get(title, title))) for k, title in enumerate(table.titles)}
+        said = {theirs: title for title, theirs in mapped(table.titles, given.get("columns") or {}).items()}
+        meant = [said.get(title) or own_title(title) or title for title in table.titles]
+        columns = {title: _column(table, k, meant) for k, title in enumerate(table.titles)}
         frame = pd.DataFrame({title: pd.Series(column) for title, column in columns.items()}, index=pd.RangeIndex(n))
         titles = columns_of(frame, given.get("columns"), given.get("extra", ())).titles
         for pair in (("x", "y"), ("lat", "lon")):
@@ -88,15 +91,10 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     return made
 
 
-def _title(cell: str) -> str:
-    """A title as waybound writes it, whatever its case, or as it is."""
-    lower = cell.lower()
-    return lower if known(lower) or lower in ALIASES else cell
-
-
-def _column(table: Table, k: int, title: str) -> Any:
-    """What stands under the k-th title, read as ``title``: numbers, times, flags or texts, and what refuses to be any, with its line."""
-    cells, at = [row[k] for row in table.rows], table.at
+def _column(table: Table, k: int, meant: list[str]) -> Any:
+    """What stands under the k-th title, read as what it is ``meant`` for: numbers, times, flags or texts; what refuses to be any is refused
+    with its line."""
+    title, cells, at = meant[k], [row[k] for row in table.rows], table.at
     if title in ("id", "node", "skills"):
         return _ids(cells, at) if title == "id" else [cell or None for cell in cells]
     if title in ("required", "depot"):
@@ -106,12 +104,12 @@ def _column(table: Table, k: int, title: str) -> Any:
             times = np.array([float(cell) if cell else math.nan for cell in cells])
             if title == "service":
                 refuse(times < 0, at, "service is negative", times, "0 or more")
-            elif title == "due" and "ready" in table.titles:
-                _refuse_closed(table, times)
+            elif title == "due" and "ready" in meant:
+                _refuse_closed([row[meant.index("ready")] for row in table.rows], times, at)
             return times
         read = _cells.span if title == "service" else _cells.moment
         return np.array([read(cell, line, title) for cell, line in zip(cells, at, strict=True)], dtype=object)
-    if title in ("x", "y", "lat", "lon"):
+    if title in PLACES:
         return np.array([number(cell, line, title) for cell, line in zip(cells, at, strict=True)])
     if known(title):
         values = np.array([number(cell, line, title) if cell else 0.0 for cell, line in zip(cells, at, strict=True)])
@@ -120,12 +118,11 @@ def _column(table: Table, k: int, title: str) -> Any:
     return _cells.kept(cells)
 
 
-def _refuse_closed(table: Table, due: NDArray[np.float64]) -> None:
+def _refuse_closed(opens: list[str], due: NDArray[np.float64], at: list[int]) -> None:
     """Raise InputError where a window in numbers closes before it opens."""
-    opens = table.column("ready") or []
     ready = np.array([float(cell) if is_number(cell) else -math.inf for cell in opens])
     window = np.column_stack([np.where(np.isfinite(ready), ready, 0.0), due])
-    refuse(window[:, 0] > due, table.at, "time window closes before it opens", window, "ready <= due")
+    refuse(window[:, 0] > due, at, "time window closes before it opens", window, "ready <= due")
 
 
 def _ids(cells: list[str], at: list[int]) -> list[str]:
@@ -156,7 +153,7 @@ def write(instance: RoutingInstance) -> str:
         raise cannot(instance, "csv", "its times are those of a calendar")
     places = ("lon", "lat") if sites.geographic else ("x", "y")
     titles = ("id", *places, *WRITTEN, "required", "depot", *sites.attributes)
-    if len(set(map(_title, titles))) < len(titles):
+    if len({own_title(title) or title for title in titles}) < len(titles):
         raise cannot(instance, "csv", "it keeps a column that is called as one that counts")
     settings: list[tuple[str, str]] = [("name", instance.name), ("problem", instance.problem), ("metric", travel.metric)]
     settings += [("convention", travel.convention), ("vehicles", "unlimited" if vehicle.count is None else str(vehicle.count))]

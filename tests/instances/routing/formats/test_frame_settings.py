@@ -71,7 +71,7 @@ def test_a_setting_that_makes_no_sense_is_refused_with_its_line(key: str, text: 
 @pytest.mark.parametrize(
     ("key", "text", "message"),
     [
-        ("windows", "site,redy\na,1\n", "1: column 'redy' is unknown; expected site, ready, due"),
+        ("windows", "site,redy\na,1\n", "1: column 'redy' is unknown; did you mean 'ready'?; expected site, ready, due"),
         ("windows", "site,ready\na,soon\n", "2: ready must be a number or a moment"),
         ("shipments", "pickup,delivery\na,b\na,\n", "3: delivery is empty"),
         ("shipments", "pickup,delivery,load\na,b,-1\n", "2: load is negative"),

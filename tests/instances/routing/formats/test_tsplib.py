@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -101,10 +102,16 @@ def test_lists_end_with_minus_1_wherever_that_stands() -> None:
     assert node_list(section("DEPOT_SECTION", "-1"), "DEPOT_SECTION", 3) == ([], [])
 
 
+def test_a_list_ends_with_its_section_too_unless_the_file_may_have_been_cut_off() -> None:
+    whole = section("DEPOT_SECTION", "1", "2")
+    assert node_list(whole, "DEPOT_SECTION", 3) == ([1, 2], [2, 3])
+    line, message = fault(node_list, replace(whole, complete=False), "DEPOT_SECTION", 3)
+    assert line == 3 and "ends early; expected -1 or EOF" in message
+
+
 @pytest.mark.parametrize(
     ("rows", "line", "words"),
     [
-        (["1", "2"], 3, "ends early; expected -1"),
         ([], 1, "ends early"),
         (["1 -1", "2"], 3, "goes on after its end"),
         (["4 -1"], 2, "does not exist; expected 1 to 3; found 4"),

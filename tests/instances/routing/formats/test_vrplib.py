@@ -384,7 +384,7 @@ FAULTS = [
     ("2 5\n", "2 -5\n", "demand is negative", 14, "0 or more", "-5.0"),
     ("1 0\n2 5\n", "1 3\n2 5\n", "the depot has a demand", 13, "0", "3.0"),
     ("4 2\nDEPOT", "DEPOT", "DEMAND_SECTION has a wrong number of rows", 15, "4 (DIMENSION)", "3"),
-    (" -1\n", "", "DEPOT_SECTION ends early", 18, "-1", None),
+    (" -1\nEOF\n", "", "DEPOT_SECTION ends early", 17, "-1 or EOF", None),
     (" 1\n -1\n", " -1\n", "there is no depot", 17, "at least one", None),
     (" 1\n -1\n", " 1\n 2\n -1\n", "the depot has a demand", 14, "0", "5.0"),
     (" 1\n -1\n", " 7\n -1\n", "DEPOT_SECTION names a node that does not exist", 18, "1 to 4", "7"),
@@ -415,6 +415,11 @@ def test_a_fault_is_refused_with_its_line(
         assert error.expected == expected
     if found is not None:
         assert error.found == found
+
+
+@pytest.mark.parametrize(("old", "new"), [(" -1\n", ""), ("DEMAND_SECTION", "# who gets what\nDEMAND_SECTION\n  # all of them")])
+def test_what_others_leave_out_or_remark_changes_nothing(old: str, new: str, read_text_as: Callable[..., Any]) -> None:
+    assert read_text_as(cvrp(old, new), "small.vrp").sites.demand.tolist() == [0, 5, 7, 2]
 
 
 @pytest.mark.parametrize(
