@@ -42,3 +42,15 @@ def test_a_vehicle_names_sites_by_their_ids():
     assert (fleet["reloads"], fleet["energy"]["stations"], fleet["shift"], fleet["speed"]) == (["o"], ["o"], [1, 9], 2)
     assert fleet["travel"] == {"metric": "manhattan", "coordinates": False, "own_durations": False}
     assert "initial" not in fleet["energy"]
+
+
+def test_what_is_stated_of_depots_and_does_not_count_is_said():
+    def remarks(vehicle: VehicleType | None = None, **sites):
+        return RoutingProblem(Sites.of("oabcd", **sites), Travel("euclidean", XY), [vehicle or VehicleType()]).remarks()
+
+    assert remarks(service=[0, 1, 1, 1, 1]) == ()
+    assert remarks(service=[30, 1, 1, 1, 1]) == ("service of o, a depot, counts for nothing: departure and return take no time",)
+    assert remarks(VehicleType(reloads=(0,)), service=30, demand=2) == (
+        "service of o, a depot, counts at stops on the way alone: departure and return take no time",
+        "demand of o, a depot, counts for nothing",
+    )
