@@ -35,7 +35,7 @@ def frame_of(text: str) -> pd.DataFrame:
 
 
 def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame with its positions as numbers, for text sorts 10 before 2."""
+    """The frame with its positions as numbers, for text sorts 10 before 2; where it has none, rows are in order."""
     import pandas as pd
 
     frame.columns = [str(title).strip() for title in frame.columns]
@@ -45,7 +45,7 @@ def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
         except (ValueError, TypeError):
             raise InputError("column position must hold numbers", expected="1, 2, ... along each route") from None
         return frame
-    return frame[[title for title in frame.columns if title in VISITS]]  # in the order of the rows
+    return frame.assign(position=range(1, len(frame) + 1))
 
 
 def _need_openpyxl() -> None:

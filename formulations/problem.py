@@ -187,6 +187,10 @@ class Problem(ABC):
         """Raise UsageError if ``answer`` speaks of what this problem does not have, so that it is one of another instance."""
         return
 
+    def searched_from(self, answer: Any) -> Any:
+        """``answer`` as a search begins from it: without what is stated of it beyond what is decided."""
+        return answer
+
     @abstractmethod
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
         """The answer as a table."""

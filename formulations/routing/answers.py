@@ -13,6 +13,7 @@ from ...instances.printable import printable
 from ..rendering import Line
 from .routes import Route, Routes
 from .schedule import schedule
+from .timetable import Timetable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +29,8 @@ def routes_to_json(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
         entry: dict[str, Any] = {"visits": [ids[i] for i in route.visits]}
         if len(problem.fleet) > 1:
             entry["vehicle"] = problem.fleet[route.vehicle].name
+        if route.timetable is not None:
+            entry["timetable"] = route.timetable.to_json()
         routes.append(entry)
     return {"kind": "routes", "routes": routes}
 
@@ -47,7 +50,10 @@ def routes_from_json(problem: RoutingProblem, data: Any) -> Routes:
         for site in entry["visits"]:
             if str(site) not in index:
                 raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}")
-        routes.append(Route(tuple(index[str(s)] for s in entry["visits"]), types[vehicle]))
+        visits = tuple(index[str(s)] for s in entry["visits"])
+        stated = entry.get("timetable")
+        timetable = None if stated is None else Timetable.from_json(stated, len(visits), f"routes[{number - 1}].timetable")
+        routes.append(Route(visits, types[vehicle], timetable))
     return Routes.of(routes)
 
 
@@ -64,7 +70,7 @@ def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
         for k, site in enumerate(route.visits):
             row: dict[str, Any] = {
                 "vehicle": name, "position": k + 1, "site": sites.ids[site],
-                "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.begin[k] + sites.service[site],
+                "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.ends[k],
                 "load": float(plan.load[k]), "distance": float(plan.distance[k]),
             }  # fmt: skip
             if carried:
@@ -93,7 +99,7 @@ def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str])
 
 
 def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
-    """One row a route: vehicle, type, stops, load, distance, duration, departure (the latest that delays nothing), return, cost, and the
+    """One row a route: vehicle, type, stops, load, distance, duration, departure, return, cost, and the
     sites in order, from the depot on."""
     import pandas as pd
 
@@ -103,9 +109,8 @@ def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
         rows.append(
             {
                 "vehicle": name, "type": vehicle.name, "stops": len(route), "load": plan.total_load, "distance": plan.total_distance,
-                "duration": plan.duration, "departure": max(plan.departure, plan.finish - plan.duration), "return": plan.finish,
-                "cost": vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance + vehicle.unit_duration_cost * plan.duration
-                + vehicle.unit_overtime_cost * max(0.0, plan.duration - vehicle.regular_duration if vehicle.unit_overtime_cost else 0.0),
+                "duration": plan.duration, "departure": plan.departure, "return": plan.finish,
+                "cost": plan.cost(vehicle),
                 "sites": " > ".join((ids[vehicle.start], *(ids[k] for k in route.visits), ids[vehicle.end])),
             }
         )  # fmt: skip

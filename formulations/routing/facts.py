@@ -69,6 +69,11 @@ def remarks(problem: RoutingProblem) -> tuple[str, ...]:
         if values[at].any() and f"objective:{name.removesuffix('s') if name == 'rewards' else name}" not in aims:
             why = "every site is required" if s.required[at].all() else f"the objective is {aim}"
             made.append(f"{name} count for nothing: {why}")
+    stops = any(v.reloads or v.stations for v in problem.fleet)
+    at_stops = "at stops on the way alone: departure and return take no time" if stops else "for nothing: departure and return take no time"
+    for name, held, why in (("service", s.service, at_stops), ("demand", s.demand, "for nothing"), ("pickup", s.pickup, "for nothing")):
+        if idle := [s.ids[k] for k in s.depots.tolist() if held[k] > 0.0]:
+            made.append(f"{name} of {', '.join(idle[:5])}{', ...' if len(idle) > 5 else ''}, a depot, counts {why}")
     if many := pointless(s):
         made.append(f"{many} {'site' if many == 1 else 'sites'} may be left out, and nothing tells what a visit is worth")
     if aim == str(default_objective(problem.problem, s)) != str(DEFAULT_OBJECTIVE.get(problem.problem)):

@@ -15,6 +15,9 @@ from ...instances.suggestions import did_you_mean
 from ..references import indices_of
 from .answers import Visits
 from .routes import Route, Routes
+from .schedule import schedule
+from .stated_times import stated_times
+from .timetable import COLUMNS, Moments, table
 
 if TYPE_CHECKING:
     from .problem import RoutingProblem
@@ -35,7 +38,8 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
     problem : RoutingProblem
     given : Routes, list, mapping or DataFrame
         A list of routes, each a ``Route`` or a list of site indices or ids, with or without the depot at its ends; a mapping from the name
-        of a vehicle, or of its type, to such a list, or a list of such lists; a frame with one row a visit.
+        of a vehicle, or of its type, to such a list, or a list of such lists; a frame with one row a visit, whose times ``arrival, begin,
+        departure``, if it has any, are stated with the routes (``timetable``) unless they are those of the judge.
 
     Raises
     ------
@@ -45,7 +49,7 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
     if isinstance(given, Routes):
         return given
     if hasattr(given, "columns") and hasattr(given, "groupby"):
-        given = _of_frame(problem, given)
+        return _of_frame(problem, given)
     if isinstance(given, Mapping) and given.keys() == {"routes"} and _is_list(given["routes"]):
         given = given["routes"]
     if isinstance(given, Mapping):
@@ -80,12 +84,12 @@ def _of_mapping(problem: RoutingProblem, given: Mapping[Any, Any]) -> Routes:
     return _made(problem, routes)
 
 
-def _of_frame(problem: RoutingProblem, frame: Any) -> dict[Any, list[Any]]:
-    """Visits of a table by vehicle."""
+def _of_frame(problem: RoutingProblem, frame: Any) -> Routes:
+    """Visits of a table by vehicle, and its times."""
     titles = {str(title).casefold(): title for title in frame.columns}
     site = next((titles[t] for t in SITE if t in titles), None)
     vehicle = next((titles[t] for t in VEHICLE if t in titles), None)
-    order = next((titles[t] for t in ORDER if t in titles), None)
+    order = next((titles[t] for t in ORDER if t in titles and not frame[titles[t]].isna().any()), None)  # else rows are in order
     if site is None or vehicle is None:
         lacking = "site" if site is None else "vehicle"
         raise UsageError(
@@ -94,11 +98,15 @@ def _of_frame(problem: RoutingProblem, frame: Any) -> dict[Any, list[Any]]:
     if frame[[site, vehicle]].isna().to_numpy().any():
         raise UsageError(f"a table of visits has a row without {site} or {vehicle}")
     rows = frame if order is None else frame.sort_values([order], kind="stable")
+    times, digit = stated_times(problem.clock, {title: rows[titles[title]].tolist() for title in COLUMNS if title in titles})
+    found: dict[Any, tuple[list[str], list[Moments]]] = {}
+    for at, (name, visit) in enumerate(zip(rows[vehicle].tolist(), rows[site].tolist(), strict=True)):
+        visits, stated = found.setdefault(name, ([], []))
+        visits.append(str(int(visit)) if isinstance(visit, float) and visit.is_integer() else str(visit))
+        stated.append(times[at] if times else (None, None, None))
     alike = len(problem.fleet) == 1
-    found: dict[Any, list[Any]] = {}
-    for name, visit in zip(rows[vehicle].tolist(), rows[site].tolist(), strict=True):
-        found.setdefault(name, []).append(str(int(visit)) if isinstance(visit, float) and visit.is_integer() else str(visit))
-    return {problem.fleet[0].name: list(found.values())} if alike else found
+    kinds = [0 if alike else _type(problem, name) for name in found]
+    return _made(problem, list(zip(kinds, (v for v, _ in found.values()), strict=True)), [s for _, s in found.values()], digit)
 
 
 def _type(problem: RoutingProblem, name: Any) -> int:
@@ -115,15 +123,29 @@ def _type(problem: RoutingProblem, name: Any) -> int:
     raise UsageError(f"there is no vehicle {printable(text, 60)!r}{did_you_mean(short, names)}; the types are {', '.join(names)}")
 
 
-def _made(problem: RoutingProblem, routes: Sequence[tuple[int, Any]]) -> Routes:
+def _made(
+    problem: RoutingProblem, routes: Sequence[tuple[int, Any]], times: Sequence[Sequence[Moments]] = (), digit: float = 0.0
+) -> Routes:
     named = [[str(v) if isinstance(v, np.str_) else v for v in route] for _, route in routes]
     sites = indices_of(itertools.chain.from_iterable(named), problem.sites.index(), "site")
     ends, made = itertools.accumulate(map(len, named), initial=0), []
-    for (kind, _), (first, last) in zip(routes, itertools.pairwise(ends), strict=True):
+    for number, ((kind, _), (first, last)) in enumerate(zip(routes, itertools.pairwise(ends), strict=True)):
         visits, vehicle = sites[first:last], problem.fleet[kind]
-        while visits and visits[0] == vehicle.start:
-            del visits[0]
-        while visits and visits[-1] == vehicle.end:
-            del visits[-1]
-        made.append(Route(tuple(visits), kind))
+        begin, end = 0, len(visits)
+        while begin < end and visits[begin] == vehicle.start:
+            begin += 1
+        while end > begin and visits[end - 1] == vehicle.end:
+            end -= 1
+        timetable = table(times[number], digit, begin, end) if times else None
+        made.append(untold(problem, Route(tuple(visits[begin:end]), kind, timetable)))
     return Routes.of(made)
+
+
+def untold(problem: RoutingProblem, route: Route) -> Route:
+    """The route without its timetable where this states no more than the judge's own schedule."""
+    if route.timetable is None:
+        return route
+    plain = Route(route.visits, route.vehicle)
+    plan = schedule(problem, plain)
+    arrival, begin, ends = ([plan.departure, *inner, plan.finish] for inner in (plan.arrival, plan.begin, plan.ends))
+    return plain if route.timetable.tells(np.array(arrival), np.array(begin), np.array(ends)) else route

@@ -99,10 +99,7 @@ def _at(problem: RoutingProblem, plan: Routes, time: float) -> tuple[set[int], l
     gone = [0] * len(problem.fleet)
     for route in plan:
         vehicle = problem.fleet[route.vehicle]
-        early = schedule(problem, route)
-        # The departure that the duration counts from delays nothing, so the return stays where it was.
-        late = early.departure if problem.sites.windows else early.finish - early.duration
-        run = schedule(problem, route, max(early.departure, late))
+        run = schedule(problem, route)
         if run.departure >= time:
             continue  # it has not left: the vehicle is free, its sites are still to be planned
         stops = [k for k, begin in enumerate(run.begin.tolist()) if begin >= time]
@@ -116,7 +113,7 @@ def _at(problem: RoutingProblem, plan: Routes, time: float) -> tuple[set[int], l
         at = [vehicle.start, *route.visits[: k + 1]]
         refilled = max([0, *(n for n, site in enumerate(at) if n and site in vehicle.stations)])
         moved = travel.duration(np.array(at[refilled:-1]), np.array(at[refilled + 1 :]))
-        off = float(run.begin[k]) + float(problem.sites.service[route.visits[k]])
+        off = float(run.ends[k])
         under_way.append(
             UnderWay(
                 route.vehicle,

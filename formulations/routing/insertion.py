@@ -64,7 +64,7 @@ class Insertions:
         ready, due, service = s.ready[stops], s.due[stops], np.concatenate([[0.0], s.service[stops[1:-1]], [0.0]])
         ready[0], due[-1], ready[-1] = opening(problem, vehicle), closing(problem, vehicle), -np.inf
         due[0] = max(due[0], ready[0])
-        self.problem, self.route, self.plan = problem, route, schedule(problem, route)
+        self.problem, self.route, self.plan = problem, route, schedule(problem, route, opening(problem, vehicle))
         self.tail, self.head, self.ready, self.due, self.service = stops[:-1], stops[1:], ready, due, service
         self.gone = travel.duration(self.tail, self.head)
         self.times = _Times(ready, due, service, self.gone)

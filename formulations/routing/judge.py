@@ -61,14 +61,10 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         if route.visits:  # else a committed vehicle on its way home, which counts for nothing but its cost
             used[route.vehicle] += 1
             np.add.at(count, np.array(route.visits, dtype=np.int64), 1)
-        beyond = max(0.0, plan.duration - vehicle.regular_duration)
-        paid = vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance
-        if vehicle.unit_duration_cost or vehicle.unit_overtime_cost:
-            paid += vehicle.unit_duration_cost * plan.duration + vehicle.unit_overtime_cost * beyond
-        cost.append(paid)
+        cost.append(plan.cost(vehicle))
         distance.append(plan.total_distance)
         durations.append(plan.duration)
-        overtime.append(beyond)
+        overtime.append(max(0.0, plan.duration - vehicle.regular_duration))
         if vehicle.risk is not None or problem.team_risk is not None:
             overruns.append(route_overrun(vehicle, plan))
         returns = max(returns, plan.finish)
@@ -108,6 +104,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     if sites.penalty.any():
         quantities["penalties"] = terms["penalties"]
     names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))
+    names += ("timetable",) if any(route.timetable is not None for route in answer) else ()
     return Evaluation(values, judge.checks(names), tuple(judge.violations), quantities, sizes)
 
 
@@ -170,13 +167,16 @@ def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedul
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
     opens = abs(opening(problem, vehicle))
     places = [*route.visits, vehicle.end]
-    reached, due = np.append(plan.arrival, plan.finish), sites.due[places]
+    # Who is late begins on arrival; only a stated timetable has a vehicle wait beyond the end of a window.
+    reached, due = np.append(plan.begin, plan.finish), sites.due[places]
     due[-1] = closing(problem, vehicle)
     allowed = allowance(due, reached, opens)
     for site, at, end, slack in zip(places, reached.tolist(), due.tolist(), allowed.tolist(), strict=True):
         when, last = moment_told(problem.clock, at, 10), moment_told(problem.clock, end, 10)
         late = f"{name} reaches {sites.ids[site]} at {when}, due {last}"
         judge.test("time-windows", at - end, late, allowed=slack, vehicle=name, site=sites.ids[site])
+    if route.timetable is not None:
+        _check_timetable(problem, name, route, plan, judge)
     if not np.isfinite(plan.closing).any():
         return
     allowed = allowance(plan.closing, plan.leaves, opens)
@@ -185,6 +185,20 @@ def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedul
         when, last = moment_told(problem.clock, at, 10), moment_told(problem.clock, end, 10)
         late = f"{name} leaves {sites.ids[i]} for {sites.ids[j]} at {when}, the move closes at {last}"
         judge.test("closing-moves", at - end, late, allowed=slack, vehicle=name, site=sites.ids[i])
+
+
+def _check_timetable(problem: RoutingProblem, name: str, route: Route, plan: Schedule, judge: Checklist) -> None:
+    """That the vehicle departs when it may, and each stated time comes of the ones before it."""
+    sites, vehicle = problem.sites, problem.fleet[route.vehicle]
+    ids, opens = [sites.ids[k] for k in (vehicle.start, *route.visits, vehicle.end)], opening(problem, vehicle)
+    latest = max(opens, float(sites.due[vehicle.start]))
+    for over, words in ((opens - plan.departure, f"opens at {opens:.10g}"), (plan.departure - latest, f"closes at {latest:.10g}")):
+        slack = float(widening(opens, abs(plan.departure)))
+        words = f"{name} leaves {ids[0]} at {plan.departure:.10g}, which {words}"
+        judge.test("timetable", over, words, allowed=slack, vehicle=name, site=ids[0])
+    for one in plan.astray:
+        words = f"{name} {one.what} {ids[one.stop]} at {one.found:.10g}, its timetable says {one.stated:.10g}"
+        judge.test("timetable", abs(one.stated - one.found), words, vehicle=name, site=ids[one.stop])
 
 
 def _check_limits(name: str, vehicle: VehicleType, plan: Schedule, judge: Checklist) -> None:

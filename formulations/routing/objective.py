@@ -54,7 +54,7 @@ class TotalCost(Term):
 
 @dataclass(frozen=True)
 class Makespan(Term):
-    """Longest duration of a route, from departure to return, departing as late as delays nothing."""
+    """Longest duration of a route, from departure to return."""
 
     name: ClassVar[str] = "makespan"
 
@@ -90,7 +90,7 @@ class TotalDuration(Term):
 
 @dataclass(frozen=True)
 class LatestReturn(Term):
-    """Time at which the last vehicle returns, all departing as early as they may; the earliest departure where nobody drives.
+    """Time at which the last vehicle returns, each as early as its limits let it; the earliest departure where nobody drives.
 
     Where all start at time 0 and nobody waits, it is the makespan; where vehicles are under way already, it is what ends the horizon.
     """

@@ -391,7 +391,7 @@ class RoutingProblem(Problem):
         ----------
         plan : Solution or Routes
             A feasible answer to this problem, or to one with fewer sites: those that it does not visit are new orders. Each route is
-            driven on its earliest schedule, departing as late as delays nothing.
+            driven on the schedule that its tables show.
         time : float
             Sites begun before it are done. A vehicle under way then is committed to the next stop of its route and starts a route of its
             own there, when it has served it, with the energy, load, distance and duration it has left; it drives home from there even
@@ -456,6 +456,10 @@ class RoutingProblem(Problem):
                 if not 0 <= site < len(self.sites):
                     raise UsageError(f"route {number} visits site {site}, and there are {len(self.sites)}, numbered from 0")
 
+    def searched_from(self, answer: Routes) -> Routes:
+        """The routes without stated timetables."""
+        return answer.untimed()
+
     def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
         """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated); ``on_board`` where loads are
         collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites. Times are moments where the
@@ -493,6 +497,8 @@ class RoutingProblem(Problem):
             self._need_one_type()
         if suffix == ".tour" and self.vehicle_limit != 1:
             raise UsageError("a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
+        if suffix == ".vroom":
+            self._need_no_pauses()
         if suffix == ".geojson":
             answer_geojson(self, Routes(()))
 
@@ -519,6 +525,9 @@ class RoutingProblem(Problem):
     def _need_one_type(self) -> None:
         if len(self.fleet) > 1:
             raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
+        self._need_no_pauses()
+
+    def _need_no_pauses(self) -> None:
         if any(v.reloads or v.stations for v in self.fleet):
             raise UsageError("such a file has no place for stops at depots on the way; use .json")
 

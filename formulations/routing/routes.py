@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from .timetable import Timetable
 
 
 @dataclass(frozen=True)
@@ -17,10 +19,13 @@ class Route:
         trips is one list, and of alternatives the list holds the one that is chosen.
     vehicle : int
         Index of the vehicle type in the fleet.
+    timetable : Timetable, optional
+        When it is driven, where somebody states that; else on the schedule of the judge.
     """
 
     visits: tuple[int, ...]
     vehicle: int = 0
+    timetable: Timetable | None = None
 
     def __len__(self) -> int:
         return len(self.visits)
@@ -43,6 +48,10 @@ class Routes:
 
     def __len__(self) -> int:
         return len(self.routes)
+
+    def untimed(self) -> Routes:
+        """The same routes without stated timetables."""
+        return Routes(tuple(r if r.timetable is None else replace(r, timetable=None) for r in self.routes))
 
     def canonical(self) -> Routes:
         """The same routes in order of vehicle type and first visit, so that equal answers compare equal."""

@@ -1,4 +1,4 @@
-"""When a route is where, what it carries and what it draws, recomputed from the data alone.
+"""When a route is where, what it carries and what it draws, recomputed from the data alone: what every output shows.
 
 Part of the judge: it walks each route stop by stop, knows no program and no solver, and shares no code with the forms.
 """
@@ -6,14 +6,16 @@ Part of the judge: it walks each route stop by stop, knows no program and no sol
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tolerance import allowance
+from ..tolerance import allowance, widening
 from .routes import Route
+from .timetable import Astray, Timetable
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
@@ -24,15 +26,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Schedule:
-    """Earliest schedule of one route; arrays have one entry a stop between start and end.
+    """When a route is where: the one schedule by which its limits and the objective are judged, and which every output shows.
 
-    ``duration`` is the shortest possible: where each site has one window, from the latest departure that delays nothing, to the return
-    (Savelsbergh 1992); where some have several, the shortest over all departures. ``duration_from`` is the departure that it counts from:
-    of those with this duration the one that returns first. ``charged`` holds the time charged under each of the four ways, before it is
-    multiplied by the rate of the store, ``stretches`` the time on the move between recharging stops. ``leaves`` and ``closing`` have one
-    entry a move: when it begins, and when it must have begun. ``load`` adds up the demands, of the first load dimension; ``on_board`` of
-    shape (load dimensions, stops + 1) is what the vehicle carries on leaving start and stops.
-    ``variance`` is that of the time on the move.
+    Arrays have one entry a stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have begun.
+    ``duration`` is that from ``departure`` to ``finish``. ``charged`` holds the time charged under each of the four ways, before it is
+    multiplied by the rate of the store, ``stretches`` the time on the move between recharging stops. ``load`` adds up the demands, of the
+    first load dimension; ``on_board`` of shape (load dimensions, stops + 1) is what the vehicle carries on leaving start and stops.
+    ``variance`` is that of the time on the move. ``astray`` lists what a stated timetable says that does not go with the data.
     """
 
     arrival: Floats
@@ -44,7 +44,6 @@ class Schedule:
     total_distance: float
     total_load: float
     duration: float
-    duration_from: float
     waiting: float
     charged: dict[str, float]
     stretches: tuple[float, ...]
@@ -53,6 +52,20 @@ class Schedule:
     on_board: Floats
     peak: tuple[float, ...]
     variance: float
+    astray: tuple[Astray, ...] = ()
+
+    def cost(self, vehicle: VehicleType) -> float:
+        """What the route adds to the total cost."""
+        paid = vehicle.fixed_cost + vehicle.unit_cost * self.total_distance
+        if vehicle.unit_duration_cost or vehicle.unit_overtime_cost:
+            over = max(0.0, self.duration - vehicle.regular_duration)
+            paid += vehicle.unit_duration_cost * self.duration + vehicle.unit_overtime_cost * over
+        return paid
+
+    @property
+    def ends(self) -> Floats:
+        """When service is done at each stop, and the vehicle leaves it."""
+        return self.leaves[1:]
 
 
 def opening(problem: RoutingProblem, vehicle: VehicleType) -> float:
@@ -66,9 +79,12 @@ def closing(problem: RoutingProblem, vehicle: VehicleType) -> float:
 
 
 def schedule(problem: RoutingProblem, route: Route, departure: float | None = None) -> Schedule:
-    """Earliest schedule of ``route``, or that from a given ``departure``, whose duration then counts from there.
+    """The schedule of ``route`` that it is judged by, or the earliest one from a given ``departure``.
 
-    Late visits begin on arrival, so that lateness is not forgiven further on.
+    A vehicle departs as late as delays nothing (Savelsbergh 1992), or where nobody waits as early as it may. Where sites have several
+    windows, a later return may make a route shorter: of the departures that keep the longest duration and the store it is then the one
+    with the shortest duration, and where the objective holds the latest return the one that returns first. A timetable that is stated
+    with the route counts in place of all this. Late visits begin on arrival, so that lateness is not forgiven further on.
     """
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
     travel = problem.travel_of(route.vehicle)
@@ -79,30 +95,50 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
     # A depot's window bounds departure and return; only on the way it asks for service.
     service = np.concatenate([[0.0], sites.service[visits], [0.0]])
     ready, due = sites.ready[stops], sites.due[stops]
-    ready[0], due[-1] = opening(problem, vehicle), closing(problem, vehicle)
+    opens = ready[0] = opening(problem, vehicle)
+    due[-1] = closing(problem, vehicle)
     closes = np.full(len(leg), math.inf) if travel.closing is None else travel.closing[stops[:-1], stops[1:]]
     several = {k: sites.windows[site] for k, site in enumerate(route.visits, start=1) if sites.windows[site]} if sites.windows else {}
-
-    arrival, begin = np.empty(len(stops)), np.empty(len(stops))
-    arrival[0] = begin[0] = ready[0] if departure is None else departure
-    last = np.minimum(due[:-1], closes - service[:-1])  # begin of service that lets the next move begin in time
-    waiting, slack = 0.0, max(0.0, last[0] - begin[0])
-    for k in range(1, len(stops)):
-        arrival[k] = begin[k - 1] + service[k - 1] + time[k - 1]
-        # The return to a depot is the end of the route: nobody waits for the depot to open.
-        begin[k] = arrival[k] if k == len(stops) - 1 else max(arrival[k], _opens(several[k], arrival[k]) if k in several else ready[k])
-        waiting += begin[k] - arrival[k]
-        slack = min(slack, waiting + max(0.0, (last[k] if k < len(last) else due[k]) - begin[k]))
-    finish = float(arrival[-1])
     busy = math.fsum([*time, *service])  # no route takes less, whatever cancels where its clock is far from zero
-    elapsed = max(finish - float(begin[0]), busy)
-    duration, leaves = elapsed, float(begin[0])
-    if departure is None and several:
-        shortest, best = _shortest(leaves, ready, due, last, service + np.append(time, 0.0), several)
-        duration, leaves = (max(shortest, busy), best) if math.isfinite(shortest) else (elapsed, leaves)
-    elif departure is None:
-        later = min(waiting, slack)
-        duration, leaves = max(elapsed - later, busy), leaves + later
+
+    def run(departure: float, stated: Timetable | None = None) -> tuple[Floats, Floats, Floats]:
+        """Arrival, begin and end of service at each stop, start and end among them."""
+        arrival, begin = np.empty(len(stops)), np.empty(len(stops))
+        arrival[0] = begin[0] = departure
+        ends = begin.copy()
+        for k in range(1, len(stops)):
+            arrival[k] = begin[k] = ends[k - 1] + time[k - 1]
+            if k < len(stops) - 1:  # the return to a depot is the end of the route: nobody waits for it to open
+                at = arrival[k] if stated is None else max(arrival[k], _or(stated.begin[k - 1]))
+                begin[k] = max(at, _opens(several[k], at) if k in several else ready[k])
+            ends[k] = begin[k] + service[k]
+            if stated is not None and k < len(stops) - 1:
+                ends[k] = max(ends[k], _or(stated.ends[k - 1]))
+        return arrival, begin, ends
+
+    clock = run(opens if departure is None else departure)
+    duration: float | None = None
+    if departure is None:
+        last = np.minimum(due[:-1], closes - service[:-1])  # begin of service that lets the next move begin in time
+        if several:
+            found = _departures(opens, ready, due, last, service + np.append(time, 0.0), several)
+            chosen = _best(problem, vehicle, opens, found)
+        else:
+            chosen = _latest(*clock[:2], last, due, busy)
+        if chosen is not None:
+            duration = chosen.duration
+            clock = run(chosen.departure) if chosen.departure > opens else clock
+    astray: tuple[Astray, ...] = ()
+    if departure is None and route.timetable is not None and not route.timetable.tells(*clock):
+        leaves = route.timetable.leaves(float(time[0]), float(clock[0][0]))
+        clock, duration = run(leaves, route.timetable), None
+        astray = route.timetable.astray(*clock)
+    arrival, begin, ends = clock
+    finish = float(arrival[-1])
+    waits = begin - arrival + (ends - (begin + service))  # a timetable may have a vehicle wait after its service
+    if duration is None:
+        duration = finish - float(begin[0])
+    duration = max(float(duration), busy)
     charge = np.maximum(service[:-1] + time, np.append(ready[1:-1], -math.inf) - ready[:-1])
     on_board = _on_board(problem, route)
     refills = [k for k, site in enumerate(route.visits, start=1) if site in vehicle.stations]
@@ -115,22 +151,67 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
         finish=finish,
         total_distance=float(math.fsum(leg)),
         total_load=float(math.fsum(sites.demand[visits])),
-        duration=float(duration),
-        duration_from=leaves,
-        waiting=float(waiting),
+        duration=duration,
+        waiting=float(waits.sum()),
         charged={
             "travel": float(math.fsum(time)),
-            "elapsed": float(duration),
-            "elapsed-fixed-start": float(elapsed),
+            "elapsed": duration,
+            "elapsed-fixed-start": max(finish - opens, busy),
             "windows": float(math.fsum(charge)),
         },
         stretches=tuple(math.fsum(part) for part in np.split(time, refills)),
-        leaves=begin[:-1] + service[:-1],
+        leaves=ends[:-1],
         closing=closes,
         on_board=on_board,
         peak=tuple(on_board.max(axis=1).tolist()),
         variance=0.0 if travel.variances is None else math.fsum(travel.variances[stops[:-1], stops[1:]]),
+        astray=astray,
     )
+
+
+class Departure(NamedTuple):
+    """How long a route takes from a moment on, and when it returns."""
+
+    duration: float
+    finish: float
+    departure: float
+
+
+def _or(moment: float | None) -> float:
+    return -math.inf if moment is None else moment
+
+
+def _latest(arrival: Floats, begin: Floats, last: Floats, due: Floats, busy: float) -> Departure:
+    """The latest departure that delays nothing, where each site has one window; of what is waited for no more than that is saved."""
+    waiting, slack = 0.0, max(0.0, float(last[0] - begin[0]))
+    for k in range(1, len(begin)):
+        waiting += begin[k] - arrival[k]
+        slack = min(slack, waiting + max(0.0, float((last[k] if k < len(last) else due[k]) - begin[k])))
+    later, finish = min(waiting, slack), float(arrival[-1])
+    return Departure(max(finish - float(begin[0]), busy) - later, finish, float(begin[0]) + later)
+
+
+def _best(problem: RoutingProblem, vehicle: VehicleType, opens: float, found: Sequence[Departure]) -> Departure | None:
+    """Of the shortest routes for each choice of windows the one to be driven; None where none keeps all windows."""
+    longest, latest, energy = vehicle.max_duration, math.inf, vehicle.energy
+    if energy is not None and energy.rate > 0.0:
+        if energy.charge == "elapsed":
+            longest = min(longest, energy.at_departure / energy.rate)
+        elif energy.charge == "elapsed-fixed-start":
+            latest = opens + energy.at_departure / energy.rate
+
+    def within(value: float, limit: float, finish: float) -> bool:
+        return value - limit <= float(widening(limit, max(abs(opens), abs(finish))))
+
+    left = [one for one in found if within(one.duration, longest, one.finish) and within(one.finish, latest, one.finish)] or found
+    if not left:
+        return None
+    # What differs by rounding alone is the same.
+    if "objective:latest-return" in problem.features():
+        first = min(one.finish for one in left)
+        return min(one for one in left if within(one.finish, first, one.finish))
+    least = min(one.duration for one in left)
+    return min((one for one in left if within(one.duration, least, one.finish)), key=lambda one: (one.finish, one.duration, one.departure))
 
 
 def _opens(windows: tuple[tuple[float, float], ...], arrival: float) -> float:
@@ -141,10 +222,10 @@ def _opens(windows: tuple[tuple[float, float], ...], arrival: float) -> float:
     return arrival
 
 
-def _shortest(
+def _departures(
     opens: float, ready: Floats, due: Floats, last: Floats, busy: Floats, several: dict[int, tuple[tuple[float, float], ...]]
-) -> tuple[float, float]:
-    """Least time from departure to return over all departures, and the departure; infinite where none keeps all windows.
+) -> list[Departure]:
+    """Where sites have several windows: for each choice of windows the departure of least duration, which is one of first return too.
 
     Begin of service, as a function of the departure t, is max(c, t + w) on each of a few intervals of t, one for each choice of
     windows: (from, to, c, w). Who comes before a window is over begins in it, and is late for the next move if that closes before the
@@ -165,9 +246,7 @@ def _shortest(
                 over = ends
         pieces = made
     # The longer it takes to leave, the less is waited for, until the end of the piece, or the first return without waiting.
-    found = [(max(c - high, w), max(c, low + w), min(high, max(low, c - w))) for low, high, c, w in pieces]
-    duration, _, departure = min(found, default=(math.inf, math.inf, opens))
-    return duration, departure
+    return [Departure(max(c - high, w), max(c, low + w), min(high, max(low, c - w))) for low, high, c, w in pieces]
 
 
 def _on_board(problem: RoutingProblem, route: Route) -> Floats:

@@ -160,7 +160,7 @@ def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
             {
                 "vehicle": numbers[at - 1] if numbers else len(routes) + 1,
                 **({} if numbers else {"description": name}),
-                "cost": vehicle.fixed_cost + vehicle.unit_cost * plan.total_distance,
+                "cost": plan.cost(vehicle),
                 "waiting_time": plan.waiting,
                 "steps": [ends[0], *visits, ends[1]],
             }

@@ -23,22 +23,18 @@ def problems_of(data: Data) -> tuple[str, ...]:
     """Problems that may be asked of sites and a fleet, the one that is meant first.
 
     ``vrptw`` where there are time windows; without them ``cvrp`` where vehicles are limited in load, or ``tsp`` for
-    one vehicle that is not limited at all. ``min-cost-vrp`` always. Shipments make it a ``pdptw`` in the first place, stations a
-    ``recharging-vrp``; a limited fleet may be asked for a short makespan, optional sites with rewards for the best choice of them.
+    one vehicle that is not limited at all. ``min-cost-vrp`` always. Stations make it a ``recharging-vrp`` in the first place; shipments may
+    be asked for fewest vehicles (``pdptw``), a limited fleet for a short makespan, optional sites with rewards for the best choice of them.
     """
     held = features(data)
-    return (*_special(held), *_plain(data, held), *_other(data, held))
-
-
-def _special(held: frozenset[str]) -> tuple[str, ...]:
-    return tuple(name for feature, name in (("shipments", "pdptw"), ("recharging", "recharging-vrp")) if feature in held)
+    return (*(["recharging-vrp"] if "recharging" in held else []), *_plain(data, held), *_other(data, held))
 
 
 def _plain(data: Data, held: frozenset[str]) -> tuple[str, ...]:
     if "multiple-depots" not in held:
         if held & {"time-windows", "depot-windows"}:
             return "vrptw", "min-cost-vrp"
-        if "capacity" in held:
+        if "capacity" in held and "shipments" not in held:
             return "cvrp", "min-cost-vrp"
         limits = {"max-duration", "max-distance", "heterogeneous-fleet", "optional-sites", *ENERGY, *BEYOND_TOURS}
         if not held & limits and data.fleet[0].count == 1:
@@ -47,7 +43,8 @@ def _plain(data: Data, held: frozenset[str]) -> tuple[str, ...]:
 
 
 def _other(data: Data, held: frozenset[str]) -> tuple[str, ...]:
-    found = ["mdvrp"] if "multiple-depots" in held and "recharging" not in held else []
+    found = ["pdptw"] if "shipments" in held else []
+    found += ["mdvrp"] if "multiple-depots" in held and "recharging" not in held else []
     if "limited-fleet" in held:
         found.append("min-makespan-vrp")
         if {"rewards", "optional-sites"} <= held:

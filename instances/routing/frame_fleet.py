@@ -26,6 +26,9 @@ SPANS = ("max_duration", "regular_duration")
 SHIFT = ("shift_start", "shift_end")
 FURTHER = tuple(f"capacity{k}" for k in range(2, 10))
 WORDS = ("skills", "reloads")
+ENDS = ("start", "end")
+MEANT = {"start": "the first depot", "end": "a return to the start"}
+"""Of a vehicle without such a key."""
 
 
 def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
@@ -165,6 +168,12 @@ def _held(row: Mapping[Any, Any], path: str, times: Times) -> dict[str, Any]:
             held[key] = times.moment(value, what)
         elif key == "shift" and isinstance(value, Sequence) and not isinstance(value, str):
             held[key] = [times.moment(moment, what) for moment in value]
+        elif key in ENDS and plain_value(value) is None:
+            # Other tools mean an open end; here it was the first depot, and neither is said.
+            raise InputError(
+                f"{what} is missing",
+                expected=f"a depot, or no {key!r} at all for {MEANT[key]}; an open end is a depot of its own, at distance 0 from all sites",
+            )
         elif key in WORDS and isinstance(value, str):
             held[key] = words_of(value, what)
         else:

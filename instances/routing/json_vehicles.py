@@ -158,12 +158,12 @@ def decode_vehicle(data: Any, path: str, index: dict[str, int], sites: Sites) ->
     committed = data.get("committed", False)
     if not isinstance(committed, bool):
         raise InputError(f"{path}.committed must be true or false")
-    own = data.get("travel")
+    own, start = data.get("travel"), data.get("start", first)
     return VehicleType(
         count=None if count is None else integer(count, f"{path}.count", 1),
         capacity=capacities[0],
-        start=site(data.get("start", first), "start"),
-        end=site(data.get("end", first), "end"),
+        start=site(start, "start"),
+        end=site(data.get("end", start), "end"),
         max_duration=limit("max_duration"),
         max_distance=limit("max_distance"),
         energy=energy,

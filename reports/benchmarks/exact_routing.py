@@ -110,7 +110,7 @@ class Roads:
         self.skills: Sequence[frozenset[str]] = s.skills or [frozenset()] * len(s)
         self.fleet, self.depot, self.forbidden = fleet, s.depot, problem.forbidden
         self.customers = [k for k in range(len(s)) if not s.depot[k]]
-        self.clock = 0
+        self.clock, self.early = 0, "objective:latest-return" in problem.features()
 
     def routes(self, kind: int) -> Iterator[tuple[tuple[int, ...], Driven]]:
         """Every route that vehicles of type ``kind`` can drive, and no part of one that distance or a window rules out already.
@@ -244,7 +244,9 @@ class Roads:
         shortest = elapsed
         if elapsed > sum(busy):  # somebody waits
             runs = [(t, *self._run(kind, stops, t, home=True)) for t in self._departures(kind, stops, busy)]
-            shortest = min([elapsed, *(end - t for t, end, kept in runs if all(nearly(test) for test in kept))])
+            good = [(elapsed, finish), *((end - t, end) for t, end, kept in runs if all(nearly(test) for test in kept))]
+            shortest, finish = self._driven_best(vehicle, good, largest)
+            elapsed = finish - opens
         tests.append((shortest, ints(vehicle.max_duration, u), largest))
         if vehicle.energy is not None:
             tests += self._energy(kind, visits, moving, busy, shortest, elapsed, largest)
@@ -259,6 +261,23 @@ class Roads:
         if not math.isinf(vehicle.regular_duration):
             cost += ints(vehicle.unit_overtime_cost, u) * max(0, shortest - ints(vehicle.regular_duration, u))
         return Driven(strict, cost, sum(self.reward[i] for i in visits if not self.depot[i]), distance, shortest, finish, overrun)
+
+    def _driven_best(self, vehicle: VehicleType, runs: list[tuple[int, int]], largest: int) -> tuple[int, int]:
+        """Of several durations and returns those that the route is driven by: within the limits if any are, the shortest, or where the
+        latest return counts the first to be back."""
+        u, energy = self.unit, vehicle.energy
+
+        def kept(lasts: int, end: int) -> bool:
+            tests = [(lasts, ints(vehicle.max_duration, u), largest)]
+            if energy is not None and energy.charge in ("elapsed", "elapsed-fixed-start"):
+                drawn, rate = lasts if energy.charge == "elapsed" else end - self._opening(vehicle), ints(energy.rate, u)
+                tests.append((rate * drawn, ints(energy.at_departure, u) * u, rate * largest))
+            return all(nearly(test) for test in tests)
+
+        able = [run for run in runs if kept(*run)] or runs
+        key, other = int(self.early), 1 - int(self.early)
+        least = min(run[key] for run in able)
+        return min((run for run in able if nearly((run[key], least, largest))), key=lambda run: run[other])
 
     def within_risk(self, overruns: list[float]) -> bool:
         """Whether routes together, each of which overruns a limit so likely, keep all with the probability that is asked for."""

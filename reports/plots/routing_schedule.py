@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.routing.judge import schedule
+from ...formulations.routing.judge import Schedule, schedule
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from . import PLOTS
@@ -30,7 +30,7 @@ LABELLED_VISITS = 220
 def plot_schedule(
     problem: RoutingProblem, answer: Routes, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """Gantt chart of an answer: a row a route, from its latest departure that delays nothing, or the earliest where no window counts.
+    """Gantt chart of an answer: a row a route, on the schedule that it is judged by.
 
     Parameters
     ----------
@@ -55,17 +55,17 @@ def plot_schedule(
     """
     ax = new_axes() if ax is None else ax
     roomy(ax, height=1.6 + 0.17 * len(answer))
-    rows = [_stops(problem, route) for route in answer]
+    rows = [schedule(problem, route) for route in answer]
     ids, many = problem.sites.ids, sum(map(len, answer)) > LABELLED_VISITS
-    ends = max((float(row["finish"]) for row in rows), default=1.0)
-    begins = min((float(row["departure"]) for row in rows), default=0.0)
+    ends = max((row.finish for row in rows), default=1.0)
+    begins = min((row.departure for row in rows), default=0.0)
     span = max(ends - begins, 1e-12)
     ranks = route_ranks(problem, answer)
     for k, (route, row) in enumerate(zip(answer, rows, strict=True)):
         _draw_row(ax, problem, route, row, k, COLOURS[ranks[k] % len(COLOURS)], span, len(rows) > LABELLED_ROWS)
         last = -math.inf
         for i, site in enumerate(route.visits):
-            at = (row["begin"][i] + row["leave"][i]) / 2.0
+            at = (row.begin[i] + row.ends[i]) / 2.0
             if not many and at - last > 0.013 * span * max(len(ids[site]), 1):
                 ax.text(at, k - 0.34, ids[site], ha="center", va="bottom", fontsize=6.5, color="#555555")
                 last = at
@@ -85,24 +85,12 @@ def plot_schedule(
     return ax
 
 
-def _stops(problem: RoutingProblem, route: Route) -> dict[str, Any]:
-    """Arrival, begin and leaving of each visit, departure and finish, on the latest departure that delays nothing."""
-    plan = schedule(problem, route)
-    later = plan.finish - plan.departure - plan.duration
-    if later > 1e-9 * max(abs(plan.finish), 1.0) and math.isfinite(later):
-        shifted = schedule(problem, route, plan.departure + later)
-        if shifted.finish <= plan.finish * (1.0 + 1e-12) + 1e-12:
-            plan = shifted
-    service = problem.sites.service[list(route.visits)]
-    return {"arrival": plan.arrival, "begin": plan.begin, "leave": plan.begin + service, "departure": plan.departure, "finish": plan.finish}
-
-
-def _draw_row(ax: Any, problem: RoutingProblem, route: Route, row: dict[str, Any], k: int, colour: str, span: float, crowded: bool) -> None:
-    arrival, begin, leave = row["arrival"], row["begin"], row["leave"]
+def _draw_row(ax: Any, problem: RoutingProblem, route: Route, row: Schedule, k: int, colour: str, span: float, crowded: bool) -> None:
+    arrival, begin, leave = row.arrival, row.begin, row.ends
     visits = list(route.visits)
-    starts, arrivals = np.append(row["departure"], leave), np.append(arrival, row["finish"])
+    starts, arrivals = row.leaves, np.append(arrival, row.finish)
     ax.hlines(np.full(len(starts), k), starts, arrivals, color=colour, linewidth=1.1, alpha=0.75, zorder=2)
-    ax.plot([row["departure"], row["finish"]], [k, k], "|", color=colour, markersize=9, zorder=3)
+    ax.plot([row.departure, row.finish], [k, k], "|", color=colour, markersize=9, zorder=3)
     waits = begin - arrival > 1e-9 * span
     if waits.any():
         ax.barh(

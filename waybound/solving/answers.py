@@ -73,4 +73,5 @@ def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
             problem.check_start(start)
         except UsageError as error:
             raise UsageError(f"the start is for another instance: {error}") from None
+        start = problem.searched_from(start)
     return start, told

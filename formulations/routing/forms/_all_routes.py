@@ -62,6 +62,8 @@ class Walk:
         every = len(sites)
         self.length, self.time = travel.distances.tolist(), travel.durations.tolist()
         self.closes = [[math.inf] * every] * every if travel.closing is None else travel.closing.tolist()
+        self.timed_store = vehicle.energy is not None and vehicle.energy.charge.startswith("elapsed")
+        self.early = "objective:latest-return" in problem.features()
         self.opens = max(float(sites.ready[vehicle.start]), vehicle.shift[0])
         self.last_departure = max(self.opens, float(sites.due[vehicle.start]))
         self.home_by = min(float(sites.due[vehicle.end]), vehicle.shift[1])
@@ -131,8 +133,8 @@ class Walk:
             return None
         if vehicle.max_reloads is not None and sum(k in vehicle.reloads for k in visits) > vehicle.max_reloads:
             return None
-        duration = self._shortest(stops, finish)
         size = max(abs(self.opens), abs(finish))
+        duration, finish = self._departing(stops, finish, size)
         if not _within(duration, vehicle.max_duration) or not self._energy_lasts(stops, duration, finish - self.opens, size):
             return None
         overrun = self._overrun(moves, duration)
@@ -183,19 +185,22 @@ class Walk:
             clock = max(clock, opens)
         return clock
 
-    def _shortest(self, stops: tuple[int, ...], finish: float) -> float:
-        """Least time from departure to return: the earliest departure has it, or one that meets the end of a window or a closing move.
+    def _departing(self, stops: tuple[int, ...], finish: float, size: float) -> tuple[float, float]:
+        """Time from departure to return, and the return, by the schedule that counts: of those that keep the limits the shortest one, or
+        where the latest return is asked for the one that returns first.
 
-        Where no stop has several windows, one that delays nothing.
+        It departs as early as it may, or such that it meets the end of a window or a closing move, or where stops have several windows the
+        begin of one. Where no stop has, it delays nothing.
         """
         busy = math.fsum(self.time[i][j] for i, j in pairwise(stops)) + math.fsum(self.service[k] for k in stops[1:-1])
-        best = finish - self.opens
-        if best <= busy:
-            return best
+        if finish - self.opens <= busy:
+            return finish - self.opens, finish
+        runs = [(finish - self.opens, finish)]
         before, found = 0.0, {self.last_departure, self.home_by - busy}
+        several = any(len(self.windows[k]) > 1 for k in stops[1:-1])
         for k, i in enumerate(stops[:-1]):
             service = self.service[i] if k else 0.0
-            ends = [b for _, b in self.windows[i]] if k else []
+            ends = [t for opens, closes in self.windows[i] for t in ((opens, closes) if several else (closes,))] if k else []
             found |= {t - before for t in (*ends, self.closes[i][stops[k + 1]] - service)}
             before += service + self.time[i][stops[k + 1]]
         # The latest departure that waits nowhere after it delays nothing.
@@ -203,8 +208,17 @@ class Walk:
         for departure in found:
             if self.opens < departure <= self.last_departure and math.isfinite(departure):
                 end = self._run(stops, departure)
-                best = best if end is None else min(best, end - departure)
-        return max(best, busy)
+                runs += [] if end is None else [(max(end - departure, busy), end)]
+        vehicle = self.vehicle
+        kept = [
+            (lasts, end)
+            for lasts, end in runs
+            if _within(lasts, vehicle.max_duration, size)
+            and (not self.timed_store or self._energy_lasts(stops, lasts, end - self.opens, size))
+        ]
+        left, key, other = kept or runs, int(self.early), 1 - int(self.early)
+        least = min(run[key] for run in left)
+        return min((run for run in left if _within(run[key], least, size)), key=lambda run: run[other])
 
     def _carries(self, visits: tuple[int, ...]) -> bool:
         """Whether all that is on board fits in, wherever the route is."""

@@ -63,3 +63,15 @@ def test_what_does_not_count_is_told(sites, objective, remarks):
     made = Sites.of("oabcd", **sites)
     problem = RoutingProblem(made, Travel("euclidean", XY), [VehicleType()], objective, notes=["seen"])
     assert list(problem.remarks()) == ["seen", *remarks]
+
+
+def test_what_is_stated_of_depots_and_does_not_count_is_said():
+    def remarks(vehicle: VehicleType | None = None, **sites):
+        return RoutingProblem(Sites.of("oabcd", **sites), Travel("euclidean", XY), [vehicle or VehicleType()]).remarks()
+
+    assert remarks(service=[0, 1, 1, 1, 1]) == ()
+    assert remarks(service=[30, 1, 1, 1, 1]) == ("service of o, a depot, counts for nothing: departure and return take no time",)
+    assert remarks(VehicleType(reloads=(0,)), service=30, demand=2) == (
+        "service of o, a depot, counts at stops on the way alone: departure and return take no time",
+        "demand of o, a depot, counts for nothing",
+    )

@@ -40,10 +40,11 @@ def violations(problem: RoutingProblem, *routes) -> list[tuple[str, str | None, 
 
 def test_a_schedule_with_waiting_matches_the_one_by_hand():
     plan = schedule(square(**WINDOWS), Route((2, 3, 1)))
-    assert plan.arrival.tolist() == [5.0, 8.0, 15.0]
-    assert plan.begin.tolist() == [5.0, 10.0, 15.0]
+    assert plan.departure == 1.0
+    assert plan.arrival.tolist() == [6.0, 9.0, 15.0]
+    assert plan.begin.tolist() == [6.0, 10.0, 15.0]
     assert plan.finish == 18.0
-    assert plan.waiting == 2.0
+    assert plan.waiting == 1.0
     # Travel 16; leaving a unit late (site b closes at 6) saves a unit of the 2 waited; the printed row charges 5 + 10 + 5 + 3.
     assert plan.charged == {"travel": 16.0, "elapsed": 17.0, "elapsed-fixed-start": 18.0, "windows": 23.0}
     assert plan.duration == 17.0

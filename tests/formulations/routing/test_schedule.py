@@ -11,11 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from waybound.formulations.evaluation import Checklist
+from waybound.formulations.routing.forms._all_routes import Walk
+from waybound.formulations.routing.judge import check_route
+from waybound.formulations.routing.objective import Objective
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.schedule import closing, opening, schedule
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
+from waybound.reports.benchmarks.routing_variants import with_features
 
 LINE = np.abs(np.arange(5.0)[:, None] - np.arange(5.0)[None, :])  # sites at 0, 1, 2, 3, 4
 
@@ -58,10 +64,68 @@ def test_several_windows_are_waited_for_in_turn_and_the_shortest_day_is_found():
     # From 0 at 0 the first window of b is met and c waited for from 3 to 30; leaving at 27 meets the second one of b.
     problem = line(windows={2: [(0, 5), (20, 40)], 3: [(30, 35), (60, 70)]})
     plan = schedule(problem, Route((2, 3)))
-    assert plan.begin.tolist() == [2, 30] and plan.finish == 33
+    assert (plan.departure, plan.begin.tolist(), plan.finish) == (27, [29, 30], 33)
     assert plan.duration == 6
+    early = schedule(problem, Route((2, 3)), departure=0.0)
+    assert (early.begin.tolist(), early.finish, early.duration) == ([2, 30], 33, 33)
     late = schedule(problem, Route((2, 3)), departure=10.0)
     assert (late.begin.tolist(), late.finish) == ([20, 30], 33)
+
+
+TWO_DAYS = {"windows": {2: [(2, 5), (40, 60)], 3: [(30, 35), (42, 70)]}}  # early: back at 33 after 30; late: back at 45 after 6
+
+
+@pytest.mark.parametrize(
+    ("objective", "limits", "driven"),
+    [
+        ("total-cost", {}, (6, 45)),
+        ("latest-return", {}, (30, 33)),
+        ("latest-return", {"max_duration": 20}, (6, 45)),  # what returns first lasts too long
+        ("total-cost", {"energy": Energy(40, charge="elapsed-fixed-start")}, (30, 33)),  # what is shortest returns too late
+        ("latest-return", {"energy": Energy(20, charge="elapsed")}, (6, 45)),
+    ],
+)
+def test_one_schedule_keeps_all_limits_and_is_the_best_by_the_objective(objective, limits, driven):
+    problem = replace(line(VehicleType(**limits), **TWO_DAYS), objective=Objective.of(objective))
+    plan = schedule(problem, Route((2, 3)))
+    assert (plan.duration, plan.finish) == driven
+    assert problem.evaluate(Routes((Route((2, 3)),))).quantities["waiting"] == plan.waiting
+    assert not {v.check for v in problem.evaluate(Routes((Route((2, 3)),))).violations} & {"duration", "energy"}
+
+
+def test_limits_that_no_one_schedule_keeps_are_not_kept():
+    both = VehicleType(max_duration=20, energy=Energy(40, charge="elapsed-fixed-start"))
+    verdict = line(both, **TWO_DAYS).evaluate(Routes((Route((2, 3)),)))
+    assert [v.check for v in verdict.violations if v.check != "visits"] == ["energy"]
+
+
+TWO_WANTS = (
+    ("objective:latest-return",), ("objective:latest-return", "max-duration"), ("energy:elapsed-fixed-start", "max-duration"),
+    ("energy:elapsed-fixed-start", "objective:total-duration"), ("energy:elapsed", "objective:latest-return"),
+    ("duration-cost", "energy:elapsed-fixed-start"), ("objective:latest-return", "closing-moves", "max-duration"),
+)  # fmt: skip
+"""Features beside several windows that may want two schedules of one route."""
+
+
+@pytest.mark.share(7)
+@pytest.mark.parametrize("number", range(70))
+def test_the_schedule_is_that_of_whole_numbers_and_of_the_forms_that_know_all_routes(number):
+    problem = with_features(("several-windows", *TWO_WANTS[number % len(TWO_WANTS)]), number)
+    if problem is None or len(problem.customers) > 5:
+        pytest.skip("no such problem is drawn, or one too large to enumerate")
+    truth, rng, customers = RoutingTruth(problem), np.random.default_rng(number), problem.customers
+    for _ in range(12):
+        order = rng.permutation(customers).tolist()[: int(rng.integers(1, len(customers) + 1))]
+        cut, kinds = int(rng.integers(0, len(order))), rng.integers(len(problem.fleet), size=2)
+        answer = Routes.of([Route(tuple(part), int(kind)) for part, kind in zip((order[:cut], order[cut:]), kinds, strict=True) if part])
+        verdict, exact = problem.evaluate(answer), truth.value(answer)
+        assert verdict.feasible == (exact is not None), answer
+        assert exact is None or verdict.values == pytest.approx([float(value) for value in exact])
+        for route in answer:
+            priced, found = Walk(problem, route.vehicle).given(route.visits), Checklist()
+            plan = check_route(problem, "it", route, found)
+            assert (priced is None) == bool(found.violations)
+            assert priced is None or (priced.duration, priced.finish) == pytest.approx((plan.duration, plan.finish))
 
 
 def test_where_no_departure_saves_the_gap_it_is_waited_for():
@@ -86,7 +150,7 @@ def test_moves_begin_before_they_close():
     closes = np.full((5, 5), math.inf)
     closes[1, 3] = 4.0
     plan = schedule(line(closes=closes, service=[0, 2, 0, 0, 0], ready=[0, 3, 0, 0, 0]), Route((1, 3)))
-    assert plan.leaves.tolist() == [0, 5, 7]
+    assert plan.leaves.tolist() == [2, 5, 7]
     assert plan.closing.tolist() == [math.inf, 4, math.inf]
 
 
@@ -119,7 +183,7 @@ def test_a_window_that_opens_after_the_next_move_has_closed_is_none():
     sites = Sites.of("dab", windows={1: [(0, 17), (46, 94)]}, ready=[0, 0, 65])
     problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix, closing=closes), [VehicleType(1, max_duration=60)])
     plan = schedule(problem, Route((1, 2)))
-    assert (plan.duration, plan.duration_from) == (68, 7)
+    assert (plan.duration, plan.departure) == (68, 7)
     assert [v.check for v in problem.evaluate(Routes.of([[1, 2]])).violations] == ["duration"]
 
 
@@ -178,11 +242,11 @@ def test_the_shortest_duration_is_the_least_over_all_departures(case):
         return
     assert plan.duration == min(lasts.values())
     assert ("duration" in broken) == (plan.duration > vehicle.max_duration)
-    # The departure that it counts from has it, and of those the first return.
-    assert lasts[plan.duration_from] == plan.duration
-    assert returns[plan.duration_from] == min(returns[t] for t, length in lasts.items() if length == plan.duration)
-    late = schedule(problem, route, plan.duration_from)
-    assert (late.departure, late.duration, late.finish) == (plan.duration_from, plan.duration, returns[plan.duration_from])
+    # The departure has it, and of those the first return.
+    assert lasts[plan.departure] == plan.duration
+    assert returns[plan.departure] == min(returns[t] for t, length in lasts.items() if length == plan.duration)
+    late = schedule(problem, route, plan.departure)
+    assert (late.departure, late.duration, late.finish) == (plan.departure, plan.duration, returns[plan.departure])
 
 
 @pytest.mark.parametrize("departure", [0.0, 3.0])

@@ -6,11 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 import waybound as wb
 from waybound.formulations.answers import check_answer_path, read_answer
 from waybound.formulations.routing.vroom_answers import is_vroom_output, routes_from_vroom, vroom_output
+from waybound.instances.errors import UsageError
 
 SQUARE = [[0, 10, 20, 30], [10, 0, 15, 25], [20, 15, 0, 12], [30, 25, 12, 0]]
 INSTANCE = {
@@ -63,11 +65,17 @@ def test_an_answer_is_printed_as_vroom_prints_its_own(problem: wb.RoutingProblem
     assert [route["vehicle"] for route in made["routes"]] == [4, 6]
     first = made["routes"][0]["steps"][1]
     assert {key: first[key] for key in ("type", "id", "arrival", "waiting_time", "service")} == {
-        "type": "job", "id": 1, "arrival": 10.0, "waiting_time": 20.0, "service": 5.0
+        "type": "job", "id": 1, "arrival": 30.0, "waiting_time": 0.0, "service": 5.0
     }  # fmt: skip
     path = tmp_path / "answer.vroom"
     path.write_text(problem.answer_to_text(answer, ".vroom"))
     assert read_answer(problem, path).answer == answer
+
+
+def test_stops_at_depots_on_the_way_have_no_place() -> None:
+    made = wb.RoutingProblem.from_frame(pd.DataFrame({"x": [0, 1, 2], "y": 0}), fleet=[{"reloads": ["0"]}])
+    with pytest.raises(UsageError, match="no place for stops at depots on the way"):
+        check_answer_path(made, "plan.vroom")
 
 
 def test_one_type_of_vehicle_drives_all_routes() -> None:

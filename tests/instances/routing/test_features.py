@@ -119,7 +119,8 @@ def test_one_limited_type_of_several_is_a_limited_fleet() -> None:
         ({"fleet": [VehicleType(1)], "sites": {"required": [False, True, False, True]}}, "min-cost-vrp"),
         ({"fleet": [VehicleType(1, energy=Energy(9))]}, "min-cost-vrp"),
         ({"sites": {"depot": [True, True, False, False], "due": 99}}, "min-cost-vrp"),
-        ({"sites": {"shipments": [Shipment(1, 2)], "due": 99}}, "pdptw"),
+        ({"sites": {"shipments": [Shipment(1, 2)], "due": 99}}, "vrptw"),
+        ({"sites": {"shipments": [Shipment(1, 2)]}, "fleet": [VehicleType(1, capacity=5)]}, "min-cost-vrp"),
         ({"fleet": [VehicleType(1, energy=Energy(9, stations=(0,)))]}, "recharging-vrp"),
         ({"fleet": [VehicleType(1, shift=(0, 9))]}, "min-cost-vrp"),
     ],
@@ -131,6 +132,7 @@ def test_the_problem_that_is_meant_follows_from_the_features(parts: dict[str, An
 
 
 def test_what_else_may_be_asked_follows_from_the_data() -> None:
+    assert "pdptw" in problems_of(holding({"shipments": [Shipment(1, 2)]})) and "pdptw" not in problems_of(holding())
     assert "min-makespan-vrp" in problems_of(holding(fleet=[VehicleType(2)])) and "min-makespan-vrp" not in problems_of(holding())
     assert "mdvrp" in problems_of(holding({"depot": [True, True, False, False]}))
     chosen = {"reward": [0, 1, 2, 3], "required": False}

@@ -33,6 +33,22 @@ def test_a_frame_without_count_has_one_vehicle_a_row() -> None:
     assert [v.count for v in fleet(pd.DataFrame({"name": ["p", "q"], "count": pd.array([3, None], dtype="Int64")}))] == [3, None]
 
 
+@pytest.mark.parametrize("missing", [None, float("nan"), pd.NA, pd.NaT])
+@pytest.mark.parametrize("key", ["start", "end"])
+def test_an_end_that_is_missing_is_neither_open_nor_a_depot(key: str, missing: Any) -> None:
+    expected = f"fleet[0].{key} is missing; expected a depot, or no '{key}' at all for"
+    for given in ([{key: missing}], pd.DataFrame({key: [missing, "port"]})):
+        with pytest.raises(InputError) as error:
+            fleet(given)
+        assert expected in str(error.value) and "an open end is a depot of its own" in str(error.value)
+
+
+def test_without_an_end_a_vehicle_returns_to_its_start() -> None:
+    assert [(v.start, v.end) for v in fleet([{"name": "p", "start": "port"}, {"name": "q"}, {"name": "r", "end": "port"}])] == [
+        (1, 1), (0, 0), (0, 1)
+    ]  # fmt: skip
+
+
 def test_times_of_vehicles_are_read_in_the_unit() -> None:
     frame = pd.DataFrame(
         {

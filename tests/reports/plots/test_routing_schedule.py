@@ -9,7 +9,7 @@ import pytest
 import waybound as wb
 from waybound.formulations.routing.judge import schedule
 from waybound.reports.plots import save_plot, views
-from waybound.reports.plots.routing_schedule import _stops, plot_schedule
+from waybound.reports.plots.routing_schedule import plot_schedule
 
 
 @pytest.fixture(scope="module")
@@ -24,18 +24,20 @@ def services(ax):
 def test_every_visit_is_a_bar_as_long_as_its_service_where_it_begins(solution: wb.Solution) -> None:
     bars = services(plot_schedule(solution.problem, solution.answer))
     assert len(bars) == sum(map(len, solution.answer))
-    first = _stops(solution.problem, solution.answer.routes[0])
+    first = schedule(solution.problem, solution.answer.routes[0])
     drawn = [bar.get_x() for bar in bars if round(bar.get_y() + 0.21) == 0]
-    np.testing.assert_allclose(drawn, first["begin"])
+    np.testing.assert_allclose(drawn, first.begin)
     service = solution.problem.sites.service[solution.answer.routes[0].visits[0]]
     assert bars[0].get_width() == pytest.approx(service)
 
 
-def test_a_route_is_drawn_from_the_latest_departure_that_delays_nothing(solution: wb.Solution) -> None:
-    for route in solution.answer:
-        row, plan = _stops(solution.problem, route), schedule(solution.problem, route)
-        assert row["finish"] - row["departure"] == pytest.approx(plan.duration)
-        assert row["finish"] == pytest.approx(plan.finish)
+def test_a_route_is_drawn_from_departure_to_return(solution: wb.Solution) -> None:
+    ax = plot_schedule(solution.problem, solution.answer)
+    drawn = [
+        line.get_xdata() for line in ax.lines if line.get_marker() == "|" and len(line.get_xdata()) == 2 and line.get_markersize() == 9
+    ]
+    plans = [schedule(solution.problem, route) for route in solution.answer]
+    np.testing.assert_allclose(drawn, [[plan.departure, plan.finish] for plan in plans])
 
 
 def test_a_late_visit_is_red() -> None:
