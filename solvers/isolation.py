@@ -31,8 +31,8 @@ from .backend import Control, Options, RawResult, solver_named
 from .children import child, scratch
 from .interrupts import CHILD_GRACE
 
-OVERTIME = 5.0
-"""Seconds past its time limit after which a child is asked to stop."""
+OVERTIME = 0.5
+"""Seconds past its time limit after which a child is asked to stop: with its start, and ``GRACE``, two seconds."""
 
 GRACE = CHILD_GRACE
 """Seconds between asking a child to stop and ending it."""
@@ -133,20 +133,35 @@ class _Child:
 
     def watch(self) -> RawResult:
         """Take what comes until the child is done or dead."""
+        with self.control.off_the_clock():
+            while self.searching is None:
+                last = self._step()
+                if last is not None:
+                    return last
         while True:
-            try:
-                if self.mine.poll(_TICK):
-                    last = self._take(pickle.loads(self.mine.recv_bytes()))
-                    if last is not None:
-                        return last
-            except (EOFError, ConnectionResetError):
-                return self._obituary()
-            if self._overdue():
-                return self._from_incumbents("the solver did not stop when asked and was ended")
+            last = self._step()
+            if last is not None:
+                return last
+
+    def _step(self) -> RawResult | None:
+        """Wait for a moment; the result, once there is one."""
+        try:
+            if self.mine.poll(_TICK):
+                return self._take(pickle.loads(self.mine.recv_bytes()))
+        except (EOFError, ConnectionResetError):
+            return self._obituary()
+        if self._overdue():
+            return self._from_incumbents(f"the solver did not stop when asked and was ended{self.control.left}")
+        return None
 
     def _take(self, message: _Message) -> RawResult | None:
         if message.kind == "searching":
             self.searching = time.perf_counter()
+        elif message.kind == "set-up":
+            if message.value is None:
+                self.control.begin_set_up()
+            else:
+                self.control.end_set_up(message.value)
         elif message.kind == "incumbent":
             *found, nodes = message.value
             if nodes is not None:
@@ -206,7 +221,7 @@ class _Child:
 
 @dataclass(frozen=True)
 class _Message:
-    """From the child: ``searching, incumbent, done, refused, memory`` or ``failed``."""
+    """From the child: ``searching, set-up, incumbent, done, refused, memory`` or ``failed``."""
 
     kind: str
     value: Any = None
@@ -229,6 +244,15 @@ class _Relay(Control):
     ) -> None:
         super().publish(answer, objective, bound, evidence)
         self.send("incumbent", (answer, objective, bound, evidence, self.nodes))
+
+    def begin_set_up(self) -> None:
+        super().begin_set_up()
+        self.send("set-up")
+
+    def end_set_up(self, seconds: float) -> None:
+        if self.setting_up:
+            super().end_set_up(seconds)
+            self.send("set-up", seconds)
 
     def listen(self) -> None:
         """Wait for the parent's wish to stop, or for its end."""

@@ -287,6 +287,15 @@ class _Hearing(Control):
         self._search, self._enough = search, enough
         search.control.on_stop(self.stop)
 
+    def begin_set_up(self) -> None:
+        if self._search.tried == 1:  # the others differ in a limit, and nobody waits for a first answer any more
+            super().begin_set_up()
+            self._search.control.begin_set_up()
+
+    def end_set_up(self, seconds: float) -> None:
+        super().end_set_up(seconds)
+        self._search.control.end_set_up(seconds)
+
     def publish(
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
     ) -> None:

@@ -60,7 +60,8 @@ def find_bounds(
     if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    methods = prepared_methods(problem, failed, searching=searching)
+    with control.off_the_clock():
+        methods = prepared_methods(problem, failed, searching=searching)
     stop, linear = Stop(bound_time), linear or LinearPrograms()
     control.on_stop(stop.ask)
 

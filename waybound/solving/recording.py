@@ -28,7 +28,8 @@ class Recorder:
     problem : Problem
     listeners : sequence of callables
         Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
-        has a method ``begin_phase(phase, limit)`` hears of phases too.
+        has a method ``begin_phase(phase, limit)`` hears of phases too, and one with ``engine_set_up(who, seconds)`` of how long an engine
+        took before its search began.
     """
 
     def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
@@ -41,10 +42,17 @@ class Recorder:
 
     def begin_phase(self, phase: str, limit: float | None = None) -> None:
         """Tell those who want to know that a phase begins which may take ``limit`` seconds."""
+        self._tell("begin_phase", phase, limit)
+
+    def engine_set_up(self, who: str, seconds: float) -> None:
+        """Tell them how long an engine took to make its own model."""
+        self._tell("engine_set_up", who, seconds)
+
+    def _tell(self, what: str, *words: Any) -> None:
         for listener in self._listeners:
-            hear = getattr(listener, "begin_phase", None)
+            hear = getattr(listener, what, None)
             if hear is not None:
-                hear(phase, limit)
+                hear(*words)
 
     def of_search(self, who: str, answers: bool = True, bounds: bool = True) -> Progress:
         """What hears a search by ``who``; its objectives and its bounds count only where they are some of the problem."""

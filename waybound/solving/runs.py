@@ -13,6 +13,7 @@ from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import InputError, UnsupportedError, UsageError
+from ..instances.memory import available, fits, readable
 from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.program_backend import ProgramBackend
@@ -59,18 +60,25 @@ class Run:
 
 
 def default_run(problem: Problem, options: Options, isolate: bool) -> Run:
-    """Where the user names no method: what is run, begun by a heuristic that opens the problem where there is one."""
-    opening = opening_heuristic(problem, options)
+    """Where the user names no method: what is run, begun by a heuristic that opens the problem where there is one.
+
+    The heuristic stands alone where no solver takes the problem, where it is too large for the program that one would need, or for the
+    memory that an engine would.
+    """
+    opening, solver = opening_heuristic(problem, options), ""
     try:
         solver = default_solver(problem, None, None, False)
-    except (UnsupportedError, UsageError):  # none takes it, or through inexact forms alone
+        if opening is None or BACKENDS[solver].takes == "problem" or problem.size <= LARGEST or options.asked():
+            run = solver_run(problem, None, solver, None, False, options, isolate)
+            return run if opening is None else replace(run, opening=opening)
+        why = f"{solver} was not used: a program of {problem.size:,} sites takes long to be written"
+    except (UnsupportedError, UsageError) as fault:
         if opening is None:
             raise
-        return heuristic_run(problem, opening, options, isolate)
-    if opening is not None and BACKENDS[solver].takes != "problem" and problem.size > LARGEST and not options.asked():
-        return heuristic_run(problem, opening, options, isolate)
-    run = solver_run(problem, None, solver, None, False, options, isolate)
-    return run if opening is None or run.made is None else replace(run, opening=opening)
+        why = f"{solver} was not used: {fault}" if solver else ""
+    alone = heuristic_run(problem, opening, options, isolate)
+    alone.notes.extend([why] if why else [])
+    return alone
 
 
 def continued(problem: Problem, run: Run, options: Options, isolate: bool) -> tuple[Run, Options, float]:
@@ -106,6 +114,11 @@ def solver_run(
         if missing:
             raise UnsupportedError(solver, missing, able_solvers(problem))
         _refuse_ignored(solver, backend.honours, options)
+        needed = backend.memory(problem)
+        if not fits(needed):
+            raise UsageError(
+                f"{solver} needs {readable(needed)} for a problem of size {problem.size:,}, and there are {readable(available())}"
+            )
         if backend.one_thread and options.threads > 1:
             notes.append(f"{solver} searches on one thread")
         return Run(solver, _going(solver, problem, options, isolate), versions, notes, bounds=backend.bounds_itself)

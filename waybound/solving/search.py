@@ -15,11 +15,12 @@ from ..solvers.interrupts import GRACE
 
 T = TypeVar("T")
 
-OVERTIME = 10.0
-"""Seconds past its time limit after which an engine is asked to stop from outside."""
+OVERTIME = 0.7
+"""Seconds past its time limit after which an engine is asked to stop from outside: with its ``GRACE``, two seconds. What it does off the
+clock is not counted (``Control.off_the_clock``)."""
 
-BOUND_OVERTIME = 5.0
-"""The same for bounding: what its methods prepare once a process, such as compiled kernels, is not counted."""
+BOUND_OVERTIME = OVERTIME
+"""The same for bounding."""
 
 ENGINE_THREAD = "waybound-engine"
 """Name of the thread that runs an engine."""
@@ -76,7 +77,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
                 if interrupts.received and not interrupted:
                     interrupted, asked = True, now
                     control.stop()
-                if asked is None and now - began > time_limit + overtime:
+                if asked is None and now - began - control.uncounted > time_limit + overtime:
                     asked = now
                     control.stop()
                 give_up = interrupts.insisted or (asked is not None and now - asked > GRACE)
@@ -135,7 +136,7 @@ def _from_incumbents(control: Control, interrupted: bool, fault: BaseException |
     elif not control.stopped:
         message = "interrupted before the search began"
     else:
-        message = "the engine did not stop when asked; its last published answer is used"
+        message = f"the engine did not stop when asked{control.left}"
     return RawResult(
         status="unknown" if control.answer is None else "feasible",
         limit="interrupt" if interrupted else "time" if fault is None else "none",

@@ -23,6 +23,9 @@ EVERY = 5.0
 APART = 0.25
 """Least seconds between two lines of better answers: of a flood of them the last counts."""
 
+SLOW = 1.0
+"""Seconds of an engine's own set-up that are worth a line."""
+
 _PHASES = {"solve": "searching", "bound": "bounding", "check": "checking"}
 _KINDS = {
     "claimed": "its own figure", "evidence": "its evidence is checked at the end", "verified": "checked",
@@ -75,6 +78,12 @@ class SearchLog:
             if phase == "check":  # takes no time to speak of, and is told at its end
                 return
             self._say(f"{_PHASES.get(phase, phase)} begins" + (f", for up to {limit:g} s" if limit is not None else ""))
+
+    def engine_set_up(self, who: str, seconds: float) -> None:
+        """An engine has made its own model of the problem: said where that took a while."""
+        if seconds >= SLOW:
+            with self._lock:
+                self._say(f"{who} is set up, which took {seconds:.1f} s")
 
     def __call__(self, event: dict[str, Any]) -> None:
         with self._lock:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ..formulations.arrays.problem import ArrayProblem
@@ -23,6 +25,7 @@ from .beside import Beside, BoundWork, free_core
 from .choice import default_solver
 from .concluding import conclude
 from .goal import SECONDS, Goal, first_evidence
+from .opening import SHARE
 from .recording import Progress, Recorder, pricing
 from .runs import Run, continued, default_run, heuristic_run, solver_run
 from .search import Searched, search
@@ -162,11 +165,18 @@ def _answered(
     hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
     control = Control(hear if run.made is not None or len(problem.senses) == 1 else lambda event: hear({**event, **priced()}))
     priced = pricing(problem, control)
+    control.on_set_up = partial(record.engine_set_up, run.name)
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         before = 0.0
         if run.opening is not None:
+            record.begin_phase(f"start by {run.opening}", SHARE * options.time_limit)
+            opener = run.opening
             run, options, before = continued(problem, run, options, isolate)
+            with suppress(Exception):  # of the judge: told when it is judged with what the search finds
+                judged = None if options.start is None else problem.evaluate(options.start)
+                if judged is not None and judged.feasible:
+                    record.judged(opener, judged.values)
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
@@ -184,7 +194,7 @@ def _answered(
                 beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began
         if goal is None or not goal.infeasible:
-            record.begin_phase("solve", options.time_limit)
+            record.begin_phase("solve", round(options.time_limit, 1))
         try:
             searched = search(run.go, control, options.time_limit)
         except WayboundError:
