@@ -374,6 +374,10 @@ class Engine(Backend):
         """Bytes that its own model of ``problem`` takes; 0 where that is little."""
         return 0.0
 
+    def set_up_seconds(self, problem: Problem) -> float:
+        """About how long that takes to be made, for who decides whether to begin at all."""
+        return 0.0
+
     @abstractmethod
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """Search. ``RawResult.answer`` is the problem's answer; ``options.start`` is one too."""

@@ -48,10 +48,14 @@ class Bisecting(Engine):
         Whether it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any.
     iterations_end : bool
         Whether ``iterations`` end a search that finds nothing, too; one that counts answers ends by the clock.
+    bytes_a_move, seconds_a_move : float
+        What the library's own model of all moves between sites takes, measured at 2,000 sites.
     """
 
     own_maxima: ClassVar[bool] = False
     iterations_end: ClassVar[bool] = True
+    bytes_a_move: ClassVar[float] = 0.0
+    seconds_a_move: ClassVar[float] = 0.0
 
     @abstractmethod
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
@@ -60,6 +64,14 @@ class Bisecting(Engine):
     @abstractmethod
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
         """``Engine.run`` for a problem under which ``beyond`` names nothing."""
+
+    def memory(self, problem: Problem) -> float:
+        """See ``Engine.memory``."""
+        return self.bytes_a_move * float(problem.size) ** 2
+
+    def set_up_seconds(self, problem: Problem) -> float:
+        """See ``Engine.set_up_seconds``."""
+        return self.seconds_a_move * float(problem.size) ** 2
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """See ``Engine.missing``."""

@@ -28,9 +28,6 @@ PUBLISH_EVERY = 0.05
 LARGEST_WITHIN = 1_500
 """Sites up to which it runs in our own process: it looks for their neighbours in a quarter of a second, during which nothing else runs."""
 
-BYTES_A_MOVE = 25.0
-"""That it takes to build its model."""
-
 GROUPS = ("ils", "penalty", "neighbourhood", "perturbation")
 """Groups of parameters of ``pyvrp.SolveParams``."""
 
@@ -51,6 +48,7 @@ class PyVRP(Bisecting):
     order = 10
     honours = frozenset({"iterations", "no_improvement", "gap"})  # a gap by the bounds that ``solve`` verifies meanwhile
     one_thread = True
+    bytes_a_move, seconds_a_move = 35.0, 2.2e-7
     family = "routing"
     features = frozenset(
         {
@@ -67,10 +65,6 @@ class PyVRP(Bisecting):
     def apart(self, problem: Problem) -> bool:
         """See ``Engine.apart``: the library holds Python's global lock while it looks for neighbours."""
         return problem.size > LARGEST_WITHIN
-
-    def memory(self, problem: Problem) -> float:
-        """See ``Engine.memory``: its distances and durations, and one of them once more while they are copied."""
-        return BYTES_A_MOVE * float(problem.size) ** 2
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
         """See ``Bisecting.beyond``."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -25,7 +24,6 @@ from .beside import Beside, BoundWork, free_core
 from .choice import default_solver
 from .concluding import conclude
 from .goal import SECONDS, Goal, first_evidence
-from .opening import SHARE
 from .recording import Progress, Recorder, pricing
 from .runs import Run, continued, default_run, heuristic_run, solver_run
 from .search import Searched, search
@@ -170,13 +168,7 @@ def _answered(
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         before = 0.0
         if run.opening is not None:
-            record.begin_phase(f"start by {run.opening}", SHARE * options.time_limit)
-            opener = run.opening
-            run, options, before = continued(problem, run, options, isolate)
-            with suppress(Exception):  # of the judge: told when it is judged with what the search finds
-                judged = None if options.start is None else problem.evaluate(options.start)
-                if judged is not None and judged.feasible:
-                    record.judged(opener, judged.values)
+            run, options, before = continued(problem, run, options, isolate, record)
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
