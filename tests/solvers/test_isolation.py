@@ -139,6 +139,17 @@ def test_what_is_prepared_takes_no_time_of_the_search(monkeypatch: pytest.Monkey
     assert isolation.run_in_process(SlowToBegin(2.0), Options(time_limit=0.5), Control()).answer
 
 
+def test_how_long_an_engine_set_up_is_told_from_another_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(HERE))
+    from misbehaving import SetsUp
+
+    control, told = Control(), []
+    control.on_set_up = told.append
+    isolation.run_in_process(SetsUp(), Options(time_limit=60), control)
+    assert (control.set_up, control.setting_up, told) == (2.5, False, [2.5])
+    assert control.uncounted > 0.0 and not control.paused
+
+
 def test_a_hanging_child_is_ended_on_an_interrupt(misbehaving) -> None:
     control = Control()
     threading.Timer(1.0, control.stop).start()

@@ -9,6 +9,7 @@ import pytest
 
 import waybound as wb
 from waybound.solving import search_log
+from waybound.solving.recording import Recorder
 from waybound.solving.search_log import EVERY, SearchLog
 
 
@@ -163,3 +164,12 @@ def test_the_whole_log_of_a_run_says_what_was_proved_and_what_was_not() -> None:
 )
 def test_the_gap_on_the_way_is_that_of_an_open_first_level(value: Any, bound: Any, expected: float | None) -> None:
     assert search_log.open_gap(value, bound) == (None if expected is None else pytest.approx(expected))
+
+
+def test_the_set_up_of_an_engine_is_told_where_it_took_a_while(clock: Any) -> None:
+    lines: list[str] = []
+    record = Recorder(wb.read("demo-tiny"), [SearchLog(lines.append)])
+    clock(3.0)
+    record.engine_set_up("pyvrp", 0.2)
+    record.engine_set_up("pyvrp", 2.96)
+    assert len(lines) == 1 and lines[0].endswith("pyvrp is set up, which took 3.0 s")
