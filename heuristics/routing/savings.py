@@ -193,7 +193,7 @@ HEURISTICS.add(
     Heuristic(
         name="savings",
         families=("routing",),
-        features=FEATURES,
+        features=FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
         run=savings,
         summary="Clarke and Wright's parallel savings, with windows and route limits",
         refuses=_refuses,

@@ -82,7 +82,6 @@ def test_time_off_the_clock_adds_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert control.uncounted == 5.0
 
 
-
 def test_an_answer_that_reaches_the_goal_stops_the_search_and_a_bound_does_not() -> None:
     control, asked = Control(), []
     control.goal = lambda answer, objective: bool(asked.append((answer, objective)) or (objective or 9.0) <= 5.0)

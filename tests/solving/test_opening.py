@@ -195,7 +195,10 @@ def test_a_work_limit_is_the_engines_alone() -> None:
 
 @pytest.mark.parametrize(
     ("what", "words"),
-    [({"needed": 1e18}, "deaf needs 9.3e+08 GiB for a problem of size 13, more than the "), ({"seconds": 9.0}, "it takes some 9 s to set up")],
+    [
+        ({"needed": 1e18}, "deaf needs 9.3e+08 GiB for a problem of size 13, more than the "),
+        ({"seconds": 9.0}, "it takes some 9 s to set up for a problem of size 13"),
+    ],
 )
 def test_an_engine_without_the_memory_or_the_time_for_its_model_is_not_begun(what: dict[str, float], words: str) -> None:
     with finding(ALONE) as limits, default(**what):

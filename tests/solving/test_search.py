@@ -64,7 +64,6 @@ def test_what_is_done_off_the_clock_counts_against_no_limit(monkeypatch: pytest.
     assert (searched.result.answer, searched.result.limit) == ((False, True), "none")
 
 
-
 def test_an_engine_that_never_comes_back_leaves_its_incumbent(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("waybound.solving.search.GRACE", 0.2)
     release = threading.Event()

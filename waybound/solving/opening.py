@@ -1,4 +1,5 @@
-"""Heuristics that open: where solvers find little by themselves, the default one starts from the answer of one, or leaves it at that."""
+"""Heuristics that open: where solvers find little by themselves, or take long to begin, the default one starts from the answer of one, or
+leaves it at that."""
 
 from __future__ import annotations
 
