@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, ClassVar
@@ -166,7 +164,6 @@ class Control:
         self.setting_up = False
         self.on_set_up: Callable[[float], None] | None = None
         self._counts_for: Control | None = None
-        self._uncounted, self._paused = 0.0, math.inf
 
     @property
     def stopped(self) -> bool:
@@ -211,25 +208,6 @@ class Control:
         self.setting_up, self.set_up = False, seconds
         if self.on_set_up is not None:
             self.on_set_up(seconds)
-
-    @property
-    def uncounted(self) -> float:
-        """Seconds since the beginning that count against no limit."""
-        return self._uncounted + max(0.0, time.perf_counter() - self._paused)
-
-    @property
-    def paused(self) -> bool:
-        """Whether it is off the clock now."""
-        return math.isfinite(self._paused)
-
-    @contextmanager
-    def off_the_clock(self) -> Iterator[None]:
-        """Within this block time counts against no limit: what is done once a process, whatever is searched for then."""
-        self._paused = time.perf_counter()
-        try:
-            yield
-        finally:
-            self._uncounted, self._paused = self.uncounted, math.inf
 
     @property
     def left(self) -> str:

@@ -133,26 +133,16 @@ class _Child:
 
     def watch(self) -> RawResult:
         """Take what comes until the child is done or dead."""
-        with self.control.off_the_clock():
-            while self.searching is None:
-                last = self._step()
-                if last is not None:
-                    return last
         while True:
-            last = self._step()
-            if last is not None:
-                return last
-
-    def _step(self) -> RawResult | None:
-        """Wait for a moment; the result, once there is one."""
-        try:
-            if self.mine.poll(_TICK):
-                return self._take(pickle.loads(self.mine.recv_bytes()))
-        except (EOFError, ConnectionResetError):
-            return self._obituary()
-        if self._overdue():
-            return self._from_incumbents(f"the solver did not stop when asked and was ended{self.control.left}")
-        return None
+            try:
+                if self.mine.poll(_TICK):
+                    last = self._take(pickle.loads(self.mine.recv_bytes()))
+                    if last is not None:
+                        return last
+            except (EOFError, ConnectionResetError):
+                return self._obituary()
+            if self._overdue():
+                return self._from_incumbents(f"the solver did not stop when asked and was ended{self.control.left}")
 
     def _take(self, message: _Message) -> RawResult | None:
         if message.kind == "searching":

@@ -68,20 +68,6 @@ def test_an_engine_tells_how_long_it_set_up_and_what_is_left_of_it() -> None:
     assert control.left == "; its last published answer is used"
 
 
-def test_time_off_the_clock_adds_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = [5.0]
-    monkeypatch.setattr("waybound.solvers.backend.time.perf_counter", lambda: now[0])
-    control = Control()
-    for seconds in (2.0, 3.0):
-        with control.off_the_clock():
-            now[0] += seconds
-            assert control.paused
-            within = control.uncounted
-        now[0] += 10.0
-        assert (within, control.paused) == (control.uncounted, False)
-    assert control.uncounted == 5.0
-
-
 def test_an_answer_that_reaches_the_goal_stops_the_search_and_a_bound_does_not() -> None:
     control, asked = Control(), []
     control.goal = lambda answer, objective: bool(asked.append((answer, objective)) or (objective or 9.0) <= 5.0)

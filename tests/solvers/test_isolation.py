@@ -147,7 +147,6 @@ def test_how_long_an_engine_set_up_is_told_from_another_process(monkeypatch: pyt
     control.on_set_up = told.append
     isolation.run_in_process(SetsUp(), Options(time_limit=60), control)
     assert (control.set_up, control.setting_up, told) == (2.5, False, [2.5])
-    assert control.uncounted > 0.0 and not control.paused
 
 
 def test_a_hanging_child_is_ended_on_an_interrupt(misbehaving) -> None:

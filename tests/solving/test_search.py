@@ -47,23 +47,6 @@ def test_an_engine_that_overstays_is_asked_to_stop() -> None:
     assert searched.seconds < 3
 
 
-def test_what_is_done_off_the_clock_counts_against_no_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = [0.0]
-    monkeypatch.setattr("time.perf_counter", lambda: now[0])
-
-    def loads(control: Control) -> RawResult:
-        with control.off_the_clock():
-            now[0] += 100.0
-        late = control.stopped
-        now[0] += 100.0
-        ended = threading.Event()
-        control.on_stop(ended.set)
-        return RawResult("feasible", answer=(late, ended.wait(60)))
-
-    searched = search(loads, Control(), 10.0)
-    assert (searched.result.answer, searched.result.limit) == ((False, True), "none")
-
-
 def test_an_engine_that_never_comes_back_leaves_its_incumbent(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("waybound.solving.search.GRACE", 0.2)
     release = threading.Event()

@@ -103,12 +103,7 @@ class Beside(Control):
 
     def found(self, control: Control, best: float | None = None) -> list[Evidence]:
         """All evidence, once the budget is spent, ``control`` asks for the end, or nothing is left to gain for an answer worth ``best``."""
-        with control.off_the_clock():
-            self._wait(lambda: not self.paused or control.stopped or self._goal.met(best))
-        self._wait(lambda: control.stopped or self._goal.met(best))
+        while not (self._done.wait(_TICK) or control.stopped or self._goal.met(best)):
+            pass
         self.stop()
         return list(self.answer or ())
-
-    def _wait(self, enough: Callable[[], bool]) -> None:
-        while not (enough() or self._done.wait(_TICK)):
-            pass

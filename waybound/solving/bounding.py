@@ -60,8 +60,7 @@ def find_bounds(
     if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    with control.off_the_clock():
-        methods = prepared_methods(problem, failed, searching=searching)
+    methods = prepared_methods(problem, failed, searching=searching)
     stop, linear = Stop(bound_time), linear or LinearPrograms()
     control.on_stop(stop.ask)
 

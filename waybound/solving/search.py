@@ -77,7 +77,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
                 if interrupts.received and not interrupted:
                     interrupted, asked = True, now
                     control.stop()
-                if asked is None and now - began - control.uncounted > time_limit + overtime:
+                if asked is None and now - began > time_limit + overtime:
                     asked = now
                     control.stop()
                 give_up = interrupts.insisted or (asked is not None and now - asked > GRACE)
