@@ -19,8 +19,10 @@ ROUNDING = 1e-14
 ROUTES = 64
 """That there is room for at first."""
 
+_DATA = "Tuple((f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1]))"
 
-@kernel()
+
+@kernel(f"(i8[::1], {_DATA}, f8, UniTuple(f8, 4), b1, f8, f8, f8, b1)")
 def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1, by_due):  # type: ignore[no-untyped-def]
     """Solomon's I1: route by route, each from a seed, the customer that is worth most at its best place.
 
@@ -81,7 +83,7 @@ def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1,
     return order, last
 
 
-@kernel()
+@kernel(f"(i8[::1], {_DATA}, f8[:, ::1], read(f8[::1]), i8, f8, UniTuple(f8, 4), b1, b1, b1)")
 def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, kept, density):  # type: ignore[no-untyped-def]
     """Add the customer of the largest reward, or reward for the distance that it adds, where it adds least, while any fits.
 

@@ -17,7 +17,7 @@ NONE, OUTER, INNER = -1, 0, 1
 FAR = 1 << 62
 
 
-@kernel()
+@kernel("(i8[::1], i8[:, ::1])")
 def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-def]
     """Partner of each vertex; -1 for some where it was asked to stop.
 

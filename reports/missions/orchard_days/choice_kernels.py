@@ -69,7 +69,7 @@ def immediate(costs):  # type: ignore[no-untyped-def]
     return plan
 
 
-@kernel()
+@kernel("(i8[:, ::1],)")
 def assignment(costs):  # type: ignore[no-untyped-def]
     """An assignment of as many pairs as there can be of the least sum, by shortest augmenting paths (Jonker and Volgenant 1987)."""
     if costs.shape[0] > costs.shape[1]:

@@ -11,7 +11,9 @@ from .choice_kernels import assignment, beaten, deferred, immediate, serial
 OUT, FETCH, WAIT, HAUL, BACK = range(1, 6)
 
 
-@kernel()
+@kernel(
+    "(i8[::1], Tuple((i8[:, ::1], i8[:, ::1], i8[:, ::1], i8)), Tuple((i8[::1], i8[:, ::1], i8[::1])), UniTuple(i8, 2), UniTuple(i8, 3), i8, UniTuple(i8[::1], 3))",
+)
 def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyped-def]
     """Play until all bins are home, ``limit`` steps have passed or ``flag`` is set.
 

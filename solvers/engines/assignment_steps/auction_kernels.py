@@ -22,7 +22,7 @@ MANY_PAIRS = 12
 _COLUMN = (1 << 32) - 1
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[:, :, ::1], i8[::1])")
 def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Rows without a column bid in turn until none is left; who is outbid takes the turn of who outbids.
 
@@ -131,7 +131,7 @@ def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-u
     values[size:] = NONE
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[::1])")
 def sparse_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """``remembering_phase`` with each row looking at all of its own pairs, the one that was outbid last first."""
     stack, top = _bidders(owner, len(indptr) - 1)

@@ -28,7 +28,7 @@ def set_leaf(tree, leaf, value):  # type: ignore[no-untyped-def] # pragma: no co
         at //= 2
 
 
-@kernel()
+@kernel("(i8[::1], i4[::1], i4[::1], read(i4[::1]), read(i4[::1]), read(f8[::1]), i8)")
 def best_worst_target(flag, starts, actions, indptr, indices, weights, targets):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """For each robot in turn the action after which the worst target is covered best, the first of equal ones; -1 without actions.
 
