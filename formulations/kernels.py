@@ -6,6 +6,7 @@ Imports numba: import it inside functions only, or in modules whose names end wi
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import pkgutil
 from collections.abc import Callable, Iterator
@@ -18,6 +19,9 @@ from numba.core.registry import CPUDispatcher
 from numba.core.types.misc import unliteral
 
 from .stop import off_the_clock
+
+_outer: list[Any] = []
+"""The kernels that are being compiled, each for the one before."""
 
 
 class Kernel(CPUDispatcher):  # type: ignore[misc]
@@ -36,8 +40,13 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         known = self.overloads.get(tuple(sigutils.normalize_signature(sig)[0]))
         if known is not None:
             return known.entry_point
-        with off_the_clock("" if self._keeps(sig) else self.title):
-            return super().compile(sig)
+        with off_the_clock("" if self._keeps(sig) or _outer else self.title):
+            _outer.append(self)
+            try:
+                with _uncollected():
+                    return super().compile(sig)
+            finally:
+                _outer.pop()
 
     def make(self) -> None:
         """Compile or load it for all declared types, if that was not done yet."""
@@ -92,13 +101,13 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
     Parameters
     ----------
     declared : str, optional
-        Types that it takes, in numba's words: ``f8(f8[::1], i8)``, or ``(f8[::1], i8)`` where what it returns is found. ``read(f8[::1])`` takes
-        read-only arrays and others, ``named(Graph, ...)`` a named tuple. Compiled for them alone, when it is first called. What Python calls
-        declares its types, so that it can be compiled without being run.
+        Types that it takes, in the words of numba: ``f8(f8[::1], i8)``, or ``(f8[::1], i8)`` where what it returns is found.
+        ``read(f8[::1])`` takes read-only arrays and others, ``named(Graph, ...)`` a named tuple. It is compiled for these alone, when it
+        is first called. What Python calls declares its types, so that it can be compiled without being run.
     **options
         Further options of ``numba.njit``.
     """
-    options.setdefault("nogil", True)
+    options = {"nogil": True, "no_cfunc_wrapper": True, **options}
 
     def made(function: Callable[..., Any]) -> Kernel:
         try:
@@ -111,6 +120,10 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
         return found  # type: ignore[no-any-return]
 
     return made
+
+
+inner = kernel(no_cpython_wrapper=True)
+"""For what only kernels call: nothing is made to call it from Python."""
 
 
 def kernels(module: str) -> list[Kernel]:
@@ -129,12 +142,24 @@ def kernel_modules(above: str = __name__.partition(".")[0]) -> Iterator[str]:
             yield module.name
 
 
+@contextlib.contextmanager
+def _uncollected() -> Iterator[None]:
+    """Without the collector of garbage: nearly all that a compiler makes is used, and looking through it takes a tenth of its time."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
+
+
 def _read(kind: Any) -> Any:
     return kind.copy(readonly=True)
 
 
 def _named(cls: Any, *kinds: Any) -> Any:
-    return types.NamedTuple(kinds, cls)
+    return types.BaseTuple.from_types(kinds, cls)
 
 
 _WORDS = {"read": _read, "named": _named}

@@ -45,19 +45,19 @@ def off_the_clock(what: str = "") -> Iterator[None]:
         lost, since, askers = _stood
         _stood = (lost, since if askers else time.perf_counter(), askers + 1)
     began = time.perf_counter()
-    _tell(what, math.nan)
+    tell(what, math.nan)
     try:
         yield
     finally:
         with _STANDING:
             lost, since, askers = _stood
             _stood = (lost if askers > 1 else lost + time.perf_counter() - since, since, askers - 1)
-        _tell(what, time.perf_counter() - began)
+        tell(what, time.perf_counter() - began)
 
 
 @contextmanager
 def hearing(listener: Callable[[str, float], None]) -> Iterator[None]:
-    """Within the block ``listener(what, seconds)`` hears of all that is done off the clock: when it begins (NaN seconds) and when it ends."""
+    """Within the block ``listener(what, seconds)`` hears of what is done off the clock: when it begins (NaN seconds) and when it ends."""
     _LISTENERS.append(listener)
     try:
         yield
@@ -65,7 +65,8 @@ def hearing(listener: Callable[[str, float], None]) -> Iterator[None]:
         _LISTENERS.remove(listener)
 
 
-def _tell(what: str, seconds: float) -> None:
+def tell(what: str, seconds: float) -> None:
+    """Tell all who listen, of what another process does too."""
     for listener in tuple(_LISTENERS):
         listener(what, seconds)
 
@@ -77,8 +78,9 @@ class Stopped(Exception):
 class Stop:
     """A deadline, and a wish to end that may come from any thread.
 
-    Its clock stands still while a loop is compiled or loaded (``off_the_clock``). Python looks at ``reached()`` between pieces of work of at most some 50 ms. Compiled loops are given ``flag`` and look at it through
-    ``stop_kernel.asked`` as often; they release Python's lock, so that the clock and whoever asks can set it.
+    Its clock stands still while a loop is compiled or loaded (``off_the_clock``). Python looks at ``reached()`` between pieces of work of
+    at most some 50 ms. Compiled loops are given ``flag`` and look at it through ``stop_kernel.asked`` as often; they release Python's
+    lock, so that the clock and whoever asks can set it.
 
     Parameters
     ----------

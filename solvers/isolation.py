@@ -8,6 +8,7 @@ writes to the folder for temporary files ends with it.
 from __future__ import annotations
 
 import importlib
+import math
 import os
 import pickle
 import signal
@@ -25,6 +26,7 @@ from typing import IO, Any
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.programs.program import Program
+from ..formulations.stop import hearing, tell
 from ..instances import errors
 from ..instances.errors import UsageError, WayboundError
 from .backend import Control, Options, RawResult, solver_named
@@ -128,6 +130,7 @@ class _Child:
         self.searching: float | None = None
         self.asked: float | None = None
         self.late = False
+        self.standing = 0
         with suppress(BrokenPipeError, ConnectionResetError):  # it died at once; ``watch`` tells how
             self.mine.send_bytes(payload)
 
@@ -147,6 +150,8 @@ class _Child:
     def _take(self, message: _Message) -> RawResult | None:
         if message.kind == "searching":
             self.searching = time.perf_counter()
+        elif message.kind == "off the clock":
+            self._stands(*message.value)
         elif message.kind == "incumbent":
             *found, nodes = message.value
             if nodes is not None:
@@ -168,12 +173,19 @@ class _Child:
             return self._from_incumbents(f"the solver failed: {message.value}")
         return None
 
+    def _stands(self, what: str, seconds: float) -> None:
+        """The child's clock stands still, or runs on after so many seconds."""
+        tell(what, seconds)
+        self.standing += 1 if math.isnan(seconds) else -1
+        if not self.standing and self.searching is not None:
+            self.searching += seconds
+
     def _overdue(self) -> bool:
         """Ask for the end where it is due; whether the child has had its grace."""
         now = time.perf_counter()
         if self.asked is None:
             since = self.began + STARTUP if self.searching is None else self.searching + self.options.time_limit + OVERTIME
-            self.late = now > since
+            self.late = now > since and not self.standing
             if self.control.stopped or self.late:
                 self.asked = now
                 try:
@@ -206,7 +218,7 @@ class _Child:
 
 @dataclass(frozen=True)
 class _Message:
-    """From the child: ``searching, incumbent, done, refused, memory`` or ``failed``."""
+    """From the child: ``searching, off the clock, incumbent, done, refused, memory`` or ``failed``."""
 
     kind: str
     value: Any = None
@@ -253,7 +265,8 @@ def serve(descriptor: int) -> None:
             work.prepare()
         enforced = options.memory_limit is None or _limit_memory(options.memory_limit)
         relay.send("searching")
-        result = work(relay)
+        with hearing(lambda what, seconds: relay.send("off the clock", (what, seconds))):
+            result = work(relay)
         if not enforced:
             result = replace(result, statistics={**result.statistics, "memory_limit": "not enforced on this system"})
         relay.send("done", result)

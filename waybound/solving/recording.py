@@ -28,7 +28,7 @@ class Recorder:
     problem : Problem
     listeners : sequence of callables
         Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
-        has a method ``begin_phase(phase, limit)`` hears of phases too.
+        has a method ``begin_phase(phase, limit)`` hears of phases too, and one ``compiling(what, seconds)`` of loops that are compiled.
     """
 
     def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
@@ -58,6 +58,15 @@ class Recorder:
     def of_bounds(self, event: dict[str, Any]) -> None:
         """Hears bounding; ``source`` names what the bound rests on."""
         self._take("bound", None, event.get("bound"), event.get("kind") or "evidence", str(event.get("source", "bounding")))
+
+    def of_loops(self, what: str, seconds: float) -> None:
+        """Hears which loop is compiled, with NaN seconds, and when that is done."""
+        if not what:
+            return
+        for listener in self._listeners:
+            hear = getattr(listener, "compiling", None)
+            if hear is not None:
+                hear(what, seconds)
 
     def judged(self, who: str, values: Sequence[float]) -> None:
         """The values of the answer that is handed over, recomputed from the data."""

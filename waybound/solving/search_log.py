@@ -76,6 +76,13 @@ class SearchLog:
                 return
             self._say(f"{_PHASES.get(phase, phase)} begins" + (f", for up to {limit:g} s" if limit is not None else ""))
 
+    def compiling(self, what: str, seconds: float) -> None:
+        """A loop is compiled, or (``seconds``) was."""
+        if math.isnan(seconds):
+            with self._lock:
+                self._flush()
+                self._say(f"compiling {what.rpartition('.')[2]}, once a machine")
+
     def __call__(self, event: dict[str, Any]) -> None:
         with self._lock:
             before, self._event = self._event, event

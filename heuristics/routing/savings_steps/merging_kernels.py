@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 ROUNDING = 1e-14
 """Part of a limit by which a route may exceed it: far less than the judge lets pass."""
 
 
-@kernel()
+@inner
 def feasible(route, size, length_to, time_to, limits, out, back, service, ready, due):  # type: ignore[no-untyped-def]
     """Whether a route keeps every window, and the longest duration and distance, leaving as late as it can.
 

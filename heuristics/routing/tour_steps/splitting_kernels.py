@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 ROUNDING = 1e-14
@@ -170,7 +170,7 @@ def linear_split(flag, demand, costs, capacity, unit_cost, fixed_cost, most):  #
     return _walked(value, before, penalty, fleet)
 
 
-@kernel()
+@inner
 def _walked(value, before, penalty, fleet):  # type: ignore[no-untyped-def]
     """The cut at the end of a shortest path, back from its last customer."""
     n = value.shape[1] - 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 LEAST = 1e-12
@@ -144,7 +144,7 @@ def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     return moves
 
 
-@kernel()
+@inner
 def _shorten(tour, place, costs, near, a, touched):  # type: ignore[no-untyped-def]
     """Make the first move at ``a`` that shortens the tour; returns how many nodes it ``touched``."""
     n = len(tour)
@@ -187,7 +187,7 @@ def _shorten(tour, place, costs, near, a, touched):  # type: ignore[no-untyped-d
     return 0
 
 
-@kernel()
+@inner
 def _turn(tour, place, x, y):  # type: ignore[no-untyped-def]
     """Turn the path from ``x`` on to ``y`` round; or all other nodes, where they are fewer, which makes the same tour."""
     n = len(tour)
@@ -202,7 +202,7 @@ def _turn(tour, place, x, y):  # type: ignore[no-untyped-def]
         i, j = (i + 1) % n, (j + n - 1) % n
 
 
-@kernel()
+@inner
 def _move(tour, place, p, a, e, q, c, d):  # type: ignore[no-untyped-def]
     """Take the path ``a..e`` out from between ``p`` and ``q``, and put it between ``c`` and ``d``, ``a`` next to ``c``."""
     n = len(tour)

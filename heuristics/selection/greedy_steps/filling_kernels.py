@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
 from .loops_kernels import sift
 
 
-@kernel()
+@inner
 def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add the element of largest gain per cost that still fits, until none does or the ``flag`` is set.
 

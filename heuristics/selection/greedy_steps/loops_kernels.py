@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM
 from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
@@ -41,7 +41,7 @@ def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, we
     return picks[:count], gains[:count], evaluations
 
 
-@kernel()
+@inner
 def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Let the entry at ``at`` sink to its place in a heap with the largest key on top, the smallest index among equal ones."""
     key, e = keys[at], heap[at]
@@ -126,7 +126,8 @@ BLOCK = 256
 
 
 @kernel(
-    "(i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1], i8[::1], i4[::1], f8[::1], i8, i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]))",
+    "(i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1], i8[::1], i4[::1], f8[::1], i8, "
+    "i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]))"
 )
 def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, layout, indptr, indices, weights, matrix

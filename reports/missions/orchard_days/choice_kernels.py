@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 
 FAR = np.int64(1) << 60
 
@@ -81,7 +81,7 @@ def assignment(costs):  # type: ignore[no-untyped-def]
     return _rows_assigned(costs)
 
 
-@kernel()
+@inner
 def _rows_assigned(costs):  # type: ignore[no-untyped-def]
     """A column for each row, where there are no more rows than columns."""
     n, m = costs.shape

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 
@@ -21,7 +21,7 @@ def over_items(types: str) -> tuple[str, str]:
     return f"({types}, {csr}, read(f8[:, ::1]))", f"({types}, {csr}, read(f4[:, ::1]))"
 
 
-@kernel()
+@inner
 def gain(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """What element ``e`` adds to the set that ``best`` stands for."""
     if layout == IN_MATRIX:

@@ -25,9 +25,7 @@ from .layer_kernels import GRAPH, clear, least_of_others, note
 from .search import DEEPEST, Lists, Scratch, Sight
 
 _SIGHT = "named(Sight, i4[::1], i4[::1])"
-_SCRATCH = (
-    "named(Scratch, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[::1])"
-)
+_SCRATCH = "named(Scratch, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[::1])"
 _LISTS = "named(Lists, i4[::1], b1[::1], i4[::1], i4[::1])"
 _NAMED = (Layout, Lists, Scratch, Sight)
 """The named tuples that these types name."""

@@ -53,9 +53,7 @@ class Layout(NamedTuple):
             view.setflags(write=False)  # kernels are compiled for one kind of arrays
         return cls(*views)
 
-    TYPES = (
-        "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
-    )
+    TYPES = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
     """In the words of ``kernel``."""
 
 
