@@ -7,7 +7,7 @@ import numpy as np
 from ..kernels import kernel
 
 
-@kernel()
+@kernel("(read(i4[::1]), read(i4[::1]), i8, i8)")
 def matched(indptr, columns, num_columns, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """A matching, and whether it is a largest one.
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from ..formulations.certificate import verified_bound
 from ..formulations.evidence import ENDLESS, Evidence
 from ..formulations.problem import Problem
-from ..formulations.stop import Stop
+from ..formulations.stop import Stop, off_the_clock
 from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control
@@ -28,6 +28,8 @@ def find_bounds(
     unable: list[str] | None = None,
     linear: LinearPrograms | None = None,
     searching: bool = True,
+    compiling: Literal["never", "last", "first"] = "last",
+    uncompiled: list[str] | None = None,
 ) -> list[Evidence]:
     """Evidence for bounds of ``problem``, to be verified by the checker.
 
@@ -35,7 +37,7 @@ def find_bounds(
     ----------
     problem : Problem
     bound_time : float, seconds
-        Budget for all methods together, without what they prepare once a process; 0 turns bounding off.
+        Budget for all methods together, without what they prepare, compile or load; 0 turns bounding off.
     target : float, optional
         Value of an answer: evidence that reaches it ends the search.
     known : sequence of Evidence
@@ -50,6 +52,11 @@ def find_bounds(
         Who solves linear programs, with which seed and threads.
     searching : bool
         Whether methods may search (``BoundMethod.aims``): these take all the time that there is.
+    compiling : str
+        When methods whose loops were never compiled have their turn: never; after all others, which are there then whatever becomes of
+        these, and have half the budget; or before them, where the others had theirs already.
+    uncompiled : list of str, optional
+        Receives the names of these.
 
     Returns
     -------
@@ -60,15 +67,26 @@ def find_bounds(
     if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    methods = prepared_methods(problem, failed, searching=searching)
     stop, linear = Stop(bound_time), linear or LinearPrograms()
     control.on_stop(stop.ask)
 
+    methods = able_methods(problem, failed, searching=searching)
+    late = _late(methods, failed)
+    if uncompiled is not None:
+        uncompiled.extend(method.name for method in late)
+    others = [method for method in methods if method not in late]
+    methods = {"never": others, "last": others + late, "first": late + others}[compiling]
+    share = stop.within(bound_time / 2.0) if compiling == "last" and late else stop
     for method in methods:
+        within = stop if method in late else share
         if stop.reached():
             break
+        if within.reached():
+            continue
         try:
-            evidence = method.evidence(problem, stop, linear, target)
+            with off_the_clock():
+                method.prepare()
+            evidence = method.evidence(problem, within, linear, target)
         except UnsupportedError:
             continue
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
@@ -86,14 +104,27 @@ def find_bounds(
     return found
 
 
-def prepared_methods(problem: Problem, failed: list[str], *, searching: bool = True) -> list[BoundMethod]:
-    """The methods that apply, cheapest first, with their loops compiled; ``failed`` receives a line for each that cannot say."""
+def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:
+    """Those whose loops were never compiled; ``methods`` loses those that cannot say."""
+    late: list[BoundMethod] = []
+    for method in tuple(methods):
+        try:
+            with off_the_clock():
+                if not method.compiled():
+                    late.append(method)
+        except Exception as fault:
+            methods.remove(method)
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+    return late
+
+
+def able_methods(problem: Problem, failed: list[str], *, searching: bool = True) -> list[BoundMethod]:
+    """The methods that apply, cheapest first; ``failed`` receives a line for each that cannot say."""
     methods: list[BoundMethod] = []
     others = replaced(problem)
     for method in sorted(BOUNDS.values(), key=lambda method: method.order):
         try:
             if (searching or not method.aims) and method.name not in others and not method.missing(problem):
-                method.prepare()
                 methods.append(method)
         except Exception as fault:
             failed.append(f"no bound by {method.name}: {in_words(fault)}")

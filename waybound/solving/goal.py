@@ -23,15 +23,19 @@ LARGEST = 500
 
 
 def first_evidence(
-    problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0
+    problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0, uncompiled: list[str] | None = None
 ) -> tuple[list[Evidence], Goal | None]:
-    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for."""
+    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for.
+
+    Nothing is compiled for it: ``uncompiled`` receives the names of the methods that this leaves out.
+    """
     if problem.size > LARGEST:
         return [], None
     try:
 
         def find(control: Control) -> RawResult:
-            return RawResult("unknown", answer=find_bounds(problem, seconds, control=control, linear=linear, searching=False))
+            found = find_bounds(problem, seconds, control=control, linear=linear, searching=False, compiling="never", uncompiled=uncompiled)
+            return RawResult("unknown", answer=found)
 
         found = search(find, Control(), seconds)
         evidence = found.result.answer or []

@@ -28,8 +28,8 @@ class Recorder:
     problem : Problem
     listeners : sequence of callables
         Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
-        has a method ``begin_phase(phase, limit)`` hears of phases too, and one with ``engine_set_up(who, seconds)`` of how long an engine
-        took before its search began.
+        has a method ``begin_phase(phase, limit)`` hears of phases too, one ``compiling(what, seconds)`` of loops that are compiled, and one
+        ``engine_set_up(who, seconds)`` of how long an engine took before its search began.
     """
 
     def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
@@ -66,6 +66,11 @@ class Recorder:
     def of_bounds(self, event: dict[str, Any]) -> None:
         """Hears bounding; ``source`` names what the bound rests on."""
         self._take("bound", None, event.get("bound"), event.get("kind") or "evidence", str(event.get("source", "bounding")))
+
+    def of_loops(self, what: str, seconds: float) -> None:
+        """Hears which loop is compiled, with NaN seconds, and when that is done."""
+        if what:
+            self._tell("compiling", what, seconds)
 
     def judged(self, who: str, values: Sequence[float]) -> None:
         """The values of the answer that is handed over, recomputed from the data."""

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
+from ..formulations.stop import Stop
 from ..instances.errors import in_words
 from ..solvers import interrupts
 from ..solvers.backend import Control, RawResult
@@ -16,8 +17,7 @@ from ..solvers.interrupts import GRACE
 T = TypeVar("T")
 
 OVERTIME = 0.7
-"""Seconds past its time limit after which an engine is asked to stop from outside: with its ``GRACE``, two seconds. What it does off the
-clock is not counted (``Control.off_the_clock``)."""
+"""Seconds past its time limit after which an engine is asked to stop from outside: with its ``GRACE``, two seconds."""
 
 BOUND_OVERTIME = OVERTIME
 """The same for bounding."""
@@ -45,7 +45,8 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
     """Run ``run(control)`` in a worker thread and wait for it.
 
     The first Ctrl-C (of the command line also SIGTERM or SIGHUP) asks the engine to stop and waits up to ``GRACE`` seconds for its last
-    word, a later one takes the incumbents at once. An engine that overstays its time limit is treated alike.
+    word, a later one takes the incumbents at once. An engine that overstays its time limit, on the clock of
+    ``stop.now``, is treated alike.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
         finally:
             done.set()
 
-    began = time.perf_counter()
+    began, limit = time.perf_counter(), Stop(time_limit + overtime)
     asked: float | None = None
     with interrupts.waiting():
         interrupted = give_up = bool(interrupts.received)  # then nothing is begun any more
@@ -77,7 +78,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
                 if interrupts.received and not interrupted:
                     interrupted, asked = True, now
                     control.stop()
-                if asked is None and now - began > time_limit + overtime:
+                if asked is None and limit.reached():
                     asked = now
                     control.stop()
                 give_up = interrupts.insisted or (asked is not None and now - asked > GRACE)

@@ -85,6 +85,13 @@ class SearchLog:
             with self._lock:
                 self._say(f"{who} is set up, which took {seconds:.1f} s")
 
+    def compiling(self, what: str, seconds: float) -> None:
+        """A loop is compiled, or (``seconds``) was."""
+        if math.isnan(seconds):
+            with self._lock:
+                self._flush()
+                self._say(f"compiling {what.rpartition('.')[2]}, once a machine")
+
     def __call__(self, event: dict[str, Any]) -> None:
         with self._lock:
             before, self._event = self._event, event

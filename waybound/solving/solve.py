@@ -14,6 +14,7 @@ from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
 from ..formulations.solution import Solution
+from ..formulations.stop import hearing
 from ..instances.errors import UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
@@ -143,7 +144,7 @@ def solve(
 
     run.notes.extend(told)
     listeners: list[Progress] = [] if progress is None else [progress]
-    with shown(log) as written:
+    with shown(log) as written, hearing(lambda what, seconds: record.of_loops(what, seconds)):
         if written is not None:
             listeners.append(written)
             written.begin(problem, run.claimant, _limits_told(chosen, budget))
@@ -176,13 +177,14 @@ def _answered(
         if not run.bounds and options.iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
             if budget > 0:
                 record.begin_phase("bound", min(SECONDS, budget))
-            first, goal = first_evidence(problem, min(SECONDS, budget), linear, options.gap)
+            uncompiled: list[str] = []
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, options.gap, uncompiled)
             if goal is not None and first:
                 record.of_bounds(goal.told())
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
-            elif goal is not None and budget > SECONDS and free_core(options.threads):
+            elif goal is not None and (budget > SECONDS or (budget > 0 and uncompiled)) and free_core(options.threads):
                 beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began
         if goal is None or not goal.infeasible:

@@ -13,7 +13,10 @@ ROUNDING = 1e-14
 """Part of a limit by which a route may exceed it: far less than the judge lets pass."""
 
 
-@kernel()
+@kernel(
+    "(i8[::1], Tuple((b1[::1], read(f8[::1]), read(f8[::1]), read(f8[::1]), read(f8[::1]), read(f8[::1]))), "
+    "Tuple((i8[::1], i8[::1], f8[::1], f8[::1], f8[::1])), f8[:, ::1], f8[:, ::1], f8)"
+)
 def earliest_finisher(flag, sites, vehicles, distance, time, weight):  # type: ignore[no-untyped-def]
     """The vehicle that is free first takes the nearest customer it can still bring home, or that of the largest reward less ``weight``
     times the distance, until no vehicle can take any.

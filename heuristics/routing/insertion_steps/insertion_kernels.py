@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 ROUNDING = 1e-14
@@ -19,8 +19,10 @@ ROUNDING = 1e-14
 ROUTES = 64
 """That there is room for at first."""
 
+_DATA = "Tuple((f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1]))"
 
-@kernel()
+
+@kernel(f"(i8[::1], {_DATA}, f8, UniTuple(f8, 4), b1, f8, f8, f8, b1)")
 def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1, by_due):  # type: ignore[no-untyped-def]
     """Solomon's I1: route by route, each from a seed, the customer that is worth most at its best place.
 
@@ -81,7 +83,7 @@ def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1,
     return order, last
 
 
-@kernel()
+@kernel(f"(i8[::1], {_DATA}, f8[:, ::1], read(f8[::1]), i8, f8, UniTuple(f8, 4), b1, b1, b1)")
 def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, kept, density):  # type: ignore[no-untyped-def]
     """Add the customer of the largest reward, or reward for the distance that it adds, where it adds least, while any fits.
 
@@ -167,7 +169,7 @@ def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, k
     return route_of, place
 
 
-@kernel()
+@inner
 def _best_place(u, route, size, data, inward, limits, timed, kept, begin, latest, length, busy):  # type: ignore[no-untyped-def]
     """Where on a route it adds the least distance to visit ``u``, the first of several places; whatever limits say, if ``kept``."""
     _, service, ready, due, distance, _ = data
@@ -190,7 +192,7 @@ def _best_place(u, route, size, data, inward, limits, timed, kept, begin, latest
     return least, place
 
 
-@kernel()
+@inner
 def _beside(u, at, route, size, data, inward, least, place):  # type: ignore[no-untyped-def]
     """The best place of ``u`` and what it adds, where somebody was put at another place, ``at``."""
     distance, end = data[4], len(data[0]) - 1
@@ -205,14 +207,14 @@ def _beside(u, at, route, size, data, inward, least, place):  # type: ignore[no-
     return least, place
 
 
-@kernel()
+@inner
 def _put(route, size, u, place):  # type: ignore[no-untyped-def]
     for k in range(size, place, -1):
         route[k] = route[k - 1]
     route[place] = u
 
 
-@kernel()
+@inner
 def _schedule(route, size, data, limits, begin, latest):  # type: ignore[no-untyped-def]
     """Earliest and latest begin at each visit; returns distance driven, and time driven and served."""
     _, service, ready, due, distance, time = data
@@ -236,7 +238,7 @@ def _schedule(route, size, data, limits, begin, latest):  # type: ignore[no-unty
     return length + distance[at, end], busy + time[at, end]
 
 
-@kernel()
+@inner
 def _inserted(u, k, route, size, data, limits, timed, begin, latest, length, busy):  # type: ignore[no-untyped-def]
     """What it adds to the distance to visit ``u`` before the ``k``-th stop, and how much later that stop is begun.
 
@@ -266,7 +268,7 @@ def _inserted(u, k, route, size, data, limits, timed, begin, latest, length, bus
     return extra, after - begin[k]
 
 
-@kernel()
+@inner
 def _duration(u, k, route, size, data, limits):  # type: ignore[no-untyped-def]
     """Shortest duration of the route with ``u`` before its ``k``-th stop, leaving as late as delays nothing."""
     _, service, ready, due, _, time = data

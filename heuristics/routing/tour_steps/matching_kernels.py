@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 NONE, OUTER, INNER = -1, 0, 1
 FAR = 1 << 62
 
 
-@kernel()
+@kernel("(i8[::1], i8[:, ::1])")
 def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-def]
     """Partner of each vertex; -1 for some where it was asked to stop.
 
@@ -71,7 +71,7 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
     return mate[:n].copy()
 
 
-@kernel()
+@inner
 def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
     """Grow trees of alternating paths from all free surfaces until two of them meet; False without any, or where it was asked to stop."""
     _, price, mate, top, label, near, parent, _, _, end, _, _, _, queue, span = state
@@ -131,7 +131,7 @@ def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
                 _open(state, n, b)
 
 
-@kernel()
+@inner
 def _slack(state, x, y):  # type: ignore[no-untyped-def]
     """Of the edge of least slack between ``x`` and ``y``."""
     doubled, price, end = state[0], state[1], state[9]
@@ -139,14 +139,14 @@ def _slack(state, x, y):  # type: ignore[no-untyped-def]
     return 2 * doubled[u, v] - price[u] - price[v]
 
 
-@kernel()
+@inner
 def _note(state, u, x):  # type: ignore[no-untyped-def]
     near = state[5]
     if near[x] < 0 or _slack(state, u, x) < _slack(state, near[x], x):
         near[x] = u
 
 
-@kernel()
+@inner
 def _look(state, n, x):  # type: ignore[no-untyped-def]
     """The outer vertex nearest to surface ``x``, from scratch."""
     top, label, near = state[3], state[4], state[5]
@@ -156,7 +156,7 @@ def _look(state, n, x):  # type: ignore[no-untyped-def]
             _note(state, u, x)
 
 
-@kernel()
+@inner
 def _push(state, n, x):  # type: ignore[no-untyped-def]
     inside, queue, span = state[10], state[13], state[14]
     if x < n:
@@ -169,7 +169,7 @@ def _push(state, n, x):  # type: ignore[no-untyped-def]
                 span[1] += 1
 
 
-@kernel()
+@inner
 def _met(state, n, u, v):  # type: ignore[no-untyped-def]
     """Outer vertex ``u`` has a tight edge to ``v``: the tree grows, contracts, or meets another one (True)."""
     _, _, mate, top, label, near, parent, _, seen, _, _, _, _, _, _ = state
@@ -200,7 +200,7 @@ def _met(state, n, u, v):  # type: ignore[no-untyped-def]
     return False
 
 
-@kernel()
+@inner
 def _reverse(row, first, last):  # type: ignore[no-untyped-def]
     """Turn ``row[first:last]`` round in place."""
     last -= 1
@@ -210,7 +210,7 @@ def _reverse(row, first, last):  # type: ignore[no-untyped-def]
         last -= 1
 
 
-@kernel()
+@inner
 def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
     """Where ``child`` stands in the cycle of ``b``, whose direction is such that this is an even number."""
     cycle, length = state[11], state[12]
@@ -223,7 +223,7 @@ def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
     return at
 
 
-@kernel()
+@inner
 def _flip(state, n, x, u, v):  # type: ignore[no-untyped-def]
     """Match surface ``x`` along the edge from its vertex ``u`` to ``v``, and all that follows on the way to the root."""
     mate, top, parent, end = state[2], state[3], state[6], state[9]
@@ -239,7 +239,7 @@ def _flip(state, n, x, u, v):  # type: ignore[no-untyped-def]
         x = top[u]
 
 
-@kernel()
+@inner
 def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
     """Match ``x`` along the edge from its vertex ``u`` to ``v``, with all blossoms within it."""
     _, _, mate, _, _, _, _, _, _, end, inside, cycle, length, _, _ = state
@@ -262,7 +262,7 @@ def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
         _reverse(row, 0, k)
 
 
-@kernel()
+@inner
 def _contract(state, n, x, base, y):  # type: ignore[no-untyped-def]
     """A blossom of the cycle through ``base``, ``x`` and ``y``."""
     _, price, mate, top, label, _, parent, member, _, end, inside, cycle, length, _, _ = state
@@ -309,7 +309,7 @@ def _contract(state, n, x, base, y):  # type: ignore[no-untyped-def]
     _look(state, n, b)
 
 
-@kernel()
+@inner
 def _open(state, n, b):  # type: ignore[no-untyped-def]
     """Inner blossom ``b`` has no price left: its children are surfaces again, those between its two tree edges part of the tree."""
     _, _, _, top, label, near, parent, _, _, end, inside, cycle, length, _, _ = state

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 ROUNDING = 1e-14
@@ -20,7 +20,7 @@ LOOK = 1 << 16
 """Steps between looks at the flag."""
 
 
-@kernel()
+@kernel("(i8[::1], read(f8[::1]), f8, f8, i8, f8[:, ::1])")
 def cheapest_cut(flag, demand, segment, capacity, most, costs):  # type: ignore[no-untyped-def]
     """Cut after every ``segment`` of demand, from all places on that make a difference; the cheapest way.
 
@@ -67,7 +67,7 @@ def cheapest_cut(flag, demand, segment, capacity, most, costs):  # type: ignore[
     return last
 
 
-@kernel()
+@kernel("(i8[::1], read(f8[::1]), read(f8[::1]), read(f8[::1]), read(f8[::1]), f8[:, ::1], f8[:, ::1], f8, UniTuple(f8, 4), f8, f8, i8)")
 def best_split(flag, demand, service, ready, due, distance, time, capacity, limits, unit_cost, fixed_cost, most):  # type: ignore[no-untyped-def]
     """The cheapest way to cut a tour into at most ``most`` routes that keep all limits: a shortest path, route by route.
 
@@ -129,7 +129,7 @@ def best_split(flag, demand, service, ready, due, distance, time, capacity, limi
     return _walked(value, before, penalty, fleet)
 
 
-@kernel()
+@kernel("(i8[::1], read(f8[::1]), f8[:, ::1], f8, f8, f8, i8)")
 def linear_split(flag, demand, costs, capacity, unit_cost, fixed_cost, most):  # type: ignore[no-untyped-def]
     """``best_split`` where loads are whole numbers and the only limit, in time that grows with the customers alone (Vidal 2016).
 
@@ -170,7 +170,7 @@ def linear_split(flag, demand, costs, capacity, unit_cost, fixed_cost, most):  #
     return _walked(value, before, penalty, fleet)
 
 
-@kernel()
+@inner
 def _walked(value, before, penalty, fleet):  # type: ignore[no-untyped-def]
     """The cut at the end of a shortest path, back from its last customer."""
     n = value.shape[1] - 1
@@ -188,7 +188,7 @@ def _walked(value, before, penalty, fleet):  # type: ignore[no-untyped-def]
     return last, broken, total - broken * penalty
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1], i8)")
 def even_split(flag, costs, most):  # type: ignore[no-untyped-def]
     """Cut a tour into at most ``most`` routes, the longest as short as it can be: whether each customer is the last of its route.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 LEAST = 1e-12
@@ -14,7 +14,7 @@ LONGEST = 3
 """Nodes of the longest path that Or-opt moves."""
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1])")
 def close(flag, matrix):  # type: ignore[no-untyped-def]
     """Turn lengths into those of shortest paths, in place (Floyd 1962; Warshall 1962). False where it was asked to stop."""
     n = len(matrix)
@@ -29,7 +29,7 @@ def close(flag, matrix):  # type: ignore[no-untyped-def]
     return True
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1])")
 def spanning_tree(flag, costs):  # type: ignore[no-untyped-def]
     """Parent of each node in a minimum spanning tree, the root 0 its own (Prim 1957); empty where it was asked to stop."""
     n = len(costs)
@@ -52,7 +52,7 @@ def spanning_tree(flag, costs):  # type: ignore[no-untyped-def]
     return parent
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], i8)")
 def shortcut(tails, heads, n):  # type: ignore[no-untyped-def]
     """The nodes of a connected graph of even degrees in the order in which a Euler tour from node 0 first meets them (Hierholzer 1873)."""
     m = len(tails)
@@ -87,7 +87,7 @@ def shortcut(tails, heads, n):  # type: ignore[no-untyped-def]
     return order
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1])")
 def nearest_neighbour(flag, costs):  # type: ignore[no-untyped-def]
     """From node 0 to the nearest node that is left, again and again; where it was asked to stop, the others in their order."""
     n = len(costs)
@@ -105,7 +105,7 @@ def nearest_neighbour(flag, costs):  # type: ignore[no-untyped-def]
     return order
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], f8[:, ::1], i8[:, ::1])")
 def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     """2-opt and Or-opt (Croes 1958; Or 1976) between near nodes, in place, until neither shortens the tour; returns the moves made.
 
@@ -144,7 +144,7 @@ def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     return moves
 
 
-@kernel()
+@inner
 def _shorten(tour, place, costs, near, a, touched):  # type: ignore[no-untyped-def]
     """Make the first move at ``a`` that shortens the tour; returns how many nodes it ``touched``."""
     n = len(tour)
@@ -187,7 +187,7 @@ def _shorten(tour, place, costs, near, a, touched):  # type: ignore[no-untyped-d
     return 0
 
 
-@kernel()
+@inner
 def _turn(tour, place, x, y):  # type: ignore[no-untyped-def]
     """Turn the path from ``x`` on to ``y`` round; or all other nodes, where they are fewer, which makes the same tour."""
     n = len(tour)
@@ -202,7 +202,7 @@ def _turn(tour, place, x, y):  # type: ignore[no-untyped-def]
         i, j = (i + 1) % n, (j + n - 1) % n
 
 
-@kernel()
+@inner
 def _move(tour, place, p, a, e, q, c, d):  # type: ignore[no-untyped-def]
     """Take the path ``a..e`` out from between ``p`` and ``q``, and put it between ``c`` and ``d``, ``a`` next to ``c``."""
     n = len(tour)

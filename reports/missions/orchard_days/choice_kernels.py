@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 
 FAR = np.int64(1) << 60
 
@@ -69,7 +69,7 @@ def immediate(costs):  # type: ignore[no-untyped-def]
     return plan
 
 
-@kernel()
+@kernel("(i8[:, ::1],)")
 def assignment(costs):  # type: ignore[no-untyped-def]
     """An assignment of as many pairs as there can be of the least sum, by shortest augmenting paths (Jonker and Volgenant 1987)."""
     if costs.shape[0] > costs.shape[1]:
@@ -81,7 +81,7 @@ def assignment(costs):  # type: ignore[no-untyped-def]
     return _rows_assigned(costs)
 
 
-@kernel()
+@inner
 def _rows_assigned(costs):  # type: ignore[no-untyped-def]
     """A column for each row, where there are no more rows than columns."""
     n, m = costs.shape

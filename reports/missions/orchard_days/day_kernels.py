@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from .choice_kernels import assignment, beaten, deferred, immediate, serial
 
 OUT, FETCH, WAIT, HAUL, BACK = range(1, 6)
 
 
-@kernel()
+@kernel(
+    "(i8[::1], Tuple((i8[:, ::1], i8[:, ::1], i8[:, ::1], i8)), Tuple((i8[::1], i8[:, ::1], i8[::1])), "
+    "UniTuple(i8, 2), UniTuple(i8, 3), i8, UniTuple(i8[::1], 3))"
+)
 def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyped-def]
     """Play until all bins are home, ``limit`` steps have passed or ``flag`` is set.
 
@@ -106,7 +109,7 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     return told
 
 
-@kernel()
+@inner
 def _choice(rules, idle, offered, place, cell_of, left, distance, empty, told):  # type: ignore[no-untyped-def]
     """Columns of ``offered`` for ``idle``, by the rule of the day."""
     n, m = len(idle), len(offered)
@@ -130,7 +133,7 @@ def _choice(rules, idle, offered, place, cell_of, left, distance, empty, told): 
     return plan
 
 
-@kernel()
+@inner
 def _delivery(proposed, b, home, cell_of, group_cell, group_bin, since, group_at, fruit, coming, reserve, empty):  # type: ignore[no-untyped-def]
     """The cell to which a robot that will fetch bin ``b`` (-1: none) brings a new one; -1 for none."""
     if b >= 0 and not proposed:
@@ -152,7 +155,7 @@ def _delivery(proposed, b, home, cell_of, group_cell, group_bin, since, group_at
     return best
 
 
-@kernel()
+@inner
 def _work(t, fill, group_cell, group_bin, since, group_at, reserve, fruit, orders, distance, left, full, told):  # type: ignore[no-untyped-def]
     """Let groups work for a step."""
     for g in range(len(group_cell)):

@@ -550,12 +550,9 @@ def column_generation_bound(
     return tree.evidence("routes")
 
 
-def _prepare() -> None:
-    from ....formulations.routing.checking import walk_kernels as walk_kernels
-    from . import route_label_kernels as route_label_kernels  # compile, or load what was compiled before
-
+KERNELS = ("waybound.solvers.bounds.routing.route_label_kernels", "waybound.formulations.routing.checking.walk_kernels")
 
 BOUNDS.add(
     "column-generation",
-    BoundMethod("column-generation", lacks_arc_costs, column_generation_bound, order=8, aims=True, prepare=_prepare),
+    BoundMethod("column-generation", lacks_arc_costs, column_generation_bound, order=8, aims=True, kernels=KERNELS),
 )

@@ -10,12 +10,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 
 
-@kernel()
+def over_items(types: str) -> tuple[str, str]:
+    """Declared types of a kernel that takes ``types`` and a function, whose matrix holds doubles or single numbers."""
+    csr = "i8, read(i4[::1]), read(i4[::1]), read(f8[::1])"
+    return f"({types}, {csr}, read(f8[:, ::1]))", f"({types}, {csr}, read(f4[:, ::1]))"
+
+
+@inner
 def gain(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """What element ``e`` adds to the set that ``best`` stands for."""
     if layout == IN_MATRIX:
@@ -41,7 +47,7 @@ def gain(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-
     return total
 
 
-@kernel()
+@kernel(*over_items("i8, f8[::1]"))
 def take(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add element ``e`` to the set: raises ``best`` in place."""
     if layout == IN_MATRIX:
@@ -53,7 +59,7 @@ def take(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-
             best[j] = max(best[j], weights[j] if layout == AT_ITEM else weights[p])
 
 
-@kernel()
+@kernel(*over_items("i8[::1], i8[::1], f8[::1]"))
 def gains_of(flag, elements, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gain of each of ``elements``, shape (elements,); 0 where it was asked to stop before."""
     found = np.zeros(len(elements))
@@ -64,7 +70,7 @@ def gains_of(flag, elements, best, layout, indptr, indices, weights, matrix):  #
     return found
 
 
-@kernel()
+@kernel(*over_items("i8[::1], f8[::1], f8, i4[::1], i8[::1], i8, f8, f8[::1]"))
 def sweep(flag, costs, budget, groups, room, most, floor, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """A set picked almost greedily: sweeps with a falling threshold on the gain per cost, each a tenth below the last.
 

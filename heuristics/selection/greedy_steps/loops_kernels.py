@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM
-from ....solvers.bounds.selection.gain_kernels import gain, take
+from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
 
 
-@kernel()
+@kernel(*over_items("i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1]"))
 def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Every gain afresh in every round."""
     n, count, evaluations = len(groups), 0, 0
@@ -41,7 +41,7 @@ def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, we
     return picks[:count], gains[:count], evaluations
 
 
-@kernel()
+@inner
 def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Let the entry at ``at`` sink to its place in a heap with the largest key on top, the smallest index among equal ones."""
     key, e = keys[at], heap[at]
@@ -61,7 +61,7 @@ def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cov
     keys[at], heap[at] = key, e
 
 
-@kernel()
+@kernel(*over_items("i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1]"))
 def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gains of earlier rounds, which can only have fallen since, on a heap; only what comes up is evaluated again."""
     n, count, size = len(groups), 0, 0
@@ -100,7 +100,7 @@ def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, wei
     return picks[:count], gains[:count], evaluations
 
 
-@kernel()
+@kernel("(i8[::1], i8, i8, read(i4[::1]), read(i4[::1]), read(f8[::1]))")
 def transpose(flag, items, layout, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """The elements of each item, and (but for coverage) the weights that they give it."""
     starts = np.zeros(items + 1, np.int64)
@@ -125,7 +125,10 @@ def transpose(flag, items, layout, indptr, indices, weights):  # type: ignore[no
 BLOCK = 256
 
 
-@kernel()
+@kernel(
+    "(i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1], i8[::1], i4[::1], f8[::1], i8, "
+    "i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]))"
+)
 def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, layout, indptr, indices, weights, matrix
 ):
@@ -193,7 +196,7 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     return picks[:count], gains[:count], evaluations
 
 
-@kernel()
+@kernel(*over_items("i8[::1], i8[::1], i8[::1], i8[::1], i8[::1], f8[::1]"))
 def in_order(flag, order, starts, members, room, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One group after the other picks its best elements, as many as it has room for."""
     most = 0

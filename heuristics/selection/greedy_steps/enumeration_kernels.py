@@ -6,10 +6,10 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection.gain_kernels import gain, take
+from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
 
 
-@kernel()
+@kernel(*over_items("i8[::1], i8[::1], i8[::1], i8[::1], f8[::1], f8[::1], f8, f8[::1], b1, i8"))
 def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, slot_group, starts, members, rest, costs, budget, tail, optional, items, layout, indptr, indices, weights, matrix
 ):
@@ -58,7 +58,7 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     return most, winner, looked, t < 0
 
 
-@kernel()
+@kernel("(i8[::1], i4[::1], i4[::1], read(i4[::1]), read(i4[::1]), read(f8[::1]), f8[:, ::1])")
 def best_bottleneck(flag, starts, actions, indptr, indices, weights, rest):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One action a robot such that the worst target is covered best; ``rest[i, j]`` bounds what robots from i on can give target j."""
     robots, targets = len(starts) - 1, rest.shape[1]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection.gain_kernels import gain, take
-from .loops import sift
+from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
+from .loops_kernels import sift
 
 
-@kernel()
+@inner
 def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add the element of largest gain per cost that still fits, until none does or the ``flag`` is set.
 
@@ -42,7 +42,7 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr
     return total, count
 
 
-@kernel()
+@kernel(*over_items("i8[::1], i8[::1], i8, i8, f8, f8[::1], f8[::1], f8"))
 def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, begun, lo, hi, most_value, free_best, costs, budget, layout, indptr, indices, weights, matrix
 ):
