@@ -16,6 +16,7 @@ import pytest
 from small_routing import FEATURES, small
 
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import now
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers import isolation
 from waybound.solvers.backend import Control, Options, RawResult
@@ -137,6 +138,15 @@ def test_what_is_prepared_takes_no_time_of_the_search(monkeypatch: pytest.Monkey
 
     monkeypatch.setattr(isolation, "OVERTIME", 0.3)
     assert isolation.run_in_process(SlowToBegin(2.0), Options(time_limit=0.5), Control()).answer
+
+
+def test_the_clock_of_all_deadlines_stands_still_while_a_process_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(HERE))
+    from misbehaving import SlowToBegin
+
+    before, began = now(), time.perf_counter()
+    assert isolation.run_in_process(SlowToBegin(0.3), Options(time_limit=60), Control()).answer
+    assert (time.perf_counter() - began) - (now() - before) >= 0.3
 
 
 def test_how_long_an_engine_set_up_is_told_from_another_process(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -145,6 +145,8 @@ def test_what_opens_is_judged_and_told_before_the_engine_begins() -> None:
     known: list[Any] = []
 
     def run(self: Any, problem: Any, options: Options, control: Control) -> RawResult:
+        control.begin_set_up()
+        control.end_set_up(2.46)
         known.extend([options.start, [(e["phase"], e["objective"], e["found_by"]) for e in told if e["objective"] is not None]])
         return RawResult("unknown")
 
@@ -152,7 +154,7 @@ def test_what_opens_is_judged_and_told_before_the_engine_begins() -> None:
         found = solve(star(), time_limit=8.0, bound_time=0, progress=told.append)
     assert known == [ALONE, [("check", 240.0, NAME)]]
     assert (found.answer, found.objective) == (ALONE, 240.0)
-    assert f"deaf started from the answer of {NAME}, worth 240" in found.message
+    assert f"deaf started from the answer of {NAME}, worth 240; deaf took 2.5 s to set up" in found.message
 
 
 @pytest.mark.parametrize("signalled", [False, True])

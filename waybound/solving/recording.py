@@ -19,6 +19,9 @@ Progress = Callable[[dict[str, Any]], None]
 PRICED_EVERY = 0.25
 """Least seconds between two incumbents of several levels that are priced for who watches."""
 
+SLOW_SET_UP = 1.0
+"""Seconds of an engine's own set-up that are worth a word."""
+
 
 class Recorder:
     """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
@@ -29,7 +32,7 @@ class Recorder:
     listeners : sequence of callables
         Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
         has a method ``begin_phase(phase, limit)`` hears of phases too, one ``compiling(what, seconds)`` of loops that are compiled, and one
-        ``engine_set_up(who, seconds)`` of how long an engine took before its search began.
+        ``engine_set_up(who, seconds)`` of an engine that took long before its search began.
     """
 
     def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
@@ -45,8 +48,9 @@ class Recorder:
         self._tell("begin_phase", phase, limit)
 
     def engine_set_up(self, who: str, seconds: float) -> None:
-        """Tell them how long an engine took to make its own model."""
-        self._tell("engine_set_up", who, seconds)
+        """Tell them how long an engine took to make its own model, where that took a while."""
+        if seconds >= SLOW_SET_UP:
+            self._tell("engine_set_up", who, seconds)
 
     def _tell(self, what: str, *words: Any) -> None:
         for listener in self._listeners:

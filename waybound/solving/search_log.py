@@ -23,9 +23,6 @@ EVERY = 5.0
 APART = 0.25
 """Least seconds between two lines of better answers: of a flood of them the last counts."""
 
-SLOW = 1.0
-"""Seconds of an engine's own set-up that are worth a line."""
-
 _PHASES = {"solve": "searching", "bound": "bounding", "check": "checking"}
 _KINDS = {
     "claimed": "its own figure", "evidence": "its evidence is checked at the end", "verified": "checked",
@@ -80,10 +77,10 @@ class SearchLog:
             self._say(f"{_PHASES.get(phase, phase)} begins" + (f", for up to {limit:g} s" if limit is not None else ""))
 
     def engine_set_up(self, who: str, seconds: float) -> None:
-        """An engine has made its own model of the problem: said where that took a while."""
-        if seconds >= SLOW:
-            with self._lock:
-                self._say(f"{who} is set up, which took {seconds:.1f} s")
+        """An engine has made its own model of the problem, which took a while."""
+        with self._lock:
+            self._flush()
+            self._say(f"{who} is set up, which took {seconds:.1f} s")
 
     def compiling(self, what: str, seconds: float) -> None:
         """A loop is compiled, or (``seconds``) was."""

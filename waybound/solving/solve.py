@@ -25,7 +25,7 @@ from .beside import Beside, BoundWork, free_core
 from .choice import default_solver
 from .concluding import conclude
 from .goal import SECONDS, Goal, first_evidence
-from .recording import Progress, Recorder, pricing
+from .recording import SLOW_SET_UP, Progress, Recorder, pricing
 from .runs import Run, continued, default_run, heuristic_run, solver_run
 from .search import Searched, search
 from .showing import Log, shown
@@ -197,6 +197,8 @@ def _answered(
             crash = fault
             message = f"the engine failed: {in_words(fault)}"
             searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
+        if control.set_up is not None and control.set_up >= SLOW_SET_UP:
+            run.notes.append(f"{run.name} took {control.set_up:.1f} s to set up")
         if goal is not None and (goal.reached or goal.infeasible) and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit=goal.limit))
         try:
