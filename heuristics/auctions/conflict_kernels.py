@@ -28,7 +28,9 @@ def conflict_rounds(flag, indptr, bins, cost, num_bins, final):  # type: ignore[
         Bin of each robot, -1 for none; rounds, bids, and whether it came to its end.
     """
     n = len(indptr) - 1
-    place, holder, offered = indptr[:-1].copy(), np.full(num_bins, -1, np.int64), np.full(num_bins, -1, np.int64)
+    place, holder, offered = np.empty(n, np.int64), np.full(num_bins, -1, np.int64), np.full(num_bins, -1, np.int64)
+    for i in range(n):
+        place[i] = indptr[i]
     taken = np.full(n, -1, np.int64)
     active = np.ones(n, np.bool_)
     rounds, bids = 0, 0

@@ -67,15 +67,14 @@ def find_bounds(
     if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
         return found
     control = control or Control()
-    stop, linear = Stop(bound_time), linear or LinearPrograms()
-    control.on_stop(stop.ask)
-
     methods = able_methods(problem, failed, searching=searching)
     late = _late(methods, failed)
     if uncompiled is not None:
         uncompiled.extend(method.name for method in late)
     others = [method for method in methods if method not in late]
     methods = {"never": others, "last": others + late, "first": late + others}[compiling]
+    stop, linear = Stop(bound_time), linear or LinearPrograms()  # from here on: listing imports them all
+    control.on_stop(stop.ask)
     share = stop.within(bound_time / 2.0) if compiling == "last" and late else stop
     for method in methods:
         within = stop if method in late else share

@@ -39,9 +39,12 @@ def earliest_finisher(flag, sites, vehicles, distance, time, weight):  # type: i
     start, end, capacity, max_duration, max_distance = vehicles
     n, fleet = len(demand), len(start)
     vehicle_of, place = np.full(n, -1), np.zeros(n, np.int64)
-    left = customer.copy()
-    clock, driven, load = ready[start].copy(), np.zeros(fleet), np.zeros(fleet)
-    at, visits, active = start.copy(), np.zeros(fleet, np.int64), np.ones(fleet, np.bool_)
+    left, active, at, visits = np.empty(n, np.bool_), np.empty(fleet, np.bool_), np.empty(fleet, np.int64), np.zeros(fleet, np.int64)
+    clock, driven, load = np.empty(fleet), np.zeros(fleet), np.zeros(fleet)
+    for u in range(n):
+        left[u] = customer[u]
+    for v in range(fleet):
+        clock[v], at[v], active[v] = ready[start[v]], start[v], True
     while not asked(flag):
         v = -1
         for k in range(fleet):

@@ -156,12 +156,14 @@ def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, k
         fresh = to == open_ - 1 and open_ < fleet
         open_ += fresh
         if open_ > room:
-            more = min(fleet, 2 * room) - room
-            room += more
-            none = np.zeros((more, n + 2), np.int64)
-            routes, place_of = np.concatenate((routes, none)), np.concatenate((place_of, none))
-            least_of = np.concatenate((least_of, np.full((more, n + 2), math.inf)))
-            extra_of = np.concatenate((extra_of, np.full((more, n + 2), math.inf)))
+            more = min(fleet, 2 * room)
+            routes_, place_of_ = np.zeros((more, n + 2), np.int64), np.zeros((more, n + 2), np.int64)
+            least_of_, extra_of_ = np.full((more, n + 2), math.inf), np.full((more, n + 2), math.inf)
+            for r in range(room):
+                for u in range(n + 2):
+                    routes_[r, u], place_of_[r, u] = routes[r, u], place_of[r, u]
+                    least_of_[r, u], extra_of_[r, u] = least_of[r, u], extra_of[r, u]
+            routes, place_of, least_of, extra_of, room = routes_, place_of_, least_of_, extra_of_, more
     route_of, place = np.full(n + 2, -1), np.zeros(n + 2, np.int64)
     for r in range(open_):
         for k in range(size[r]):

@@ -29,7 +29,10 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
         Symmetric, at most 2^57 in size.
     """
     n = len(weights)
-    doubled = 2 * weights  # then all prices of outer vertices stay of one parity
+    doubled = np.empty((n, n), np.int64)  # then all prices of outer vertices stay of one parity
+    for u in range(n):
+        for v in range(n):
+            doubled[u, v] = 2 * weights[u, v]
     size = n + n // 2 + 1
     price = np.zeros(size, np.int64)
     mate = np.full(size, -1)
@@ -47,9 +50,9 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
     span = np.zeros(2, np.int64)  # of what waits in the queue
     for u in range(n):
         top[u] = member[u] = u
-        end[u, :n] = u
         least = FAR
         for v in range(n):
+            end[u, v] = u
             if v != u:
                 least = min(least, doubled[u, v])
         price[u] = least
@@ -68,7 +71,7 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
     state = (doubled, price, mate, top, label, near, parent, member, seen, end, inside, cycle, length, queue, span)
     while _augmented(flag, state, n):
         pass
-    return mate[:n].copy()
+    return mate[:n]
 
 
 @inner
@@ -76,9 +79,9 @@ def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
     """Grow trees of alternating paths from all free surfaces until two of them meet; False without any, or where it was asked to stop."""
     _, price, mate, top, label, near, parent, _, _, end, _, _, _, queue, span = state
     size = len(top)
-    label[:] = NONE
-    near[:] = -1
-    span[:] = 0
+    span[0] = span[1] = 0
+    for x in range(size):
+        label[x], near[x] = NONE, -1
     for x in range(size):
         if top[x] == x and mate[x] < 0:
             parent[x] = -1
@@ -101,7 +104,7 @@ def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
                         _note(state, u, top[v])
         if asked(flag):
             return False
-        span[:] = 0
+        span[0] = span[1] = 0
         step = FAR
         for x in range(size):
             if top[x] != x:
@@ -182,7 +185,9 @@ def _met(state, n, u, v):  # type: ignore[no-untyped-def]
         label[z] = OUTER
         _push(state, n, z)
     elif label[y] == OUTER:
-        stamp = seen.max() + 1
+        stamp = 1
+        for z in range(len(seen)):
+            stamp = max(stamp, seen[z] + 1)
         base, a, b = -1, x, y
         while a >= 0 or b >= 0:
             if a >= 0:
@@ -243,9 +248,11 @@ def _flip(state, n, x, u, v):  # type: ignore[no-untyped-def]
 def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
     """Match ``x`` along the edge from its vertex ``u`` to ``v``, with all blossoms within it."""
     _, _, mate, _, _, _, _, _, _, end, inside, cycle, length, _, _ = state
-    waiting = [(x, u, v)]
-    while len(waiting) > 0:
-        x, u, v = waiting.pop()
+    waiting, depth = np.empty((len(mate), 3), np.int64), 1
+    waiting[0, 0], waiting[0, 1], waiting[0, 2] = x, u, v
+    while depth > 0:
+        depth -= 1
+        x, u, v = waiting[depth, 0], waiting[depth, 1], waiting[depth, 2]
         mate[x] = v
         if x < n:
             continue
@@ -253,9 +260,11 @@ def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
         at, row = _turn(state, n, x, child), cycle[x - n]
         for i in range(0, at, 2):
             a, b = row[i], row[i + 1]
-            waiting.append((a, end[a, b], end[b, a]))
-            waiting.append((b, end[b, a], end[a, b]))
-        waiting.append((child, u, v))
+            waiting[depth, 0], waiting[depth, 1], waiting[depth, 2] = a, end[a, b], end[b, a]
+            waiting[depth + 1, 0], waiting[depth + 1, 1], waiting[depth + 1, 2] = b, end[b, a], end[a, b]
+            depth += 2
+        waiting[depth, 0], waiting[depth, 1], waiting[depth, 2] = child, u, v
+        depth += 1
         k = length[x - n]
         _reverse(row, 0, at)  # three turns rotate
         _reverse(row, at, k)

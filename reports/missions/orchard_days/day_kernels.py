@@ -44,7 +44,9 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     robots, fill = sizes
     stood, full, returned = times
     groups, bins = len(begin), len(stood)
-    group_cell, group_bin, since = begin.copy(), np.arange(groups), np.zeros(groups, np.int64)
+    group_cell, group_bin, since = np.empty(groups, np.int64), np.empty(groups, np.int64), np.zeros(groups, np.int64)
+    for g in range(groups):
+        group_cell[g], group_bin[g] = begin[g], g
     group_at, coming, reserve = np.full(len(fruit), -1), np.zeros(len(fruit), np.bool_), np.full(len(fruit), -1)
     cell_of, free, left = np.full(bins, -1), np.zeros(bins, np.bool_), np.full(bins, -1)  # left: steps until full
     state, place, until = np.zeros(robots, np.int64), np.full(robots, home), np.zeros(robots, np.int64)
@@ -55,9 +57,23 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     made, t, out = groups, 0, 0
     while t < limit and out < bins and not asked(flag):
         # robots decide
-        idle = np.nonzero(state == 0)[0]
-        if len(idle):
-            offered = np.nonzero(free)[0]
+        count = 0
+        for r in range(robots):
+            count += state[r] == 0
+        if count > 0:
+            idle, count = np.empty(count, np.int64), 0
+            for r in range(robots):
+                if state[r] == 0:
+                    idle[count] = r
+                    count += 1
+            count = 0
+            for b in range(bins):
+                count += free[b]
+            offered, count = np.empty(count, np.int64), 0
+            for b in range(bins):
+                if free[b]:
+                    offered[count] = b
+                    count += 1
             plan = _choice(rules, idle, offered, place, cell_of, left, distance, empty, told)
             for k in range(len(idle)):
                 r = idle[k]

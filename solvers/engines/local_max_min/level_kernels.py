@@ -251,7 +251,9 @@ def transpose(graph, num_targets, target_starts, robots):  # type: ignore[no-unt
         target_starts[targets[e] + 1] += 1
     for k in range(num_targets):
         target_starts[k + 1] += target_starts[k]
-    fill = target_starts[:num_targets].copy()
+    fill = np.empty(num_targets, np.int64)
+    for k in range(num_targets):
+        fill[k] = target_starts[k]
     for i in range(len(first) - 1):
         for e in range(starts[first[i]], starts[first[i + 1]]):
             k = targets[e]
