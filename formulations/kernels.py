@@ -1,50 +1,173 @@
-"""Numba kernels, cached on disk where that is possible."""
+"""Numba kernels of declared types, made on first use or by ``waybound warm``, cached on disk where that is possible.
+
+Imports numba: import it inside functions only, or in modules whose names end with ``_kernels``.
+"""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+import gc
+import importlib
+import pkgutil
+from collections.abc import Callable, Iterator
 from typing import Any
 
+import numba
+from numba.core import sigutils, types
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import CPUDispatcher
+from numba.core.types.misc import unliteral
 
-def kernel(*signature: str, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+from .stop import off_the_clock
+
+_outer: list[Any] = []
+"""The kernels that are being compiled, each for the one before."""
+
+
+class Kernel(CPUDispatcher):  # type: ignore[misc]
+    """A compiled loop. One with declared types takes these and what converts to them; one without is compiled for whatever it is given."""
+
+    declared: tuple[str, ...] = ()
+    _parsed: list[Any] | None = None
+
+    @property
+    def title(self) -> str:
+        """Its module and its name."""
+        return f"{self.py_func.__module__.partition('.')[2]}.{self.py_func.__name__}"
+
+    def compile(self, sig: Any) -> Any:
+        """Compile for these types, or load what was compiled; no deadline comes nearer meanwhile."""
+        known = self.overloads.get(tuple(sigutils.normalize_signature(sig)[0]))
+        if known is not None:
+            return known.entry_point
+        with off_the_clock("" if self._keeps(sig) or _outer else self.title):
+            _outer.append(self)
+            try:
+                with _uncollected():
+                    return super().compile(sig)
+            finally:
+                _outer.pop()
+
+    def make(self) -> None:
+        """Compile or load it for all declared types, if that was not done yet."""
+        with global_compiler_lock:
+            if self._can_compile:
+                for signature in self._signatures():
+                    self.compile(signature)
+                if self.declared:
+                    self.disable_compile()
+
+    def kept(self) -> bool:
+        """Whether making it takes no compiler: it is made, or all of it is in the cache."""
+        return not self._can_compile or all(self._keeps(signature) for signature in self._signatures())
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """For kernels that call it. It is not compiled anew for each constant or width of whole numbers."""
+        if len(self.declared) == 1:
+            self.make()
+        return super().get_call_template(tuple(map(_widened, args)), {name: _widened(kind) for name, kind in kws.items()})
+
+    def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
+        if not self.declared:
+            return super()._compile_for_args(*args, **kws)
+        if len(self.declared) == 1:
+            self.make()
+            return self  # called again, now that it converts what it is given
+        given = [self.typeof_pyval(value) for value in args]
+        for signature in self._signatures():
+            wanted = sigutils.normalize_signature(signature)[0]
+            if all(self.typingctx.can_convert(one, other) is not None for one, other in zip(given, wanted, strict=True)):
+                return self.compile(signature)
+        raise TypeError(f"{self.title} is declared for {' or '.join(self.declared)}, not for ({', '.join(map(str, given))})")
+
+    def _signatures(self) -> list[Any]:
+        if self._parsed is None:
+            words = {**vars(types), **self.py_func.__globals__, **_WORDS}
+            self._parsed = [eval(text, words) for text in self.declared]  # our own source, not data
+        return self._parsed
+
+    def _keeps(self, sig: Any) -> bool:
+        try:
+            return self._cache._index_key(sig, self.targetctx.codegen()) in self._cache._cache_file._load_index()
+        except Exception:  # no cache, or one that cannot be read
+            return False
+
+
+def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Kernel]:
     """``numba.njit`` with its cache on disk; without one where no folder for it can be written (containers, system installs).
 
     Python's lock is released: a kernel that takes long looks at a flag that others set meanwhile (``stop_kernel.asked``).
 
     Parameters
     ----------
-    signature : str, optional
-        Compiles for these types at once.
+    declared : str, optional
+        Types that it takes, in the words of numba: ``f8(f8[::1], i8)``, or ``(f8[::1], i8)`` where what it returns is found.
+        ``read(f8[::1])`` takes read-only arrays and others, ``named(Graph, ...)`` a named tuple. It is compiled for these alone, when it
+        is first called. What Python calls declares its types, so that it can be compiled without being run.
     **options
         Further options of ``numba.njit``.
     """
-    import numba
+    options = {"nogil": True, "no_cfunc_wrapper": True, **options}
 
-    options.setdefault("nogil", True)
-
-    def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    def made(function: Callable[..., Any]) -> Kernel:
         try:
-            made = numba.njit(*signature, cache=True, **options)(function)
+            found = numba.njit(cache=True, **options)(function)
+            found._cache.save_overload = _forgiving(found._cache.save_overload)
         except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
-            return numba.njit(*signature, **options)(function)  # type: ignore[no-any-return]
-        made._cache.save_overload = _forgiving(made._cache.save_overload)
-        made.get_call_template = _once(made.get_call_template)
-        return made  # type: ignore[no-any-return]
+            found = numba.njit(**options)(function)
+        found.__class__ = Kernel
+        found.declared = declared
+        return found  # type: ignore[no-any-return]
 
-    return compiled
+    return made
 
 
-def _once(template: Callable[..., Any]) -> Callable[..., Any]:
-    """``template``, which kernels ask for the kernels that they call: not compiled anew for each constant or width of whole numbers."""
-    from numba.core import types
-    from numba.core.types.misc import unliteral
+inner = kernel(no_cpython_wrapper=True)
+"""For what only kernels call: nothing is made to call it from Python."""
 
-    def widened(kind: Any) -> Any:
-        kind = unliteral(kind)
-        return types.intp if kind in types.signed_domain else kind
 
-    return lambda args, kws: template(tuple(widened(kind) for kind in args), {name: widened(kind) for name, kind in kws.items()})
+def kernels(module: str) -> list[Kernel]:
+    """Those of a module that declare their types."""
+    held = vars(importlib.import_module(module)).values()
+    return [one for one in held if isinstance(one, Kernel) and one.declared and one.py_func.__module__ == module]
+
+
+def kernel_modules(above: str = __name__.partition(".")[0]) -> Iterator[str]:
+    """Names of all modules of kernels below a package."""
+    package = importlib.import_module(above)
+    for module in pkgutil.iter_modules(package.__path__, f"{above}."):
+        if module.ispkg:
+            yield from kernel_modules(module.name)
+        elif module.name.endswith("_kernels"):
+            yield module.name
+
+
+@contextlib.contextmanager
+def _uncollected() -> Iterator[None]:
+    """Without the collector of garbage: nearly all that a compiler makes is used, and looking through it takes a tenth of its time."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
+
+
+def _read(kind: Any) -> Any:
+    return kind.copy(readonly=True)
+
+
+def _named(cls: Any, *kinds: Any) -> Any:
+    return types.BaseTuple.from_types(kinds, cls)
+
+
+_WORDS = {"read": _read, "named": _named}
+
+
+def _widened(kind: Any) -> Any:
+    kind = unliteral(kind)
+    return types.intp if kind in types.signed_domain else kind
 
 
 def _forgiving(save: Callable[..., None]) -> Callable[..., None]:

@@ -18,6 +18,58 @@ from numpy.typing import NDArray
 
 Flag = NDArray[np.int64]
 
+_STANDING = threading.Lock()
+_stood: tuple[float, float, int] = (0.0, 0.0, 0)
+"""Seconds that the clock of all deadlines stood still, the moment since which it does now, and for how many who asked."""
+
+_LISTENERS: list[Callable[[str, float], None]] = []
+
+
+def now() -> float:
+    """Seconds on the clock that all deadlines keep, which stands still within ``off_the_clock``."""
+    lost, since, askers = _stood
+    return (since if askers else time.perf_counter()) - lost
+
+
+@contextmanager
+def off_the_clock(what: str = "") -> Iterator[None]:
+    """Within the block no deadline of this process comes nearer: for what is done once a machine, or once a process.
+
+    Parameters
+    ----------
+    what : str
+        The compiled loop that is made, told to all who listen; "" for what is done each time a process starts.
+    """
+    global _stood
+    with _STANDING:
+        lost, since, askers = _stood
+        _stood = (lost, since if askers else time.perf_counter(), askers + 1)
+    began = time.perf_counter()
+    tell(what, math.nan)
+    try:
+        yield
+    finally:
+        with _STANDING:
+            lost, since, askers = _stood
+            _stood = (lost if askers > 1 else lost + time.perf_counter() - since, since, askers - 1)
+        tell(what, time.perf_counter() - began)
+
+
+@contextmanager
+def hearing(listener: Callable[[str, float], None]) -> Iterator[None]:
+    """Within the block ``listener(what, seconds)`` hears of what is done off the clock: when it begins (NaN seconds) and when it ends."""
+    _LISTENERS.append(listener)
+    try:
+        yield
+    finally:
+        _LISTENERS.remove(listener)
+
+
+def tell(what: str, seconds: float) -> None:
+    """Tell all who listen, of what another process does too."""
+    for listener in tuple(_LISTENERS):
+        listener(what, seconds)
+
 
 class Stopped(Exception):
     """Raised by ``Stop.check`` to leave a computation whose parts are worth nothing."""
@@ -26,8 +78,9 @@ class Stopped(Exception):
 class Stop:
     """A deadline, and a wish to end that may come from any thread.
 
-    Python looks at ``reached()`` between pieces of work of at most some 50 ms. Compiled loops are given ``flag`` and look at it through
-    ``stop_kernel.asked`` as often; they release Python's lock, so that the clock and whoever asks can set it.
+    Its clock stands still while a loop is compiled or loaded (``off_the_clock``). Python looks at ``reached()`` between pieces of work of
+    at most some 50 ms. Compiled loops are given ``flag`` and look at it through ``stop_kernel.asked`` as often; they release Python's
+    lock, so that the clock and whoever asks can set it.
 
     Parameters
     ----------
@@ -36,7 +89,7 @@ class Stop:
     """
 
     def __init__(self, seconds: float = math.inf) -> None:
-        self._end = time.perf_counter() + seconds
+        self._end = now() + seconds
         self._wish = _Wish()
         self._flag: Flag | None = None
 
@@ -65,11 +118,11 @@ class Stop:
 
     @property
     def seconds_left(self) -> float:
-        return max(0.0, self._end - time.perf_counter())
+        return max(0.0, self._end - now())
 
     def reached(self) -> str:
         """Why it has to end: ``interrupt``, ``time``, or not at all (empty)."""
-        return "interrupt" if self._wish.asked else "time" if time.perf_counter() >= self._end else ""
+        return "interrupt" if self._wish.asked else "time" if now() >= self._end else ""
 
     def check(self) -> None:
         """Raise Stopped if it has to end."""
@@ -90,6 +143,10 @@ class Stop:
         return self._flag
 
 
+_LOOK = 0.02
+"""Seconds between two looks at a clock that stands still."""
+
+
 class _Clock:
     """Sets flags at their instants: one thread for all of them, for a thread each would take longer than many a kernel."""
 
@@ -101,7 +158,7 @@ class _Clock:
         self._room = 1000
 
     def set_at(self, end: float, flag: Flag) -> None:
-        """Set the flag at ``end``, on the clock of ``time.perf_counter``, if somebody holds it then."""
+        """Set the flag at ``end``, on the clock of ``now``, if somebody holds it then."""
         with self._earlier:
             if len(self._due) >= self._room:
                 self._due = [entry for entry in self._due if entry[2]() is not None]
@@ -118,9 +175,9 @@ class _Clock:
     def _run(self) -> None:
         with self._earlier:
             while True:
-                left = self._due[0][0] - time.perf_counter() if self._due else threading.TIMEOUT_MAX
+                left = self._due[0][0] - now() if self._due else threading.TIMEOUT_MAX
                 if left > 0.0:
-                    self._earlier.wait(left)
+                    self._earlier.wait(left + _LOOK if _stood[2] else left)
                 else:
                     _set(heapq.heappop(self._due)[2])
 
@@ -172,8 +229,10 @@ _CLOCK = _Clock()
 
 
 def _wind_up() -> None:
-    global _CLOCK
-    _CLOCK = _Clock()
+    global _CLOCK, _STANDING, _stood
+    lost, since, askers = _stood
+    _CLOCK, _STANDING = _Clock(), threading.Lock()
+    _stood = (lost + (time.perf_counter() - since if askers else 0.0), since, 0)
 
 
 if hasattr(os, "register_at_fork"):  # a forked process has no thread but the one that forked

@@ -88,7 +88,8 @@ class Heuristic:
     honours : frozenset of str
         See ``Backend.honours``.
     opens : callable
-        Whether, where the user names no method, the solver of a problem starts from its answer, since solvers find little by themselves.
+        Whether, where the user names no method, the solver of a problem starts from its answer, since solvers find little by themselves,
+        or take long to begin.
     """
 
     name: str

@@ -135,7 +135,16 @@ class Control:
     """Line between a running engine and ``solve``: incumbents go out, the wish to stop comes in. Thread-safe.
 
     Engines call ``publish`` for each better answer, and either poll ``stopped`` in a callback or register with
-    ``on_stop`` what ends their search.
+    ``on_stop`` what ends their search. Those whose own model of the problem may take long to make say when they begin and end with it.
+
+    Attributes
+    ----------
+    set_up : float or None
+        Seconds that the engine took before its search began, where it tells.
+    setting_up : bool
+        Whether it is at it.
+    on_set_up : callable or None
+        Hears of ``set_up``.
     """
 
     def __init__(self, progress: Callable[[dict[str, Any]], None] | None = None) -> None:
@@ -151,6 +160,9 @@ class Control:
         self.evidence: tuple[Evidence, ...] = ()
         self.goal: Callable[[Any, float | None], bool] | None = None
         self.nodes: int | None = None
+        self.set_up: float | None = None
+        self.setting_up = False
+        self.on_set_up: Callable[[float], None] | None = None
         self._counts_for: Control | None = None
 
     @property
@@ -184,6 +196,24 @@ class Control:
         self.nodes = nodes
         if self._counts_for is not None:
             self._counts_for.count(nodes)
+
+    def begin_set_up(self) -> None:
+        """The engine begins to make its own model of what it was given, which counts against its limit and may take much of it."""
+        self.setting_up = True
+
+    def end_set_up(self, seconds: float) -> None:
+        """Its search begins; the first call counts, of an engine that searches several times."""
+        if not self.setting_up:
+            return
+        self.setting_up, self.set_up = False, seconds
+        if self.on_set_up is not None:
+            self.on_set_up(seconds)
+
+    @property
+    def left(self) -> str:
+        """What is left of an engine that did not come back, for people."""
+        when = " while it was still setting up" if self.setting_up else ""
+        return f"{when}; its last published answer is used" if self.answer is not None else f"{when}, and had published no answer"
 
     def publish(
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
@@ -317,6 +347,14 @@ class Engine(Backend):
         stop = Stop(options.time_limit)
         control.on_stop(stop.ask)
         return stop
+
+    def memory(self, problem: Problem) -> float:
+        """Bytes that its own model of ``problem`` takes; 0 where that is little."""
+        return 0.0
+
+    def set_up_seconds(self, problem: Problem) -> float:
+        """About how long that takes to be made, for who decides whether to begin at all."""
+        return 0.0
 
     @abstractmethod
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:

@@ -8,6 +8,7 @@ writes to the folder for temporary files ends with it.
 from __future__ import annotations
 
 import importlib
+import math
 import os
 import pickle
 import signal
@@ -25,14 +26,15 @@ from typing import IO, Any
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.programs.program import Program
+from ..formulations.stop import hearing, off_the_clock, tell
 from ..instances import errors
 from ..instances.errors import UsageError, WayboundError
 from .backend import Control, Options, RawResult, solver_named
 from .children import child, scratch
 from .interrupts import CHILD_GRACE
 
-OVERTIME = 5.0
-"""Seconds past its time limit after which a child is asked to stop."""
+OVERTIME = 0.5
+"""Seconds past its time limit after which a child is asked to stop: with its start, and ``GRACE``, two seconds."""
 
 GRACE = CHILD_GRACE
 """Seconds between asking a child to stop and ending it."""
@@ -128,25 +130,41 @@ class _Child:
         self.searching: float | None = None
         self.asked: float | None = None
         self.late = False
+        self.standing = 0
         with suppress(BrokenPipeError, ConnectionResetError):  # it died at once; ``watch`` tells how
             self.mine.send_bytes(payload)
 
     def watch(self) -> RawResult:
         """Take what comes until the child is done or dead."""
-        while True:
-            try:
-                if self.mine.poll(_TICK):
-                    last = self._take(pickle.loads(self.mine.recv_bytes()))
-                    if last is not None:
-                        return last
-            except (EOFError, ConnectionResetError):
-                return self._obituary()
-            if self._overdue():
-                return self._from_incumbents("the solver did not stop when asked and was ended")
+        last: RawResult | None = None
+        with off_the_clock():
+            while last is None and self.searching is None:
+                last = self._step()
+        while last is None:
+            last = self._step()
+        return last
+
+    def _step(self) -> RawResult | None:
+        """Wait for a moment; the result, once there is one."""
+        try:
+            if self.mine.poll(_TICK):
+                return self._take(pickle.loads(self.mine.recv_bytes()))
+        except (EOFError, ConnectionResetError):
+            return self._obituary()
+        if self._overdue():
+            return self._from_incumbents(f"the solver did not stop when asked and was ended{self.control.left}")
+        return None
 
     def _take(self, message: _Message) -> RawResult | None:
         if message.kind == "searching":
             self.searching = time.perf_counter()
+        elif message.kind == "set-up":
+            if message.value is None:
+                self.control.begin_set_up()
+            else:
+                self.control.end_set_up(message.value)
+        elif message.kind == "off the clock":
+            self._stands(*message.value)
         elif message.kind == "incumbent":
             *found, nodes = message.value
             if nodes is not None:
@@ -168,12 +186,19 @@ class _Child:
             return self._from_incumbents(f"the solver failed: {message.value}")
         return None
 
+    def _stands(self, what: str, seconds: float) -> None:
+        """The child's clock stands still, or runs on after so many seconds."""
+        tell(what, seconds)
+        self.standing += 1 if math.isnan(seconds) else -1
+        if not self.standing and self.searching is not None:
+            self.searching += seconds
+
     def _overdue(self) -> bool:
         """Ask for the end where it is due; whether the child has had its grace."""
         now = time.perf_counter()
         if self.asked is None:
             since = self.began + STARTUP if self.searching is None else self.searching + self.options.time_limit + OVERTIME
-            self.late = now > since
+            self.late = now > since and not self.standing
             if self.control.stopped or self.late:
                 self.asked = now
                 try:
@@ -206,7 +231,7 @@ class _Child:
 
 @dataclass(frozen=True)
 class _Message:
-    """From the child: ``searching, incumbent, done, refused, memory`` or ``failed``."""
+    """From the child: ``searching, off the clock, set-up, incumbent, done, refused, memory`` or ``failed``."""
 
     kind: str
     value: Any = None
@@ -229,6 +254,15 @@ class _Relay(Control):
     ) -> None:
         super().publish(answer, objective, bound, evidence)
         self.send("incumbent", (answer, objective, bound, evidence, self.nodes))
+
+    def begin_set_up(self) -> None:
+        super().begin_set_up()
+        self.send("set-up")
+
+    def end_set_up(self, seconds: float) -> None:
+        if self.setting_up:
+            super().end_set_up(seconds)
+            self.send("set-up", seconds)
 
     def listen(self) -> None:
         """Wait for the parent's wish to stop, or for its end."""
@@ -253,7 +287,8 @@ def serve(descriptor: int) -> None:
             work.prepare()
         enforced = options.memory_limit is None or _limit_memory(options.memory_limit)
         relay.send("searching")
-        result = work(relay)
+        with hearing(lambda what, seconds: relay.send("off the clock", (what, seconds))):
+            result = work(relay)
         if not enforced:
             result = replace(result, statistics={**result.statistics, "memory_limit": "not enforced on this system"})
         relay.send("done", result)

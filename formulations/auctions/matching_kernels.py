@@ -7,7 +7,7 @@ import numpy as np
 from ..kernels import kernel
 
 
-@kernel()
+@kernel("(read(i4[::1]), read(i4[::1]), i8, i8)")
 def matched(indptr, columns, num_columns, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """A matching, and whether it is a largest one.
 
@@ -34,12 +34,19 @@ def matched(indptr, columns, num_columns, most):  # type: ignore[no-untyped-def]
             if holder[columns[k]] < 0:
                 own[i], holder[columns[k]] = columns[k], i
                 break
-    ahead, seen = indptr[:-1].copy(), np.full(rows, -1, np.int64)
+    ahead, seen = np.empty(rows, np.int64), np.full(rows, -1, np.int64)
+    for i in range(rows):
+        ahead[i] = indptr[i]
     at, path = np.zeros(rows, np.int64), np.zeros(rows, np.int64)
-    left, turn = np.nonzero(own < 0)[0], 0
-    while len(left):
-        found = 0
-        for start in left:
+    left, turn = np.empty(rows, np.int64), 0
+    while True:
+        found = waiting = 0
+        for i in range(rows):
+            if own[i] < 0:
+                left[waiting] = i
+                waiting += 1
+        for k in range(waiting):
+            start = left[k]
             if most < 0:
                 return own, False
             depth, path[0], at[start], seen[start] = 0, start, indptr[start], turn
@@ -71,7 +78,7 @@ def matched(indptr, columns, num_columns, most):  # type: ignore[no-untyped-def]
                         break
                 if not deeper:
                     depth -= 1
-        if not found:
+        if found == 0:
             break
-        left, turn = left[own[left] < 0], turn + 1
+        turn += 1
     return own, True

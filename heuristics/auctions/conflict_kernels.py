@@ -8,7 +8,7 @@ from ...formulations.kernels import kernel
 from ...formulations.stop_kernel import asked
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], i8[::1], read(f8[::1]), i8, b1)")
 def conflict_rounds(flag, indptr, bins, cost, num_bins, final):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Every robot without a bin bids for its cheapest one, the lowest cost wins, losers go on to their next one.
 
@@ -28,7 +28,9 @@ def conflict_rounds(flag, indptr, bins, cost, num_bins, final):  # type: ignore[
         Bin of each robot, -1 for none; rounds, bids, and whether it came to its end.
     """
     n = len(indptr) - 1
-    place, holder, offered = indptr[:-1].copy(), np.full(num_bins, -1, np.int64), np.full(num_bins, -1, np.int64)
+    place, holder, offered = np.empty(n, np.int64), np.full(num_bins, -1, np.int64), np.full(num_bins, -1, np.int64)
+    for i in range(n):
+        place[i] = indptr[i]
     taken = np.full(n, -1, np.int64)
     active = np.ones(n, np.bool_)
     rounds, bids = 0, 0
@@ -70,7 +72,7 @@ def conflict_rounds(flag, indptr, bins, cost, num_bins, final):  # type: ignore[
             holder[j], taken[i], active[i] = i, j, False
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], i8[::1], read(f8[::1]), i8, i8[::1])")
 def serial_choice(flag, indptr, bins, cost, num_bins, order):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One robot after the other takes its cheapest bin that is left; the first of equal ones.
 
@@ -95,7 +97,7 @@ def serial_choice(flag, indptr, bins, cost, num_bins, order):  # type: ignore[no
     return taken, True
 
 
-@kernel()
+@kernel("(i8[::1], read(f8[:, ::1]), f8)")
 def quadrangle_broken(flag, matrix, slack):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Whether some c_ij exceeds c_il + c_kl + c_kj by more than ``slack`` of it: 1, 0, or -1 where it was stopped."""
     n, m = matrix.shape

@@ -34,6 +34,9 @@ NEIGHBOURS = 100
 """Nearest sites that a join is tried with, as in Arnold, Gendreau and Sörensen (2019), Efficiently solving very large-scale routing
 problems."""
 
+SLOW_TO_BEGIN = 1_500
+"""Sites beyond which engines take seconds, and then minutes, to their first answer."""
+
 BYTES_A_JOIN = 60
 """That a join takes while all of them are sorted."""
 
@@ -190,9 +193,10 @@ HEURISTICS.add(
     Heuristic(
         name="savings",
         families=("routing",),
-        features=FEATURES,
+        features=FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
         run=savings,
         summary="Clarke and Wright's parallel savings, with windows and route limits",
         refuses=_refuses,
+        opens=lambda problem: problem.family == "routing" and problem.size > SLOW_TO_BEGIN,
     ),
 )

@@ -66,7 +66,7 @@ def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context)
     limits, knapsack = Limits.if_any(problem), c.as_knapsack()
     if weights is None or (limits is None and knapsack is None):
         return _valued(problem, limits, stop)
-    from .greedy_steps.enumeration import best_set
+    from .greedy_steps.enumeration_kernels import best_set
 
     total = 2**n if limits is None else _full_sets(limits)
     _refuse(total, MOST_ANSWERS)
@@ -141,7 +141,7 @@ def _cut(looked: int, what: str) -> str:
 
 
 def _bottleneck(problem: BottleneckSATA, stop: Stop) -> Outcome:
-    from .greedy_steps.enumeration import best_bottleneck
+    from .greedy_steps.enumeration_kernels import best_bottleneck
 
     g = problem.graph
     starts, actions = g.by_robot

@@ -63,7 +63,7 @@ def continuous_greedy(problem: SubmodularSelection, context: Context, *, steps: 
     """
     if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
         raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS:,}, not {steps!r}")
-    from .greedy_steps import multilinear
+    from .greedy_steps import multilinear_kernels as multilinear
 
     stop = context.begin()
     limits, found = Limits.of(problem), problem.function.as_item_weights()
@@ -102,7 +102,7 @@ def _by_item(
     weights: ItemWeights, stop: Stop
 ) -> tuple[NDArray[np.int64], tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]]:
     """The place of each entry in the transpose, and this with the elements of an item by falling weight; as far as the time goes."""
-    from .greedy_steps.loops import transpose
+    from .greedy_steps.loops_kernels import transpose
 
     items, everything = weights.num_items, np.arange(weights.entries, dtype=np.float64)
     starts, elements, entries = transpose(stop.flag, items, AT_ENTRY, weights.indptr, weights.indices, everything)

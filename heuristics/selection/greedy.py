@@ -60,7 +60,7 @@ def greedy(problem: SubmodularSelection | BottleneckSATA, context: Context, *, e
 
 
 def _bottleneck(problem: BottleneckSATA, context: Context) -> Outcome:
-    from .greedy_steps.bottleneck import best_worst_target
+    from .greedy_steps.bottleneck_kernels import best_worst_target
 
     g, stop = problem.graph, context.begin()
     starts, actions = g.by_robot

@@ -151,7 +151,7 @@ class _WeightedFilling:
 
     def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
         """See ``fill_after``."""
-        from .greedy_steps.filling import fill_after
+        from .greedy_steps.filling_kernels import fill_after
 
         value, picks = fill_after(self.stop.flag, begun, lo, hi, most, self.begun.best, self.costs, self.budget, *self.begun.arrays)
         return float(value), picks.tolist()

@@ -55,7 +55,7 @@ def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: 
     if weights is None:
         picks, evaluations, whole = _valued(problem, limits, turns, stop)
     else:
-        from .greedy_steps.loops import in_order
+        from .greedy_steps.loops_kernels import in_order
 
         best = np.zeros(weights.num_items)
         taken, _, evaluations = in_order(stop.flag, turns, *limits.members(), limits.room, best, *weights.arrays)

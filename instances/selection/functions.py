@@ -86,9 +86,10 @@ class ItemWeights:
             raise InputError("there must be weights for each element", expected=str(elements), found=str(found))
 
     @property
-    def arrays(self) -> tuple[int, Indices, Indices, Floats, NDArray[np.floating[Any]]]:
-        """What compiled loops take."""
-        return self.layout, self.indptr, self.indices, self.weights, self.matrix
+    def arrays(self) -> tuple[int, Indices, Indices, Floats, Floats, NDArray[np.float32]]:
+        """What compiled loops take: the matrix stands at its own place, of doubles or of single numbers, and the other one is empty."""
+        places = [_frozen(self.matrix if self.matrix.dtype == kind else np.zeros((0, 0)), kind) for kind in (np.float64, np.float32)]
+        return self.layout, self.indptr, self.indices, self.weights, places[0], places[1]
 
     @property
     def entries(self) -> int:

@@ -29,7 +29,10 @@ class BoundMethod:
         Cheap methods first. Those of order 0 are asked even where the time is over, and have nothing to prepare: they search nothing, or
         find nothing then.
     prepare : callable
-        What it does once a process, such as compiling a kernel; not counted against the budget.
+        What it does once a process; not counted against the budget.
+    kernels : tuple of str
+        Modules of its compiled loops, and of those that its checker may need: where these were never compiled, the method's turn comes
+        after all others.
     aims : bool
         Whether ``compute`` takes the keyword ``target`` too, the value of a known answer or None: such a method searches, and no bound
         beyond that value is worth its time.
@@ -44,6 +47,15 @@ class BoundMethod:
     prepare: Callable[[], None] = lambda: None
     replaces: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
     aims: bool = False
+    kernels: tuple[str, ...] = ()
+
+    def compiled(self) -> bool:
+        """Whether it takes no compiler: all its loops are in the cache, or made."""
+        if not self.kernels:
+            return True
+        from ...formulations.kernels import kernels
+
+        return all(kernel.kept() for module in self.kernels for kernel in kernels(module))
 
     def evidence(self, problem: Any, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
         """What ``compute`` finds."""

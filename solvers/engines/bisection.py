@@ -48,10 +48,14 @@ class Bisecting(Engine):
         Whether it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any.
     iterations_end : bool
         Whether ``iterations`` end a search that finds nothing, too; one that counts answers ends by the clock.
+    bytes_a_move, seconds_a_move : float
+        What the library's own model of all moves between sites takes, measured at 2,000 sites.
     """
 
     own_maxima: ClassVar[bool] = False
     iterations_end: ClassVar[bool] = True
+    bytes_a_move: ClassVar[float] = 0.0
+    seconds_a_move: ClassVar[float] = 0.0
 
     @abstractmethod
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
@@ -60,6 +64,14 @@ class Bisecting(Engine):
     @abstractmethod
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
         """``Engine.run`` for a problem under which ``beyond`` names nothing."""
+
+    def memory(self, problem: Problem) -> float:
+        """See ``Engine.memory``."""
+        return self.bytes_a_move * float(problem.size) ** 2
+
+    def set_up_seconds(self, problem: Problem) -> float:
+        """See ``Engine.set_up_seconds``."""
+        return self.seconds_a_move * float(problem.size) ** 2
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """See ``Engine.missing``."""
@@ -286,6 +298,15 @@ class _Hearing(Control):
         super().__init__()
         self._search, self._enough = search, enough
         search.control.on_stop(self.stop)
+
+    def begin_set_up(self) -> None:
+        if self._search.tried == 1:  # the others differ in a limit, and nobody waits for a first answer any more
+            super().begin_set_up()
+            self._search.control.begin_set_up()
+
+    def end_set_up(self, seconds: float) -> None:
+        super().end_set_up(seconds)
+        self._search.control.end_set_up(seconds)
 
     def publish(
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +23,24 @@ _ROUNDING = 4 * float(np.finfo(np.float64).eps)
 _SMALL, _WIDE, _BASE = -10, 40, 20
 """Binary exponents: data below 2**-10, above 2**40, or above 2**20 and to be rounded become just less than 2**20; so do binary fractions,
 which that makes exact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Strips:
+    """Numbers too many to be held at once: ``made`` makes them anew, a strip after the other, as often as they are asked for."""
+
+    made: Callable[[], Iterable[Floats]]
+
+    def finite(self) -> Iterator[Floats]:
+        """Those that are neither infinite nor NaN."""
+        for strip in self.made():
+            known = np.isfinite(strip)
+            yield strip if known.all() else strip[known]
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest size of a finite one; 0 where there are none."""
+        return max((float(np.abs(strip).max(initial=0.0)) for strip in self.finite()), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -49,16 +69,14 @@ class Scale:
         return np.where(whole(scaled), np.rint(scaled), scaled) if self.exact else scaled
 
 
-def scale_of(*values: ArrayLike, fine: int = FINE, room: float = math.inf) -> Scale:
+def scale_of(*values: ArrayLike | Strips, fine: int = FINE, room: float = math.inf) -> Scale:
     """The smallest of 1, 10, 100, 1000 that makes all finite ``values`` integers, but for the rounding of floats.
 
     ``fine`` where none does, or where only that leaves them within ``room``. Each times a power of two, where the largest value is very
     small or very large.
     """
-    parts = [np.asarray(v, dtype=np.float64).ravel() for v in values]
-    every = np.concatenate(parts) if parts else np.zeros(0)
-    every = every[np.isfinite(every)]
-    largest = float(np.abs(every).max(initial=0.0))
+    parts = [v if isinstance(v, Strips) else _whole_strip(v) for v in values]
+    largest = max((part.largest for part in parts), default=0.0)
     if largest == 0.0:
         return Scale(1, True)
     exponent = math.frexp(largest)[1]
@@ -66,9 +84,14 @@ def scale_of(*values: ArrayLike, fine: int = FINE, room: float = math.inf) -> Sc
     rounded = Scale(plain((1.0 if _SMALL <= exponent <= _BASE else other) * fine), False)
     for unit in (1.0, other) if _SMALL <= exponent <= _WIDE else (other,):
         for factor in (1, 10, 100, 1000):
-            if whole(every * unit * factor).all():
+            if all(whole(strip * unit * factor).all() for part in parts for strip in part.finite()):  # most data fail in the first
                 return rounded if rounded.factor * largest <= room < unit * factor * largest else Scale(plain(unit * factor), True)
     return rounded
+
+
+def _whole_strip(values: ArrayLike) -> Strips:
+    held = np.asarray(values, dtype=np.float64)
+    return Strips(lambda: (held,))
 
 
 def plain(factor: float) -> float:

@@ -69,6 +69,7 @@ class ORTools(Bisecting):
     own_maxima = True
     iterations_end = False
     one_thread = True
+    bytes_a_move, seconds_a_move = 120.0, 4e-7
     family = "routing"
     features = frozenset(
         {
@@ -105,6 +106,7 @@ class ORTools(Bisecting):
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
         """See ``Bisecting.search``."""
+        control.begin_set_up()
         began = time.perf_counter()
         data = integer_routing(problem)
         if not problem.min_vehicles or options.start is not None:
@@ -113,6 +115,8 @@ class ORTools(Bisecting):
         half = None if options.iterations is None else -(-options.iterations // 2)
         first = replace(options, iterations=half, time_limit=options.time_limit * (1.0 if half else FIRST))
         free, unheard = replace(problem, min_vehicles=0), Control()
+        unheard.begin_set_up()
+        unheard.on_set_up = control.end_set_up
         control.on_stop(unheard.stop)
         fewer = _Search(free, data, first, unheard, began).run().answer
         start = None if fewer is None else with_more_routes(problem, fewer)
@@ -131,7 +135,7 @@ class _Search:
         self.problem, self.data, self.options, self.control = problem, short_ways(problem, data), options, control
         self.shorter = self.data is not data
         self.rewarded = self.shorter and not stops_between(problem)
-        self.ends = began + options.time_limit
+        self.began, self.ends = began, began + options.time_limit
         self.solutions = 0
         self.publish_at = 0.0
         self.cost: int | None = None
@@ -171,6 +175,7 @@ class _Search:
         )
         routing.solver().ReSeed(self.options.seed % 2**31)
         routing.CloseModelWithParameters(parameters)
+        self.control.end_set_up(time.perf_counter() - self.began)
 
         def at_solution() -> None:
             self.solutions += 1

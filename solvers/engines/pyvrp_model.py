@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,7 +42,8 @@ class Model:
         ends = {site for s in sites.shipments for site in (s.pickup, s.delivery)}
         once = [site for site in problem.customers.tolist() if site not in ends]
         self.clients = [site for site in once for _ in integers.windows[site]]
-        self.places = {site: range(k := self.clients.index(site), k + len(integers.windows[site])) for site in once}
+        firsts = itertools.accumulate((len(integers.windows[site]) for site in once), initial=0)
+        self.places = {site: range(k, k + len(integers.windows[site])) for site, k in zip(once, firsts, strict=False)}
         self.types = [k for k in range(len(fleet)) if integers.closes[k] >= integers.opens[k]]
         self.factor = load_factor(integers)
         self.words = sorted({word for asked in sites.skills for word in asked})
@@ -63,6 +65,7 @@ class Model:
             # One matrix serves as cost and as distance limit; only where there is a limit does it have to be rounded up.
             limited = any(t.max_distance != UNLIMITED for t in types if t.profile == k)
             distances.append(self._dear(moves.distance_up if limited else moves.distance))
+        # Where no time is limited or priced, any durations do: one matrix less to make.
         self.data = pyvrp.ProblemData(
             locations=[pyvrp.Location(float(x), float(y)) for x, y in xy],
             clients=[self._client(pyvrp, site, window, member.get(site)) for site in self.places for window in integers.windows[site]],
@@ -72,7 +75,7 @@ class Model:
             ],
             vehicle_types=types,
             distance_matrices=distances,
-            duration_matrices=[self._dear(moves.duration) for moves in integers.moves],
+            duration_matrices=[self._dear(moves.duration) for moves in integers.moves] if _timed(integers) else distances,
             groups=groups,
             shipments=[self._shipment(pyvrp, k) for k in range(len(sites.shipments))],
         )
@@ -180,13 +183,21 @@ class Model:
         )  # fmt: skip
 
 
+def _timed(data: IntegerRouting) -> bool:
+    """Whether any time is limited or priced."""
+    limits = (data.due, data.closes, data.leaves, data.max_duration, data.regular_duration)
+    priced = data.time.any() or data.overtime.any()
+    several = any(len(listed) > 1 for listed in data.windows)
+    return bool(priced or several or data.ready.any() or any((limit != UNLIMITED).any() for limit in limits))
+
+
 def load_factor(data: IntegerRouting) -> int:
     """Power of ten by which loads are multiplied, so that too much load can never pay.
 
     PyVRP prices a unit of excess load at 1e5 at most; where costs count in millionths that is next to nothing.
     """
     dear = int((data.time + data.overtime).max())
-    moved = [int(m.distance.max(initial=0)) * int(data.unit.max()) + int(m.duration.max(initial=0)) * dear for m in data.moves]
+    moved = [m.longest * int(data.unit.max()) + (m.slowest * dear if dear else 0) for m in data.moves]
     gain = max(*moved, int(data.fixed.max()), int(data.prize.max()))
     carried = max(int(values.sum()) for values in (data.demand, data.pickup, data.shipped))
     factor, most = 1, UNLIMITED // max(1, 10 * max(carried, len(data.demand)))

@@ -8,21 +8,25 @@ feasible for the data.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...formulations.programs.exactness import Exactness, Link
 from ...instances.errors import InputError
-from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, plain, scale_of, whole
+from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, Strips, plain, scale_of, whole
 from .routing_objective import scalarised
 
 if TYPE_CHECKING:
     from ...formulations.routing.problem import RoutingProblem
     from ...instances.routing.travel import Travel
+
+STRIP = 1 << 20
+"""Distances that are looked at together."""
 
 _PRECISE = 10_000
 """Least price of a unit of time that no power of ten makes whole."""
@@ -30,21 +34,56 @@ _PRECISE = 10_000
 
 @dataclass(frozen=True, eq=False)
 class Moves:
-    """Moves of vehicles of one kind, int arrays of shape (sites, sites).
+    """Moves of vehicles of one kind, int arrays of shape (sites, sites), made when they are first asked for: a matrix of 5,000 sites is one
+    of 200 MB, and few engines look at all of them.
 
     Attributes
     ----------
+    lengths, times : Strips
+        Distances and durations.
+    length, clock : Scale
+        Of distances and of durations.
     distance : for costs: rounded to the nearest.
     distance_up, duration : for limits: rounded up.
     charge : time charged for a move by ``energy:windows``; rounded up. None where nobody is charged so.
     closing : latest time at which a move may begin. None where none closes.
     """
 
-    distance: Integers
-    distance_up: Integers
-    duration: Integers
+    lengths: Strips
+    times: Strips
+    length: Scale
+    clock: Scale
     charge: Integers | None
     closing: Integers | None
+
+    @cached_property
+    def distance(self) -> Integers:
+        return _matrix(self.lengths, self.length.nearest)
+
+    @cached_property
+    def distance_up(self) -> Integers:
+        return self.distance if self.length.exact else _matrix(self.lengths, self.length.up)
+
+    @cached_property
+    def duration(self) -> Integers:
+        if self.times is self.lengths and self.length.exact and self.clock == self.length:
+            return self.distance
+        return _matrix(self.times, self.clock.up)
+
+    def forget(self) -> None:
+        """Free the memory of the matrices: who asks for one again has it made again."""
+        for name in ("distance", "distance_up", "duration"):
+            self.__dict__.pop(name, None)
+
+    @property
+    def longest(self) -> int:
+        """The largest of ``distance_up``, which is not made for it."""
+        return int(self.length.up([self.lengths.largest])[0])
+
+    @property
+    def slowest(self) -> int:
+        """The largest of ``duration``, which is not made for it."""
+        return int(self.clock.up([self.times.largest])[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +209,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     scaled = partial(scale_of, fine=fine, room=_room(largest, total, len(sites)))
     goal = scalarised(problem)
     travels, profile = _profiles(problem)
+    strips = [_strips(travel) for travel, _ in travels]
 
     served = np.where(sites.depot, 0.0, sites.service)
     if any(v.reloads or v.stations for v in fleet):
@@ -180,11 +220,11 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
     times = [t for w in sites.windows for pair in w for t in pair]
     closings = [t.closing for t, _ in travels if t.closing is not None]
-    clock = scaled(*(t.durations for t, _ in travels), *closings, served, sites.ready, sites.due, opening, regular, times)
+    clock = scaled(*(times for _, times in strips), *closings, served, sites.ready, sites.due, opening, regular, times)
     rates = np.concatenate([goal.unit, goal.maxima[1:2]])
     per_unit = scaled(rates)
     others = (goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
-    length = scaled(*(t.distances for t, _ in travels), *others)
+    length = scaled(*(lengths for lengths, _ in strips), *others)
     priced = np.concatenate([goal.time, goal.overtime, goal.maxima[[0, 2]]])
     finer = _finer(priced * (per_unit.factor * length.factor / clock.factor))
     per_unit = Scale(plain(per_unit.factor * finer), per_unit.exact)
@@ -212,7 +252,9 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     closes = np.minimum(clock.down(closing - origin), latest_return)
     loads, capacity, load = _loads(problem, scaled)
     made = IntegerRouting(
-        moves=tuple(_moves(problem, t, at, length, clock, served, origin) for t, at in travels),
+        moves=tuple(
+            _moves(problem, t, each, at, length, clock, served, origin) for (t, at), each in zip(travels, strips, strict=True)
+        ),
         profile=np.array(profile, dtype=np.int64),
         service=service,
         ready=np.array([listed[0][0] for listed in windows], dtype=np.int64),
@@ -262,9 +304,10 @@ def _profiles(problem: RoutingProblem) -> tuple[list[tuple[Travel, tuple[int, fl
 
 
 def _moves(
-    problem: RoutingProblem, travel: Travel, at: tuple[int, float] | None, length: Scale, clock: Scale, served: Floats, origin: float
-) -> Moves:
-    distance, charge = length.nearest(travel.distances), None
+    problem: RoutingProblem, travel: Travel, strips: tuple[Strips, Strips], at: tuple[int, float] | None, length: Scale, clock: Scale,
+    served: Floats, origin: float,
+) -> Moves:  # fmt: skip
+    charge = None
     if at is not None:
         sites = problem.sites
         ready = sites.ready.copy()
@@ -273,7 +316,31 @@ def _moves(
         charge = clock.up(np.maximum(served[:, None] + travel.durations, waited))
         np.fill_diagonal(charge, 0)
     closing = None if travel.closing is None else clock.down(travel.closing - origin)
-    return Moves(distance, distance if length.exact else length.up(travel.distances), clock.up(travel.durations), charge, closing)
+    return Moves(*strips, length, clock, charge, closing)
+
+
+def _strips(travel: Travel) -> tuple[Strips, Strips]:
+    """All distances and durations, the same ones where these are equal: nothing of n x n floats is made of coordinates."""
+    every = np.arange(len(travel))
+    step = max(1, STRIP // max(1, len(every)))
+
+    def made(between: Callable[[ArrayLike, ArrayLike], Floats]) -> Iterator[Floats]:
+        for first in range(0, len(every), step):
+            yield between(every[first : first + step, None], every[None, :])
+
+    lengths = Strips(partial(made, travel.distance))
+    return lengths, Strips(partial(made, travel.duration)) if travel.own_durations else lengths
+
+
+def _matrix(values: Strips, rounded: Callable[[Floats], Integers]) -> Integers:
+    strips = iter(values.made())
+    head = rounded(next(strips))
+    made, first = np.empty((head.shape[1],) * 2, dtype=np.int64), len(head)
+    made[:first] = head
+    for strip in strips:
+        made[first : first + len(strip)] = rounded(strip)
+        first += len(strip)
+    return made
 
 
 def _loads(problem: RoutingProblem, scaled: Callable[..., Scale]) -> tuple[list[Integers], Integers, Scale]:
@@ -312,8 +379,8 @@ def _room(largest: int, total: int, sites: int) -> int:
 def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) -> None:
     """Refuse data whose sums could overflow."""
     singles = {
-        "distance": (np.array([m.distance_up.max(initial=0) for m in made.moves]), made.scales["distance"]),
-        "duration": (np.array([m.duration.max(initial=0) for m in made.moves]), made.scales["time"]),
+        "distance": (np.array([m.longest for m in made.moves]), made.scales["distance"]),
+        "duration": (np.array([m.slowest for m in made.moves]), made.scales["time"]),
         "service time": (made.service, made.scales["time"]),
         "ready time": (made.ready, made.scales["time"]),
         "demand": (made.demand, made.scales["load"]),

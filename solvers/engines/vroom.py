@@ -48,6 +48,7 @@ class VROOM(Bisecting):
     interrupts = "is ended; the answer of the lowest exploration level counts"
     needs_process = True
     honours = frozenset()
+    bytes_a_move, seconds_a_move = 40.0, 7e-7
     family = "routing"
     features = frozenset(
         {
@@ -79,6 +80,7 @@ class VROOM(Bisecting):
         level = self.converted(options).extra.get("exploration_level", DEEPEST)
         if not FIRST <= level <= DEEPEST:
             raise UsageError(f"vroom: exploration_level is a number from {FIRST} to {DEEPEST}, not {level}")
+        control.begin_set_up()
         ends = time.perf_counter() + options.time_limit
         asked = priorities(problem)
         assert not isinstance(asked, frozenset)
@@ -105,6 +107,7 @@ def _search(
             left = ends - time.perf_counter()
             if left <= 0 or control.stopped:
                 return replace(last, limit="interrupt" if control.stopped else "time")
+            control.end_set_up(options.time_limit - left)
             cost, answer = model.solved(explored, left)
             if options.start is not None:
                 statistics["start"] = "used" if model.routes else "refused"

@@ -41,6 +41,19 @@ class SlowToBegin:
         return RawResult("unknown", answer=self.ready and not control.stopped)
 
 
+@dataclass
+class SetsUp:
+    """Work that tells how long it set up."""
+
+    modules: ClassVar[tuple[str, ...]] = ()
+
+    def __call__(self, control: Control) -> RawResult:
+        control.begin_set_up()
+        control.end_set_up(2.5)
+        control.end_set_up(9.0)
+        return RawResult("unknown")
+
+
 def _crash() -> None:
     os.kill(os.getpid(), signal.SIGSEGV)
 

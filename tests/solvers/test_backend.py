@@ -53,6 +53,21 @@ def test_a_wish_to_stop_reaches_all_that_end_a_search_also_those_who_come_late()
     assert control.stopped and ended == ["early", "late"]
 
 
+def test_an_engine_tells_how_long_it_set_up_and_what_is_left_of_it() -> None:
+    told: list[float] = []
+    control = Control()
+    control.on_set_up = told.append
+    control.end_set_up(1.0)
+    assert (control.set_up, told, control.left) == (None, [], ", and had published no answer")
+    control.begin_set_up()
+    assert control.left == " while it was still setting up, and had published no answer"
+    control.end_set_up(2.0)
+    control.end_set_up(3.0)
+    assert (control.set_up, told, control.setting_up) == (2.0, [2.0], False)
+    control.publish("found", 1.0)
+    assert control.left == "; its last published answer is used"
+
+
 def test_an_answer_that_reaches_the_goal_stops_the_search_and_a_bound_does_not() -> None:
     control, asked = Control(), []
     control.goal = lambda answer, objective: bool(asked.append((answer, objective)) or (objective or 9.0) <= 5.0)

@@ -18,6 +18,7 @@ from patience import HANG
 from small_routing import FEATURES, small
 
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import now
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers import isolation
 from waybound.solvers.backend import Control, Options, RawResult
@@ -148,6 +149,25 @@ def test_what_is_prepared_takes_no_time_of_the_search(monkeypatch: pytest.Monkey
     assert not isolation._Child._overdue(child) and sent == [b"stop"] and child.late
     now[0] += isolation.GRACE + 1.0
     assert isolation._Child._overdue(child)
+
+
+def test_the_clock_of_all_deadlines_stands_still_while_a_process_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(HERE))
+    from misbehaving import SlowToBegin
+
+    before, began = now(), time.perf_counter()
+    assert isolation.run_in_process(SlowToBegin(0.3), Options(time_limit=60), Control()).answer
+    assert (time.perf_counter() - began) - (now() - before) >= 0.3
+
+
+def test_how_long_an_engine_set_up_is_told_from_another_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(HERE))
+    from misbehaving import SetsUp
+
+    control, told = Control(), []
+    control.on_set_up = told.append
+    isolation.run_in_process(SetsUp(), Options(time_limit=60), control)
+    assert (control.set_up, control.setting_up, told) == (2.5, False, [2.5])
 
 
 def test_a_hanging_child_is_ended_on_an_interrupt(misbehaving) -> None:

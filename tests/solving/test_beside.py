@@ -42,7 +42,7 @@ def waits(registered, monkeypatch):
     """The engine, on a machine with a free core, with nothing proved before its search."""
     registered(BACKENDS, "waits", Waits)
     monkeypatch.setattr(solve, "free_core", lambda threads: True)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap: ([], Goal(problem, [], gap)))
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: ([], Goal(problem, [], gap)))
     return Waits
 
 
@@ -74,7 +74,7 @@ def test_no_bound_is_waited_for_once_the_answer_is_proved(waits, monkeypatch):
     problem = wb.generate("random", seed=1, customers=4)
     evidence = find_bounds(problem, HANG, target=wb.solve(problem, "highs", bound_time=0).objective)
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap: (evidence, Goal(problem, evidence, gap)))
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
     release = threading.Event()
     monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda work, options, control: release.wait(10 * HANG))
     solution = wb.solve(problem, "waits", time_limit=100 * HANG)

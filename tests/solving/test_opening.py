@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,11 +14,14 @@ import pytest
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.heuristics.heuristic import HEURISTICS, Outcome
+from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.solvers.backend import BACKENDS, Options
+from waybound.solvers import interrupts
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solving import opening
 from waybound.solving.opening import opened, opening_heuristic
+from waybound.solving.runs import default_run
 from waybound.solving.solve import solve
 
 NAME = "safety-margins"
@@ -106,3 +110,127 @@ def test_who_names_a_solver_or_a_form_gets_it_alone() -> None:
         for asked in ({"solver": "outer-approximation"}, {"form": "three-index-cones"}):
             solve(star(), time_limit=0.2, bound_time=0, **asked)
     assert not limits
+
+
+class Deaf(Engine):
+    """An engine that takes every problem before all others, and comes back when it is told to."""
+
+    name, package, modules, summary = "deaf", "waybound", ("json",), "for tests"
+    family, features, order = "routing", frozenset[str](), -1
+    honours = frozenset({"iterations"})
+    needed, seconds = 0.0, 0.0
+
+    def missing(self, problem: Any) -> frozenset[str]:
+        return frozenset() if problem.family == self.family else frozenset({"routes"})
+
+    def memory(self, problem: Any) -> float:
+        return self.needed
+
+    def set_up_seconds(self, problem: Any) -> float:
+        return self.seconds
+
+    def run(self, problem: Any, options: Options, control: Control) -> RawResult:
+        return RawResult("unknown")
+
+
+@contextmanager
+def default(**what: Any) -> Iterator[None]:
+    """With ``Deaf`` as the default solver, changed like this."""
+    with BACKENDS.temporary("deaf", type("Deaf", (Deaf,), what)):
+        yield
+
+
+def test_what_opens_is_judged_and_told_before_the_engine_begins() -> None:
+    told: list[dict[str, Any]] = []
+    known: list[Any] = []
+
+    def run(self: Any, problem: Any, options: Options, control: Control) -> RawResult:
+        control.begin_set_up()
+        control.end_set_up(2.46)
+        known.extend([options.start, [(e["phase"], e["objective"], e["found_by"]) for e in told if e["objective"] is not None]])
+        return RawResult("unknown")
+
+    with finding(ALONE), default(run=run):
+        found = solve(star(), time_limit=8.0, bound_time=0, progress=told.append)
+    assert known == [ALONE, [("check", 240.0, NAME)]]
+    assert (found.answer, found.objective) == (ALONE, 240.0)
+    assert f"deaf started from the answer of {NAME}, worth 240; deaf took 2.5 s to set up" in found.message
+
+
+@pytest.mark.parametrize("signalled", [False, True])
+def test_an_engine_that_never_comes_back_costs_no_answer_whether_the_clock_or_a_signal_ends_it(
+    signalled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("waybound.solving.search.OVERTIME", 0.0)
+    monkeypatch.setattr("waybound.solving.search.GRACE", 0.0)
+    release = threading.Event()
+
+    def run(self: Any, problem: Any, options: Options, control: Control) -> RawResult:
+        control.begin_set_up()
+        if signalled:
+            interrupts.note()
+        release.wait(60)
+        return RawResult("feasible", answer=Routes.of([range(1, 13)]))
+
+    try:
+        with finding(ALONE), default(run=run):
+            found = solve(star(), time_limit=600.0 if signalled else 0.01, bound_time=0)
+    finally:
+        release.set()
+        interrupts.reset()
+    assert (found.answer, found.objective, found.limit) == (ALONE, 240.0, "interrupt" if signalled else "time")
+    assert "did not stop when asked while it was still setting up, and had published no answer" in found.message
+
+
+def test_a_work_limit_is_the_engines_alone() -> None:
+    starts: list[Any] = []
+
+    def run(self: Any, problem: Any, options: Options, control: Control) -> RawResult:
+        starts.append((options.start, options.time_limit))
+        return RawResult("feasible", answer=ALONE)
+
+    with finding(RuntimeError("not asked")) as limits, default(run=run):
+        for _ in range(2):
+            solve(star(), time_limit=8.0, bound_time=0, iterations=5)
+    assert (starts, limits) == ([(None, 8.0)] * 2, [])
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ({"needed": 1e18}, "deaf needs 9.3e+08 GiB for a problem of size 13, more than the "),
+        ({"seconds": 9.0}, "it takes some 9 s to set up for a problem of size 13"),
+    ],
+)
+def test_an_engine_without_the_memory_or_the_time_for_its_model_is_not_begun(what: dict[str, float], words: str) -> None:
+    with finding(ALONE) as limits, default(**what):
+        found = solve(star(), time_limit=8.0, bound_time=0)
+        assert (found.solver, found.objective, limits) == (NAME, 240.0, [8.0])
+        assert f"deaf was not used: {words}" in found.message
+        if "needed" in what:
+            with pytest.raises(UsageError, match="deaf needs"):
+                solve(star(), "deaf", time_limit=8.0, bound_time=0)
+
+
+def scattered(customers: int) -> RoutingProblem:
+    """Customers anywhere, some ten of which fit into a route."""
+    rng = np.random.default_rng(customers)
+    sites = Sites.of(range(customers + 1), demand=[0, *rng.integers(1, 10, customers)])
+    return RoutingProblem(sites, Travel("euclidean", coordinates=rng.uniform(0, 1000, (customers + 1, 2))), (VehicleType(None, 50.0),))
+
+
+def test_savings_open_where_engines_are_slow_to_begin() -> None:
+    assert opening_heuristic(scattered(1_499), Options()) is None
+    assert opening_heuristic(scattered(1_500), Options()) == "savings"
+    assert opening_heuristic(scattered(1_500), Options(iterations=3)) is None
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not BACKENDS["pyvrp"].installed(), reason="PyVRP is not installed")
+def test_thousands_of_customers_are_begun_by_savings_and_work_limits_repeat() -> None:
+    problem = scattered(1_600)
+    run = default_run(problem, Options(time_limit=60.0), isolate=False)
+    assert (run.name, run.opening) == ("pyvrp", "savings")
+    once, again = (solve(problem, iterations=2, bound_time=0, time_limit=600.0) for _ in range(2))
+    assert once.solver == "pyvrp" and once.answer == again.answer and "savings" not in once.message
+    assert once.statistics["iterations"] == 2

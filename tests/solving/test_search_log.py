@@ -11,6 +11,7 @@ import pytest
 
 import waybound as wb
 from waybound.solving import search_log
+from waybound.solving.recording import Recorder
 from waybound.solving.search_log import EVERY, SearchLog
 
 
@@ -171,3 +172,12 @@ def test_remarks_on_the_problem_stand_above_the_search(tmp_path: Path) -> None:
     sites = pd.DataFrame({"x": [0, 1], "y": 0, "colour": "red"})
     wb.solve(wb.RoutingProblem.from_frame(sites, vehicles=1), "highs", bound_time=0, log=tmp_path / "log.txt")
     assert "\nnote: columns kept and not used: colour\nsearch by highs" in (tmp_path / "log.txt").read_text()
+
+
+def test_the_set_up_of_an_engine_is_told_where_it_took_a_while(clock: Any) -> None:
+    lines: list[str] = []
+    record = Recorder(wb.read("demo-tiny"), [SearchLog(lines.append)])
+    clock(3.0)
+    record.engine_set_up("pyvrp", 0.2)
+    record.engine_set_up("pyvrp", 2.96)
+    assert len(lines) == 1 and lines[0].endswith("pyvrp is set up, which took 3.0 s")

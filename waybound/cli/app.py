@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from . import bundled, comparing, files, judging, listing, ratio, running, solving
+from . import bundled, comparing, files, judging, listing, ratio, running, solving, warming
 from .options import handled, print_failure
 
 
@@ -57,7 +57,7 @@ def _root(
 for _command in (
     solving.solve, comparing.compare, judging.check, judging.bound, judging.explain, listing.info, files.export, files.convert,
     files.generate,
-    listing.solvers, listing.heuristics, ratio.ratio, running.run,
+    listing.solvers, listing.heuristics, ratio.ratio, running.run, warming.warm,
 ):  # fmt: skip
     app.command()(handled(_command))
 app.add_typer(bundled.app, name="instances")

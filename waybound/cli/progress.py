@@ -46,6 +46,7 @@ class Progress:
         self._live: Any = None
         self._shows = not quiet and sys.stderr.isatty()
         self._path, self._stream = log, None if log in (None, "-") else _opened(str(log))
+        self._compiling = ""
         self.log: SearchLog | None = None
         if logged and (self._shows or log is not None):
             from ..solving.search_log import SearchLog
@@ -85,15 +86,20 @@ class Progress:
         with self._lock:
             self._event, self._limit, self._phase_began = {**self._event, "phase": phase}, limit, time.perf_counter()
 
+    def compiling(self, what: str, seconds: float) -> None:
+        """A loop is compiled, or (``seconds``) was."""
+        with self._lock:
+            self._compiling = f"compiling {what.rpartition('.')[2]}, once a machine, in " if math.isnan(seconds) else ""
+
     def line(self) -> str:
         """What is known now: phase, seconds and limit, incumbent, bound, gap."""
         from ..formulations.rendering import number, percent
         from ..solving.search_log import open_gap
 
         with self._lock:
-            e, limit, now = self._event, self._limit, time.perf_counter()
+            e, limit, now, compiling = self._event, self._limit, time.perf_counter(), self._compiling
         spent = f"{now - self._began:.1f} s" if limit is None else f"{now - self._phase_began:.1f} of {limit:g} s"
-        parts = [f"{e['phase']} {spent}"]
+        parts = [f"{compiling}{e['phase']} {spent}"]
         if e["objective"] is not None:
             parts.append(f"objective {number(e['objective'])}")
         if e["bound"] is not None:

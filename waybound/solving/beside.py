@@ -16,7 +16,7 @@ from ..instances.errors import in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.isolation import run_in_process
 from ..solvers.linear_programs import LinearPrograms
-from .bounding import applying_methods, find_bounds, prepared
+from .bounding import find_bounds
 from .goal import Goal
 
 _TICK = 0.05
@@ -39,13 +39,12 @@ class BoundWork:
 
     modules: ClassVar[tuple[str, ...]] = ("numba", "highspy")
 
-    def prepare(self) -> None:
-        prepared(applying_methods(self.problem, []), [])
-
     def __call__(self, control: Control) -> RawResult:
         control.publish([])
         unable: list[str] = []
-        found = find_bounds(self.problem, self.bound_time, known=self.known, control=control, unable=unable, linear=self.linear)
+        found = find_bounds(
+            self.problem, self.bound_time, known=self.known, control=control, unable=unable, linear=self.linear, compiling="first"
+        )
         return RawResult("unknown", answer=found, statistics={"unable": unable})
 
 

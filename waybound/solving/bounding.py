@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
 
 from ..formulations.certificate import verified_bound
 from ..formulations.evidence import ENDLESS, Evidence
 from ..formulations.problem import Problem
-from ..formulations.stop import Stop
+from ..formulations.stop import Stop, off_the_clock
 from ..formulations.tolerance import same
 from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control
@@ -32,6 +32,8 @@ def find_bounds(
     linear: LinearPrograms | None = None,
     searching: bool = True,
     at_once: bool = False,
+    compiling: Literal["never", "last", "first"] = "last",
+    uncompiled: list[str] | None = None,
 ) -> list[Evidence]:
     """Evidence for bounds of ``problem``, to be verified by the checker.
 
@@ -39,7 +41,7 @@ def find_bounds(
     ----------
     problem : Problem
     bound_time : float, seconds
-        Budget for all methods together, without what they prepare once a process; 0 turns bounding off.
+        Budget for all methods together, without what they prepare, compile or load; 0 turns bounding off.
     target : float, optional
         Value of an answer: evidence that reaches it ends the search.
     known : sequence of Evidence
@@ -57,6 +59,11 @@ def find_bounds(
     at_once : bool
         Whether to ask those alone that search nothing and have nothing to prepare. They come first in any case, and before anything is
         compiled or loaded for the others.
+    compiling : str
+        When methods whose loops were never compiled have their turn: never; after all others, which are there then whatever becomes of
+        these, and have half the budget; or before them, where the others had theirs already.
+    uncompiled : list of str, optional
+        Receives the names of these.
 
     Returns
     -------
@@ -68,11 +75,16 @@ def find_bounds(
         return found
     control = control or Control()
     linear = linear or LinearPrograms()
+    methods = able_methods(problem, failed, searching=searching)
+    stop = Stop(bound_time)  # from here on: listing imports them all
+    control.on_stop(stop.ask)
 
-    def settled(method: BoundMethod, stop: Stop) -> bool:
+    def settled(method: BoundMethod, within: Stop) -> bool:
         """Whether what the method finds leaves nothing to look for."""
         try:
-            evidence = method.evidence(problem, stop, linear, target)
+            with off_the_clock():
+                method.prepare()
+            evidence = method.evidence(problem, within, linear, target)
         except UnsupportedError:
             return False
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
@@ -87,26 +99,42 @@ def find_bounds(
             progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
         return evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target))
 
-    applying = applying_methods(problem, failed, searching=searching)
-    stop = Stop(bound_time)
-    control.on_stop(stop.ask)
-    for method in (m for m in applying if m.order <= AT_ONCE):
+    for method in (m for m in methods if m.order <= AT_ONCE):
         if control.stopped or settled(method, stop):
             return found
     if at_once or stop.reached():
         return found
 
-    left = stop.seconds_left
-    methods = prepared((m for m in applying if m.order > AT_ONCE), failed)
-    stop = Stop(left)
-    control.on_stop(stop.ask)
-    for method in methods:
-        if stop.reached() or settled(method, stop):
+    others = [m for m in methods if m.order > AT_ONCE]
+    late = _late(others, failed)
+    if uncompiled is not None:
+        uncompiled.extend(method.name for method in late)
+    others = [method for method in others if method not in late]
+    share = stop.within(bound_time / 2.0) if compiling == "last" and late else stop
+    for method in {"never": others, "last": others + late, "first": late + others}[compiling]:
+        within = stop if method in late else share
+        if stop.reached():
+            break
+        if not within.reached() and settled(method, within):
             break
     return found
 
 
-def applying_methods(problem: Problem, failed: list[str], *, searching: bool = True) -> list[BoundMethod]:
+def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:
+    """Those whose loops were never compiled; ``methods`` loses those that cannot say."""
+    late: list[BoundMethod] = []
+    for method in tuple(methods):
+        try:
+            with off_the_clock():
+                if not method.compiled():
+                    late.append(method)
+        except Exception as fault:
+            methods.remove(method)
+            failed.append(f"no bound by {method.name}: {in_words(fault)}")
+    return late
+
+
+def able_methods(problem: Problem, failed: list[str], *, searching: bool = True) -> list[BoundMethod]:
     """The methods that apply, cheapest first; ``failed`` receives a line for each that cannot say."""
     methods: list[BoundMethod] = []
     others = replaced(problem)
@@ -117,18 +145,6 @@ def applying_methods(problem: Problem, failed: list[str], *, searching: bool = T
         except Exception as fault:
             failed.append(f"no bound by {method.name}: {in_words(fault)}")
     return methods
-
-
-def prepared(methods: Iterable[BoundMethod], failed: list[str]) -> list[BoundMethod]:
-    """Those whose loops are compiled now; ``failed`` receives a line for each other."""
-    able: list[BoundMethod] = []
-    for method in methods:
-        try:
-            method.prepare()
-            able.append(method)
-        except Exception as fault:
-            failed.append(f"no bound by {method.name}: {in_words(fault)}")
-    return able
 
 
 def proved(problem: Problem, evidence: Evidence) -> float | None:

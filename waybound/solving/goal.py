@@ -24,14 +24,19 @@ once is all that is looked for before the search."""
 
 
 def first_evidence(
-    problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0
+    problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0, uncompiled: list[str] | None = None
 ) -> tuple[list[Evidence], Goal | None]:
-    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for; large problems set none."""
+    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for; large problems set none.
+
+    Nothing is compiled for it: ``uncompiled`` receives the names of the methods that this leaves out.
+    """
     large = problem.size > LARGEST
     try:
 
         def find(control: Control) -> RawResult:
-            found = find_bounds(problem, seconds, control=control, linear=linear, searching=False, at_once=large)
+            found = find_bounds(
+                problem, seconds, control=control, linear=linear, searching=False, at_once=large, compiling="never", uncompiled=uncompiled
+            )
             return RawResult("unknown", answer=found)
 
         found = search(find, Control(), seconds)

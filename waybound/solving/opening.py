@@ -1,11 +1,12 @@
-"""Heuristics that open: where solvers find little by themselves, the default one starts from the answer of one, or leaves it at that."""
+"""Heuristics that open: where solvers find little by themselves, or take long to begin, the default one starts from the answer of one, or
+leaves it at that."""
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 from ..formulations.problem import Problem
+from ..formulations.stop import now
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import in_words
 from ..solvers.backend import Control, Options
@@ -32,7 +33,7 @@ def opening_heuristic(problem: Problem, options: Options) -> str | None:
 def opened(problem: Problem, name: str, options: Options, isolate: bool) -> tuple[Options, float, str]:
     """The options for a solver that goes on from the heuristic's answer in the time that is left; the seconds that it took; and why it has
     no answer, if so."""
-    began = time.perf_counter()
+    began = now()  # what is compiled for it counts against no limit
     own = replace(options, time_limit=SHARE * options.time_limit, gap=0.0)
     work, answer, said = HeuristicWork(name, problem, own), None, ""
     try:
@@ -40,5 +41,5 @@ def opened(problem: Problem, name: str, options: Options, isolate: bool) -> tupl
         answer, said = result.answer, result.message
     except Exception as fault:  # the solver goes on without
         said = in_words(fault)
-    seconds = time.perf_counter() - began
+    seconds = now() - began
     return replace(options, start=answer, time_limit=max(options.time_limit - seconds, LEAST)), seconds, "" if answer is not None else said

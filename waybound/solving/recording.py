@@ -19,6 +19,9 @@ Progress = Callable[[dict[str, Any]], None]
 PRICED_EVERY = 0.25
 """Least seconds between two incumbents of several levels that are priced for who watches."""
 
+SLOW_SET_UP = 1.0
+"""Seconds of an engine's own set-up that are worth a word."""
+
 
 class Recorder:
     """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
@@ -28,7 +31,8 @@ class Recorder:
     problem : Problem
     listeners : sequence of callables
         Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
-        has a method ``begin_phase(phase, limit)`` hears of phases too.
+        has a method ``begin_phase(phase, limit)`` hears of phases too, one ``compiling(what, seconds)`` of loops that are compiled, and one
+        ``engine_set_up(who, seconds)`` of an engine that took long before its search began.
     """
 
     def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
@@ -41,10 +45,18 @@ class Recorder:
 
     def begin_phase(self, phase: str, limit: float | None = None) -> None:
         """Tell those who want to know that a phase begins which may take ``limit`` seconds."""
+        self._tell("begin_phase", phase, limit)
+
+    def engine_set_up(self, who: str, seconds: float) -> None:
+        """Tell them how long an engine took to make its own model, where that took a while."""
+        if seconds >= SLOW_SET_UP:
+            self._tell("engine_set_up", who, seconds)
+
+    def _tell(self, what: str, *words: Any) -> None:
         for listener in self._listeners:
-            hear = getattr(listener, "begin_phase", None)
+            hear = getattr(listener, what, None)
             if hear is not None:
-                hear(phase, limit)
+                hear(*words)
 
     def of_search(self, who: str, answers: bool = True, bounds: bool = True) -> Progress:
         """What hears a search by ``who``; its objectives and its bounds count only where they are some of the problem."""
@@ -58,6 +70,11 @@ class Recorder:
     def of_bounds(self, event: dict[str, Any]) -> None:
         """Hears bounding; ``source`` names what the bound rests on."""
         self._take("bound", None, event.get("bound"), event.get("kind") or "evidence", str(event.get("source", "bounding")))
+
+    def of_loops(self, what: str, seconds: float) -> None:
+        """Hears which loop is compiled, with NaN seconds, and when that is done."""
+        if what:
+            self._tell("compiling", what, seconds)
 
     def judged(self, who: str, values: Sequence[float]) -> None:
         """The values of the answer that is handed over, recomputed from the data."""

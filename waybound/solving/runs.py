@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,13 +12,17 @@ from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
+from ..formulations.rendering import number
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
-from ..instances.errors import InputError, UnsupportedError, UsageError
+from ..instances.errors import InputError, UnsupportedError, UsageError, in_words
+from ..instances.memory import SHARE, available, fits, readable
 from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.program_backend import ProgramBackend
 from .choice import able_solvers, default_solver, first_compiled
 from .opening import LARGEST, opened, opening_heuristic
+from .opening import SHARE as OPENING_SHARE
+from .recording import Recorder
 
 
 @dataclass(frozen=True)
@@ -59,27 +64,57 @@ class Run:
 
 
 def default_run(problem: Problem, options: Options, isolate: bool) -> Run:
-    """Where the user names no method: what is run, begun by a heuristic that opens the problem where there is one."""
-    opening = opening_heuristic(problem, options)
+    """Where the user names no method: what is run, begun by a heuristic that opens the problem where there is one.
+
+    The heuristic stands alone where no solver takes the problem, where it is too large for the program that one would need, or for the
+    memory that an engine would.
+    """
+    opening, solver = opening_heuristic(problem, options), ""
     try:
         solver = default_solver(problem, None, None, False)
-    except (UnsupportedError, UsageError):  # none takes it, or through inexact forms alone
+        why = "" if opening is None else _in_vain(problem, solver, options)
+        if not why:
+            run = solver_run(problem, None, solver, None, False, options, isolate)
+            return run if opening is None else replace(run, opening=opening)
+    except (UnsupportedError, UsageError) as fault:
         if opening is None:
             raise
-        return heuristic_run(problem, opening, options, isolate)
-    if opening is not None and BACKENDS[solver].takes != "problem" and problem.size > LARGEST and not options.asked():
-        return heuristic_run(problem, opening, options, isolate)
-    run = solver_run(problem, None, solver, None, False, options, isolate)
-    return run if opening is None or run.made is None else replace(run, opening=opening)
+        why = in_words(fault) if solver else ""
+    assert opening is not None
+    alone = heuristic_run(problem, opening, options, isolate)
+    alone.notes.extend([f"{solver} was not used: {why}"] if why else [])
+    return alone
 
 
-def continued(problem: Problem, run: Run, options: Options, isolate: bool) -> tuple[Run, Options, float]:
-    """A run that goes on from the answer of the heuristic that opens the problem, in the time that is left, and the seconds it took."""
+def _in_vain(problem: Problem, solver: str, options: Options) -> str:
+    """Why a solver would not come to its search within the time limit; empty if it would."""
+    backend = solver_named(solver)
+    if not isinstance(backend, Engine):
+        large = problem.size > LARGEST and not options.asked()
+        return f"a program of size {problem.size:,} takes long to be written" if large else ""
+    seconds = backend.set_up_seconds(problem)
+    return f"it takes some {seconds:.0f} s to set up for a problem of size {problem.size:,}" if seconds > options.time_limit else ""
+
+
+def continued(problem: Problem, run: Run, options: Options, isolate: bool, record: Recorder) -> tuple[Run, Options, float]:
+    """A run that goes on from the answer of the heuristic that opens the problem, in the time that is left, and the seconds it took.
+
+    The answer is judged before the search begins: whatever becomes of that, it is there, and told.
+    """
     assert run.opening is not None
+    record.begin_phase(f"start by {run.opening}", OPENING_SHARE * options.time_limit)
     later, seconds, said = opened(problem, run.opening, options, isolate)
     made = solver_run(problem, run.made, run.name, None, False, later, isolate)
     found = f"{run.name} started from the answer of {run.opening}"
-    made.notes.extend([*run.notes, found if later.start is not None else f"{run.opening} found no start: {said or 'no answer'}"])
+    if later.start is None:
+        found = f"{run.opening} found no start: {said or 'no answer'}"
+    else:
+        with suppress(Exception):  # of the judge: told when it judges what the search leaves, and the start once more
+            judged = problem.evaluate(later.start)
+            if judged.feasible:
+                record.judged(run.opening, judged.values)
+                found += f", worth {number(judged.values)}"
+    made.notes.extend([*run.notes, found])
     return replace(made, compile_seconds=run.compile_seconds), later, seconds
 
 
@@ -106,6 +141,10 @@ def solver_run(
         if missing:
             raise UnsupportedError(solver, missing, able_solvers(problem))
         _refuse_ignored(solver, backend.honours, options)
+        needed = backend.memory(problem)
+        if not fits(needed):
+            most = f"more than the {readable(SHARE * available())} that may be taken of what is free"
+            raise UsageError(f"{solver} needs {readable(needed)} for a problem of size {problem.size:,}, {most}")
         if backend.one_thread and options.threads > 1:
             notes.append(f"{solver} searches on one thread")
         going = _going(solver, problem, options, apart)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
+from ..formulations.stop import Stop
 from ..instances.errors import in_words
 from ..solvers import interrupts
 from ..solvers.backend import Control, RawResult
@@ -15,11 +16,11 @@ from ..solvers.interrupts import GRACE
 
 T = TypeVar("T")
 
-OVERTIME = 10.0
-"""Seconds past its time limit after which an engine is asked to stop from outside."""
+OVERTIME = 0.7
+"""Seconds past its time limit after which an engine is asked to stop from outside: with its ``GRACE``, two seconds."""
 
-BOUND_OVERTIME = 5.0
-"""The same for bounding: what its methods prepare once a process, such as compiled kernels, is not counted."""
+BOUND_OVERTIME = OVERTIME
+"""The same for bounding."""
 
 ENGINE_THREAD = "waybound-engine"
 """Name of the thread that runs an engine."""
@@ -44,7 +45,8 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
     """Run ``run(control)`` in a worker thread and wait for it.
 
     The first Ctrl-C (of the command line also SIGTERM or SIGHUP) asks the engine to stop and waits up to ``GRACE`` seconds for its last
-    word, a later one takes the incumbents at once. An engine that overstays its time limit is treated alike.
+    word, a later one takes the incumbents at once. An engine that overstays its time limit, on the clock of
+    ``stop.now``, is treated alike.
 
     Raises
     ------
@@ -63,7 +65,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
         finally:
             done.set()
 
-    began = time.perf_counter()
+    began, limit = time.perf_counter(), Stop(time_limit + overtime)
     asked: float | None = None
     with interrupts.waiting():
         interrupted = give_up = bool(interrupts.received)  # then nothing is begun any more
@@ -76,7 +78,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
                 if interrupts.received and not interrupted:
                     interrupted, asked = True, now
                     control.stop()
-                if asked is None and now - began > time_limit + overtime:
+                if asked is None and limit.reached():
                     asked = now
                     control.stop()
                 give_up = interrupts.insisted or (asked is not None and now - asked > GRACE)
@@ -135,7 +137,7 @@ def _from_incumbents(control: Control, interrupted: bool, fault: BaseException |
     elif not control.stopped:
         message = "interrupted before the search began"
     else:
-        message = "the engine did not stop when asked; its last published answer is used"
+        message = f"the engine did not stop when asked{control.left}"
     return RawResult(
         status="unknown" if control.answer is None else "feasible",
         limit="interrupt" if interrupted else "time" if fault is None else "none",

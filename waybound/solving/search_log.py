@@ -78,6 +78,19 @@ class SearchLog:
                 return
             self._say(f"{_PHASES.get(phase, phase)} begins" + (f", for up to {limit:g} s" if limit is not None else ""))
 
+    def engine_set_up(self, who: str, seconds: float) -> None:
+        """An engine has made its own model of the problem, which took a while."""
+        with self._lock:
+            self._flush()
+            self._say(f"{who} is set up, which took {seconds:.1f} s")
+
+    def compiling(self, what: str, seconds: float) -> None:
+        """A loop is compiled, or (``seconds``) was."""
+        if math.isnan(seconds):
+            with self._lock:
+                self._flush()
+                self._say(f"compiling {what.rpartition('.')[2]}, once a machine")
+
     def __call__(self, event: dict[str, Any]) -> None:
         with self._lock:
             before, self._event = self._event, event

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ..formulations.arrays.problem import ArrayProblem
@@ -13,6 +14,7 @@ from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
 from ..formulations.solution import Solution
+from ..formulations.stop import hearing
 from ..instances.errors import UsageError, WayboundError, in_words
 from ..instances.limits import check_number, check_whole
 from ..solvers import interrupts
@@ -23,7 +25,7 @@ from .beside import Beside, BoundWork, free_core
 from .choice import default_solver
 from .concluding import conclude
 from .goal import SECONDS, Goal, first_evidence
-from .recording import Progress, Recorder, pricing
+from .recording import SLOW_SET_UP, Progress, Recorder, pricing
 from .runs import Run, continued, default_run, heuristic_run, solver_run
 from .search import Searched, search
 from .showing import Log, shown
@@ -144,7 +146,7 @@ def solve(
 
     run.notes.extend(told)
     listeners: list[Progress] = [] if progress is None else [progress]
-    with shown(log) as written:
+    with shown(log) as written, hearing(lambda what, seconds: record.of_loops(what, seconds)):
         if written is not None:
             listeners.append(written)
             written.begin(problem, run.claimant, _limits_told(chosen, budget))
@@ -164,11 +166,12 @@ def _answered(
     hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
     control = Control(hear if run.made is not None or len(problem.senses) == 1 else lambda event: hear({**event, **priced()}))
     priced = pricing(problem, control)
+    control.on_set_up = partial(record.engine_set_up, run.name)
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         before = 0.0
         if run.opening is not None:
-            run, options, before = continued(problem, run, options, isolate)
+            run, options, before = continued(problem, run, options, isolate, record)
         began = time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
@@ -176,17 +179,18 @@ def _answered(
         if not run.bounds and options.iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
             if budget > 0:
                 record.begin_phase("bound", min(SECONDS, budget))
-            first, goal = first_evidence(problem, min(SECONDS, budget), linear, options.gap)
+            uncompiled: list[str] = []
+            first, goal = first_evidence(problem, min(SECONDS, budget), linear, options.gap, uncompiled)
             if goal is not None and first:
                 record.of_bounds(goal.told())
             control.goal = goal
             if goal is not None and goal.infeasible:
                 run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
-            elif goal is not None and budget > SECONDS and free_core(options.threads):
+            elif goal is not None and (budget > SECONDS or (budget > 0 and uncompiled)) and free_core(options.threads):
                 beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began
         if goal is None or not goal.infeasible:
-            record.begin_phase("solve", options.time_limit)
+            record.begin_phase("solve", round(options.time_limit, 1))
         try:
             searched = search(run.go, control, options.time_limit)
         except WayboundError:
@@ -195,6 +199,8 @@ def _answered(
             crash = fault
             message = f"the engine failed: {in_words(fault)}"
             searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
+        if control.set_up is not None and control.set_up >= SLOW_SET_UP:
+            run.notes.append(f"{run.name} took {control.set_up:.1f} s to set up")
         if goal is not None and (goal.reached or goal.infeasible) and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit=goal.limit))
         try:

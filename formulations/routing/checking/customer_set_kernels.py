@@ -61,7 +61,8 @@ def set_values(flag, costs, weights, start, lower, upper, before):  # type: igno
             for r in range(many):
                 level[members, j, r] = max(level[members, j, r], lower[r, j + 1])
                 if level[members, j, r] > upper[r, j + 1]:
-                    cost[members, j, :] = math.inf
+                    for c in range(kinds):
+                        cost[members, j, c] = math.inf
             if cost[members, j, 0] == math.inf or costs[0, j + 1, 0] == math.inf:
                 continue
             home = True

@@ -48,10 +48,12 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """
     nodes, words, resources = len(cost), memory.shape[1], len(start)
     size = min(room, 1024)  # of what follows, which grows
-    node, value, dropped = np.zeros(size, np.int32), np.zeros(size), np.zeros(size, np.bool_)
-    level, seen = np.zeros((size, resources)), np.zeros((size, words), np.uint64)
-    behind, front = np.zeros(size, np.int32), np.full(nodes, -1, np.int32)  # labels of a node in order of their values
-    here, bits = np.zeros(resources), np.zeros(words, np.uint64)
+    node, behind, dropped = np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.bool_)
+    value, level, seen = np.empty(size), np.empty((size, resources)), np.empty((size, words), np.uint64)
+    front = np.empty(nodes, np.int32)  # labels of a node in order of their values
+    for j in range(nodes):
+        front[j] = -1
+    here, bits = np.empty(resources), np.empty(words, np.uint64)
     one, least = np.uint64(1), math.inf
     begin, count, looked = -1, 0, 0
     for _ in range(nodes - 1):
@@ -102,17 +104,23 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                 if count == room:
                     return FULL, -math.inf
                 if count == size:
-                    more = min(room, 2 * size) - size
-                    node, value = np.append(node, np.zeros(more, np.int32)), np.append(value, np.zeros(more))
-                    dropped, behind = np.append(dropped, np.zeros(more, np.bool_)), np.append(behind, np.zeros(more, np.int32))
-                    level = np.concatenate((level, np.zeros((more, resources))))
-                    seen = np.concatenate((seen, np.zeros((more, words), np.uint64)))
-                    size += more
+                    size = min(room, 2 * size)
+                    nodes_, behind_, dropped_ = np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.bool_)
+                    value_, level_, seen_ = np.empty(size), np.empty((size, resources)), np.empty((size, words), np.uint64)
+                    for c in range(count):
+                        nodes_[c], behind_[c], dropped_[c], value_[c] = node[c], behind[c], dropped[c], value[c]
+                        for r in range(resources):
+                            level_[c, r] = level[c, r]
+                        for w in range(words):
+                            seen_[c, w] = seen[c, w]
+                    node, behind, dropped, value, level, seen = nodes_, behind_, dropped_, value_, level_, seen_
                 new = count
                 count += 1
-                node[new], value[new] = head, price
-                level[new], seen[new] = here, bits
-                behind[new] = k
+                node[new], value[new], behind[new], dropped[new] = head, price, k, False
+                for r in range(resources):
+                    level[new, r] = here[r]
+                for w in range(words):
+                    seen[new, w] = bits[w]
                 if previous < 0:
                     front[head] = new
                 else:

@@ -74,7 +74,10 @@ def cheapest_order(flag, start, between, tasks, waiting):  # type: ignore[no-unt
         for b in range(n):
             own[a, b] = between[tasks[a], tasks[b]]
     order = path_through(first, own, costs_to_go(flag, own, waiting), (1 << n) - 1, waiting)
-    return cost_of(first, own, order, n, waiting), tasks[order]
+    cost = cost_of(first, own, order, n, waiting)
+    for a in range(n):
+        order[a] = tasks[order[a]]
+    return cost, order
 
 
 @kernel("Tuple((i8[:, ::1], i8[::1], i8))(i8[::1], f8[:, ::1], f8[:, ::1], i8, i8)")
@@ -127,7 +130,10 @@ def sequential(flag, starts, between, rule, most):  # type: ignore[no-untyped-de
         if asked(flag):
             return path, count, awarded
         if count[winner] < most:
-            bundle = np.append(path[winner, : count[winner]], task)
+            bundle = np.empty(count[winner] + 1, np.int64)
+            for k in range(count[winner]):
+                bundle[k] = path[winner, k]
+            bundle[count[winner]] = task
             order = cheapest_order(flag, starts[winner], between, bundle, waiting)[1]
             for k in range(len(order)):
                 path[winner, k] = order[k]

@@ -13,7 +13,10 @@ ROUNDING = 1e-14
 """Part of a limit by which a route may exceed it: far less than the judge lets pass."""
 
 
-@kernel()
+@kernel(
+    "(i8[::1], Tuple((b1[::1], read(f8[::1]), read(f8[::1]), read(f8[::1]), read(f8[::1]), read(f8[::1]))), "
+    "Tuple((i8[::1], i8[::1], f8[::1], f8[::1], f8[::1])), f8[:, ::1], f8[:, ::1], f8)"
+)
 def earliest_finisher(flag, sites, vehicles, distance, time, weight):  # type: ignore[no-untyped-def]
     """The vehicle that is free first takes the nearest customer it can still bring home, or that of the largest reward less ``weight``
     times the distance, until no vehicle can take any.
@@ -36,9 +39,12 @@ def earliest_finisher(flag, sites, vehicles, distance, time, weight):  # type: i
     start, end, capacity, max_duration, max_distance = vehicles
     n, fleet = len(demand), len(start)
     vehicle_of, place = np.full(n, -1), np.zeros(n, np.int64)
-    left = customer.copy()
-    clock, driven, load = ready[start].copy(), np.zeros(fleet), np.zeros(fleet)
-    at, visits, active = start.copy(), np.zeros(fleet, np.int64), np.ones(fleet, np.bool_)
+    left, active, at, visits = np.empty(n, np.bool_), np.empty(fleet, np.bool_), np.empty(fleet, np.int64), np.zeros(fleet, np.int64)
+    clock, driven, load = np.empty(fleet), np.zeros(fleet), np.zeros(fleet)
+    for u in range(n):
+        left[u] = customer[u]
+    for v in range(fleet):
+        clock[v], at[v], active[v] = ready[start[v]], start[v], True
     while not asked(flag):
         v = -1
         for k in range(fleet):

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 ROUNDING = 1e-14
@@ -19,8 +19,10 @@ ROUNDING = 1e-14
 ROUTES = 64
 """That there is room for at first."""
 
+_DATA = "Tuple((f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1]))"
 
-@kernel()
+
+@kernel(f"(i8[::1], {_DATA}, f8, UniTuple(f8, 4), b1, f8, f8, f8, b1)")
 def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1, by_due):  # type: ignore[no-untyped-def]
     """Solomon's I1: route by route, each from a seed, the customer that is worth most at its best place.
 
@@ -81,7 +83,7 @@ def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1,
     return order, last
 
 
-@kernel()
+@kernel(f"(i8[::1], {_DATA}, f8[:, ::1], read(f8[::1]), i8, f8, UniTuple(f8, 4), b1, b1, b1)")
 def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, kept, density):  # type: ignore[no-untyped-def]
     """Add the customer of the largest reward, or reward for the distance that it adds, where it adds least, while any fits.
 
@@ -154,12 +156,14 @@ def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, k
         fresh = to == open_ - 1 and open_ < fleet
         open_ += fresh
         if open_ > room:
-            more = min(fleet, 2 * room) - room
-            room += more
-            none = np.zeros((more, n + 2), np.int64)
-            routes, place_of = np.concatenate((routes, none)), np.concatenate((place_of, none))
-            least_of = np.concatenate((least_of, np.full((more, n + 2), math.inf)))
-            extra_of = np.concatenate((extra_of, np.full((more, n + 2), math.inf)))
+            more = min(fleet, 2 * room)
+            routes_, place_of_ = np.zeros((more, n + 2), np.int64), np.zeros((more, n + 2), np.int64)
+            least_of_, extra_of_ = np.full((more, n + 2), math.inf), np.full((more, n + 2), math.inf)
+            for r in range(room):
+                for u in range(n + 2):
+                    routes_[r, u], place_of_[r, u] = routes[r, u], place_of[r, u]
+                    least_of_[r, u], extra_of_[r, u] = least_of[r, u], extra_of[r, u]
+            routes, place_of, least_of, extra_of, room = routes_, place_of_, least_of_, extra_of_, more
     route_of, place = np.full(n + 2, -1), np.zeros(n + 2, np.int64)
     for r in range(open_):
         for k in range(size[r]):
@@ -167,7 +171,7 @@ def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, k
     return route_of, place
 
 
-@kernel()
+@inner
 def _best_place(u, route, size, data, inward, limits, timed, kept, begin, latest, length, busy):  # type: ignore[no-untyped-def]
     """Where on a route it adds the least distance to visit ``u``, the first of several places; whatever limits say, if ``kept``."""
     _, service, ready, due, distance, _ = data
@@ -190,7 +194,7 @@ def _best_place(u, route, size, data, inward, limits, timed, kept, begin, latest
     return least, place
 
 
-@kernel()
+@inner
 def _beside(u, at, route, size, data, inward, least, place):  # type: ignore[no-untyped-def]
     """The best place of ``u`` and what it adds, where somebody was put at another place, ``at``."""
     distance, end = data[4], len(data[0]) - 1
@@ -205,14 +209,14 @@ def _beside(u, at, route, size, data, inward, least, place):  # type: ignore[no-
     return least, place
 
 
-@kernel()
+@inner
 def _put(route, size, u, place):  # type: ignore[no-untyped-def]
     for k in range(size, place, -1):
         route[k] = route[k - 1]
     route[place] = u
 
 
-@kernel()
+@inner
 def _schedule(route, size, data, limits, begin, latest):  # type: ignore[no-untyped-def]
     """Earliest and latest begin at each visit; returns distance driven, and time driven and served."""
     _, service, ready, due, distance, time = data
@@ -236,7 +240,7 @@ def _schedule(route, size, data, limits, begin, latest):  # type: ignore[no-unty
     return length + distance[at, end], busy + time[at, end]
 
 
-@kernel()
+@inner
 def _inserted(u, k, route, size, data, limits, timed, begin, latest, length, busy):  # type: ignore[no-untyped-def]
     """What it adds to the distance to visit ``u`` before the ``k``-th stop, and how much later that stop is begun.
 
@@ -266,7 +270,7 @@ def _inserted(u, k, route, size, data, limits, timed, begin, latest, length, bus
     return extra, after - begin[k]
 
 
-@kernel()
+@inner
 def _duration(u, k, route, size, data, limits):  # type: ignore[no-untyped-def]
     """Shortest duration of the route with ``u`` before its ``k``-th stop, leaving as late as delays nothing."""
     _, service, ready, due, _, time = data

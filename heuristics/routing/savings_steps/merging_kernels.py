@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 ROUNDING = 1e-14
 """Part of a limit by which a route may exceed it: far less than the judge lets pass."""
 
 
-@kernel()
+@inner
 def feasible(route, size, length_to, time_to, limits, out, back, service, ready, due):  # type: ignore[no-untyped-def]
     """Whether a route keeps every window, and the longest duration and distance, leaving as late as it can.
 
@@ -38,7 +38,11 @@ def feasible(route, size, length_to, time_to, limits, out, back, service, ready,
     return length <= max_distance * (1 + ROUNDING) and duration <= max_duration * (1 + ROUNDING)
 
 
-@kernel()
+@kernel(
+    "(i8[::1], i8[::1], i8[::1], f8[::1], f8[::1], i8, i8, i8, "
+    "Tuple((i8[::1], i8[::1], i8[::1], i8[::1], i8[::1], f8[::1], i8[::1], f8[::1], f8[::1])), b1, UniTuple(f8, 4), "
+    "f8[:, ::1], f8[:, ::1], read(f8[::1]), read(f8[::1]), read(f8[::1]), f8, b1)"
+)
 def merge(  # type: ignore[no-untyped-def]
     flag, pairs_i, pairs_j, pair_length, pair_time, losing, routes, limit, state, bounded, limits, out, back, service, ready, due, capacity,
     both_ways,

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 NONE, OUTER, INNER = -1, 0, 1
 FAR = 1 << 62
 
 
-@kernel()
+@kernel("(i8[::1], i8[:, ::1])")
 def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-def]
     """Partner of each vertex; -1 for some where it was asked to stop.
 
@@ -29,7 +29,10 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
         Symmetric, at most 2^57 in size.
     """
     n = len(weights)
-    doubled = 2 * weights  # then all prices of outer vertices stay of one parity
+    doubled = np.empty((n, n), np.int64)  # then all prices of outer vertices stay of one parity
+    for u in range(n):
+        for v in range(n):
+            doubled[u, v] = 2 * weights[u, v]
     size = n + n // 2 + 1
     price = np.zeros(size, np.int64)
     mate = np.full(size, -1)
@@ -47,9 +50,9 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
     span = np.zeros(2, np.int64)  # of what waits in the queue
     for u in range(n):
         top[u] = member[u] = u
-        end[u, :n] = u
         least = FAR
         for v in range(n):
+            end[u, v] = u
             if v != u:
                 least = min(least, doubled[u, v])
         price[u] = least
@@ -68,17 +71,17 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
     state = (doubled, price, mate, top, label, near, parent, member, seen, end, inside, cycle, length, queue, span)
     while _augmented(flag, state, n):
         pass
-    return mate[:n].copy()
+    return mate[:n]
 
 
-@kernel()
+@inner
 def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
     """Grow trees of alternating paths from all free surfaces until two of them meet; False without any, or where it was asked to stop."""
     _, price, mate, top, label, near, parent, _, _, end, _, _, _, queue, span = state
     size = len(top)
-    label[:] = NONE
-    near[:] = -1
-    span[:] = 0
+    span[0] = span[1] = 0
+    for x in range(size):
+        label[x], near[x] = NONE, -1
     for x in range(size):
         if top[x] == x and mate[x] < 0:
             parent[x] = -1
@@ -101,7 +104,7 @@ def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
                         _note(state, u, top[v])
         if asked(flag):
             return False
-        span[:] = 0
+        span[0] = span[1] = 0
         step = FAR
         for x in range(size):
             if top[x] != x:
@@ -131,7 +134,7 @@ def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
                 _open(state, n, b)
 
 
-@kernel()
+@inner
 def _slack(state, x, y):  # type: ignore[no-untyped-def]
     """Of the edge of least slack between ``x`` and ``y``."""
     doubled, price, end = state[0], state[1], state[9]
@@ -139,14 +142,14 @@ def _slack(state, x, y):  # type: ignore[no-untyped-def]
     return 2 * doubled[u, v] - price[u] - price[v]
 
 
-@kernel()
+@inner
 def _note(state, u, x):  # type: ignore[no-untyped-def]
     near = state[5]
     if near[x] < 0 or _slack(state, u, x) < _slack(state, near[x], x):
         near[x] = u
 
 
-@kernel()
+@inner
 def _look(state, n, x):  # type: ignore[no-untyped-def]
     """The outer vertex nearest to surface ``x``, from scratch."""
     top, label, near = state[3], state[4], state[5]
@@ -156,7 +159,7 @@ def _look(state, n, x):  # type: ignore[no-untyped-def]
             _note(state, u, x)
 
 
-@kernel()
+@inner
 def _push(state, n, x):  # type: ignore[no-untyped-def]
     inside, queue, span = state[10], state[13], state[14]
     if x < n:
@@ -169,7 +172,7 @@ def _push(state, n, x):  # type: ignore[no-untyped-def]
                 span[1] += 1
 
 
-@kernel()
+@inner
 def _met(state, n, u, v):  # type: ignore[no-untyped-def]
     """Outer vertex ``u`` has a tight edge to ``v``: the tree grows, contracts, or meets another one (True)."""
     _, _, mate, top, label, near, parent, _, seen, _, _, _, _, _, _ = state
@@ -182,7 +185,9 @@ def _met(state, n, u, v):  # type: ignore[no-untyped-def]
         label[z] = OUTER
         _push(state, n, z)
     elif label[y] == OUTER:
-        stamp = seen.max() + 1
+        stamp = 1
+        for z in range(len(seen)):
+            stamp = max(stamp, seen[z] + 1)
         base, a, b = -1, x, y
         while a >= 0 or b >= 0:
             if a >= 0:
@@ -200,7 +205,7 @@ def _met(state, n, u, v):  # type: ignore[no-untyped-def]
     return False
 
 
-@kernel()
+@inner
 def _reverse(row, first, last):  # type: ignore[no-untyped-def]
     """Turn ``row[first:last]`` round in place."""
     last -= 1
@@ -210,7 +215,7 @@ def _reverse(row, first, last):  # type: ignore[no-untyped-def]
         last -= 1
 
 
-@kernel()
+@inner
 def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
     """Where ``child`` stands in the cycle of ``b``, whose direction is such that this is an even number."""
     cycle, length = state[11], state[12]
@@ -223,7 +228,7 @@ def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
     return at
 
 
-@kernel()
+@inner
 def _flip(state, n, x, u, v):  # type: ignore[no-untyped-def]
     """Match surface ``x`` along the edge from its vertex ``u`` to ``v``, and all that follows on the way to the root."""
     mate, top, parent, end = state[2], state[3], state[6], state[9]
@@ -239,13 +244,15 @@ def _flip(state, n, x, u, v):  # type: ignore[no-untyped-def]
         x = top[u]
 
 
-@kernel()
+@inner
 def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
     """Match ``x`` along the edge from its vertex ``u`` to ``v``, with all blossoms within it."""
     _, _, mate, _, _, _, _, _, _, end, inside, cycle, length, _, _ = state
-    waiting = [(x, u, v)]
-    while len(waiting) > 0:
-        x, u, v = waiting.pop()
+    waiting, depth = np.empty((len(mate), 3), np.int64), 1
+    waiting[0, 0], waiting[0, 1], waiting[0, 2] = x, u, v
+    while depth > 0:
+        depth -= 1
+        x, u, v = waiting[depth, 0], waiting[depth, 1], waiting[depth, 2]
         mate[x] = v
         if x < n:
             continue
@@ -253,16 +260,18 @@ def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
         at, row = _turn(state, n, x, child), cycle[x - n]
         for i in range(0, at, 2):
             a, b = row[i], row[i + 1]
-            waiting.append((a, end[a, b], end[b, a]))
-            waiting.append((b, end[b, a], end[a, b]))
-        waiting.append((child, u, v))
+            waiting[depth, 0], waiting[depth, 1], waiting[depth, 2] = a, end[a, b], end[b, a]
+            waiting[depth + 1, 0], waiting[depth + 1, 1], waiting[depth + 1, 2] = b, end[b, a], end[a, b]
+            depth += 2
+        waiting[depth, 0], waiting[depth, 1], waiting[depth, 2] = child, u, v
+        depth += 1
         k = length[x - n]
         _reverse(row, 0, at)  # three turns rotate
         _reverse(row, at, k)
         _reverse(row, 0, k)
 
 
-@kernel()
+@inner
 def _contract(state, n, x, base, y):  # type: ignore[no-untyped-def]
     """A blossom of the cycle through ``base``, ``x`` and ``y``."""
     _, price, mate, top, label, _, parent, member, _, end, inside, cycle, length, _, _ = state
@@ -309,7 +318,7 @@ def _contract(state, n, x, base, y):  # type: ignore[no-untyped-def]
     _look(state, n, b)
 
 
-@kernel()
+@inner
 def _open(state, n, b):  # type: ignore[no-untyped-def]
     """Inner blossom ``b`` has no price left: its children are surfaces again, those between its two tree edges part of the tree."""
     _, _, _, top, label, near, parent, _, _, end, inside, cycle, length, _, _ = state

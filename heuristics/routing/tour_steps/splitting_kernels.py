@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 ROUNDING = 1e-14
@@ -20,7 +20,7 @@ LOOK = 1 << 16
 """Steps between looks at the flag."""
 
 
-@kernel()
+@kernel("(i8[::1], read(f8[::1]), f8, f8, i8, f8[:, ::1])")
 def cheapest_cut(flag, demand, segment, capacity, most, costs):  # type: ignore[no-untyped-def]
     """Cut after every ``segment`` of demand, from all places on that make a difference; the cheapest way.
 
@@ -29,7 +29,10 @@ def cheapest_cut(flag, demand, segment, capacity, most, costs):  # type: ignore[
     """
     n = len(demand)
     out, on, back = costs
-    until = np.cumsum(demand)
+    until, load = np.empty(n), 0.0
+    for k in range(n):
+        load += demand[k]
+        until[k] = load
     best, best_routes, chosen = math.inf, n + 1, -1.0
     steps = 0
     for candidate in range(n + 1):
@@ -67,7 +70,7 @@ def cheapest_cut(flag, demand, segment, capacity, most, costs):  # type: ignore[
     return last
 
 
-@kernel()
+@kernel("(i8[::1], read(f8[::1]), read(f8[::1]), read(f8[::1]), read(f8[::1]), f8[:, ::1], f8[:, ::1], f8, UniTuple(f8, 4), f8, f8, i8)")
 def best_split(flag, demand, service, ready, due, distance, time, capacity, limits, unit_cost, fixed_cost, most):  # type: ignore[no-untyped-def]
     """The cheapest way to cut a tour into at most ``most`` routes that keep all limits: a shortest path, route by route.
 
@@ -82,7 +85,7 @@ def best_split(flag, demand, service, ready, due, distance, time, capacity, limi
     value = np.full((layers + 1, n + 1), math.inf)
     before = np.full((layers + 1, n + 1), -1)
     value[0, 0] = 0.0
-    penalty = 1.0 + n * fixed_cost + 2.0 * unit_cost * (distance[0].sum() + distance[1].sum() + distance[2].sum())
+    penalty = 1.0 + n * fixed_cost + 2.0 * unit_cost * (_sum(distance[0]) + _sum(distance[1]) + _sum(distance[2]))
     last = np.zeros(n, np.bool_)
     steps = 0
     for i in range(n):
@@ -129,7 +132,7 @@ def best_split(flag, demand, service, ready, due, distance, time, capacity, limi
     return _walked(value, before, penalty, fleet)
 
 
-@kernel()
+@kernel("(i8[::1], read(f8[::1]), f8[:, ::1], f8, f8, f8, i8)")
 def linear_split(flag, demand, costs, capacity, unit_cost, fixed_cost, most):  # type: ignore[no-untyped-def]
     """``best_split`` where loads are whole numbers and the only limit, in time that grows with the customers alone (Vidal 2016).
 
@@ -144,7 +147,7 @@ def linear_split(flag, demand, costs, capacity, unit_cost, fixed_cost, most):  #
     for k in range(n):
         along[k] = along[k - 1] + on[k - 1] if k > 0 else 0.0
         until[k + 1] = until[k] + demand[k]
-    penalty = 1.0 + n * fixed_cost + 2.0 * unit_cost * (out.sum() + on.sum() + back.sum())
+    penalty = 1.0 + n * fixed_cost + 2.0 * unit_cost * (_sum(out) + _sum(on) + _sum(back))
     value, before = np.full((layers + 1, n + 1), math.inf), np.full((layers + 1, n + 1), -1)
     value[0, 0] = 0.0
     queue, begun = np.zeros(n, np.int64), np.zeros(n)
@@ -170,12 +173,30 @@ def linear_split(flag, demand, costs, capacity, unit_cost, fixed_cost, most):  #
     return _walked(value, before, penalty, fleet)
 
 
-@kernel()
+@inner
+def _sum(row):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for k in range(len(row)):
+        total += row[k]
+    return total
+
+
+@inner
+def _least(value, column):  # type: ignore[no-untyped-def]
+    """The first row of the least value in a column."""
+    row = 0
+    for k in range(1, len(value)):
+        if value[k, column] < value[row, column]:
+            row = k
+    return row
+
+
+@inner
 def _walked(value, before, penalty, fleet):  # type: ignore[no-untyped-def]
     """The cut at the end of a shortest path, back from its last customer."""
     n = value.shape[1] - 1
     last = np.zeros(n, np.bool_)
-    layer = int(np.argmin(value[:, n])) if fleet else 0
+    layer = _least(value, n) if fleet else 0
     total, at = value[layer, n], n
     if not total < math.inf:
         return last, 0, math.inf
@@ -188,7 +209,7 @@ def _walked(value, before, penalty, fleet):  # type: ignore[no-untyped-def]
     return last, broken, total - broken * penalty
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1], i8)")
 def even_split(flag, costs, most):  # type: ignore[no-untyped-def]
     """Cut a tour into at most ``most`` routes, the longest as short as it can be: whether each customer is the last of its route.
 
@@ -221,7 +242,7 @@ def even_split(flag, costs, most):  # type: ignore[no-untyped-def]
                 steps = 0
                 if asked(flag):
                     return last
-    k = int(np.argmin(value[:, n]))
+    k = _least(value, n)
     at = n
     while at > 0:
         last[at - 1] = True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 LEAST = 1e-12
@@ -14,7 +14,7 @@ LONGEST = 3
 """Nodes of the longest path that Or-opt moves."""
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1])")
 def close(flag, matrix):  # type: ignore[no-untyped-def]
     """Turn lengths into those of shortest paths, in place (Floyd 1962; Warshall 1962). False where it was asked to stop."""
     n = len(matrix)
@@ -29,13 +29,16 @@ def close(flag, matrix):  # type: ignore[no-untyped-def]
     return True
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1])")
 def spanning_tree(flag, costs):  # type: ignore[no-untyped-def]
     """Parent of each node in a minimum spanning tree, the root 0 its own (Prim 1957); empty where it was asked to stop."""
     n = len(costs)
     parent = np.zeros(n, np.int64)
-    least = costs[0].copy()
-    left = np.arange(1, n)
+    least, left = np.empty(n), np.empty(max(0, n - 1), np.int64)
+    for k in range(n):
+        least[k] = costs[0, k]
+    for k in range(1, n):
+        left[k - 1] = k
     for count in range(n - 1, 0, -1):
         if asked(flag):
             return parent[:0]
@@ -52,7 +55,7 @@ def spanning_tree(flag, costs):  # type: ignore[no-untyped-def]
     return parent
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], i8)")
 def shortcut(tails, heads, n):  # type: ignore[no-untyped-def]
     """The nodes of a connected graph of even degrees in the order in which a Euler tour from node 0 first meets them (Hierholzer 1873)."""
     m = len(tails)
@@ -60,13 +63,15 @@ def shortcut(tails, heads, n):  # type: ignore[no-untyped-def]
     for k in range(m):
         start[tails[k] + 1] += 1
         start[heads[k] + 1] += 1
-    start = np.cumsum(start)
-    fill, edge = start[:-1].copy(), np.empty(2 * m, np.int64)
+    fill, at, edge = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(2 * m, np.int64)
+    for node in range(n):
+        start[node + 1] += start[node]
+        fill[node] = at[node] = start[node]
     for k in range(m):
         for node in (tails[k], heads[k]):
             edge[fill[node]] = k
             fill[node] += 1
-    at, used, met = start[:-1].copy(), np.zeros(m, np.bool_), np.zeros(n, np.bool_)
+    used, met = np.zeros(m, np.bool_), np.zeros(n, np.bool_)
     path, depth = np.zeros(m + 1, np.int64), 1
     order, count = np.empty(n, np.int64), 0
     while depth > 0:
@@ -87,11 +92,13 @@ def shortcut(tails, heads, n):  # type: ignore[no-untyped-def]
     return order
 
 
-@kernel()
+@kernel("(i8[::1], f8[:, ::1])")
 def nearest_neighbour(flag, costs):  # type: ignore[no-untyped-def]
     """From node 0 to the nearest node that is left, again and again; where it was asked to stop, the others in their order."""
     n = len(costs)
-    order, left = np.zeros(n, np.int64), np.arange(1, n)
+    order, left = np.zeros(n, np.int64), np.empty(max(0, n - 1), np.int64)
+    for k in range(1, n):
+        left[k - 1] = k
     node = 0
     for k in range(1, n):
         count, chosen = n - k, 0
@@ -105,7 +112,7 @@ def nearest_neighbour(flag, costs):  # type: ignore[no-untyped-def]
     return order
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], f8[:, ::1], i8[:, ::1])")
 def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     """2-opt and Or-opt (Croes 1958; Or 1976) between near nodes, in place, until neither shortens the tour; returns the moves made.
 
@@ -118,7 +125,9 @@ def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
         place[tour[k]] = k
     if n < 5:
         return 0
-    waiting, queued = tour.copy(), np.ones(n, np.bool_)
+    waiting, queued = np.empty(n, np.int64), np.empty(n, np.bool_)
+    for k in range(n):
+        waiting[k], queued[k] = tour[k], True
     first, count, moves, known = 0, n, 0, -1
     touched = np.empty(8, np.int64)
     while not asked(flag):
@@ -127,8 +136,8 @@ def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
                 break
             known = moves  # those passed over may have a place to go by now: once more for all
             first, count = 0, n
-            waiting[:] = tour
-            queued[:] = True
+            for k in range(n):
+                waiting[k], queued[k] = tour[k], True
         node = waiting[first]
         first = (first + 1) % n
         count -= 1
@@ -144,7 +153,7 @@ def improve(flag, tour, costs, near):  # type: ignore[no-untyped-def]
     return moves
 
 
-@kernel()
+@inner
 def _shorten(tour, place, costs, near, a, touched):  # type: ignore[no-untyped-def]
     """Make the first move at ``a`` that shortens the tour; returns how many nodes it ``touched``."""
     n = len(tour)
@@ -187,7 +196,7 @@ def _shorten(tour, place, costs, near, a, touched):  # type: ignore[no-untyped-d
     return 0
 
 
-@kernel()
+@inner
 def _turn(tour, place, x, y):  # type: ignore[no-untyped-def]
     """Turn the path from ``x`` on to ``y`` round; or all other nodes, where they are fewer, which makes the same tour."""
     n = len(tour)
@@ -202,7 +211,7 @@ def _turn(tour, place, x, y):  # type: ignore[no-untyped-def]
         i, j = (i + 1) % n, (j + n - 1) % n
 
 
-@kernel()
+@inner
 def _move(tour, place, p, a, e, q, c, d):  # type: ignore[no-untyped-def]
     """Take the path ``a..e`` out from between ``p`` and ``q``, and put it between ``c`` and ``d``, ``a`` next to ``c``."""
     n = len(tour)

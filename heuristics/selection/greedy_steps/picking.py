@@ -99,7 +99,7 @@ def _chosen_evaluation(f: SetFunction, compiled: ItemWeights | None, evaluation:
 
 
 def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequence[int]) -> tuple[NDArray[np.int64], Floats, int]:
-    from . import loops
+    from . import loops_kernels as loops
 
     chosen = WeightedSet(weights)
     chosen.add(base)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 
 FAR = np.int64(1) << 60
 
@@ -69,19 +69,23 @@ def immediate(costs):  # type: ignore[no-untyped-def]
     return plan
 
 
-@kernel()
+@kernel("(i8[:, ::1],)")
 def assignment(costs):  # type: ignore[no-untyped-def]
     """An assignment of as many pairs as there can be of the least sum, by shortest augmenting paths (Jonker and Volgenant 1987)."""
     if costs.shape[0] > costs.shape[1]:
         plan = np.full(costs.shape[0], -1)
-        turned = _rows_assigned(costs.T.copy())
+        other = np.empty((costs.shape[1], costs.shape[0]), np.int64)
+        for i in range(costs.shape[0]):
+            for j in range(costs.shape[1]):
+                other[j, i] = costs[i, j]
+        turned = _rows_assigned(other)
         for j in range(len(turned)):
             plan[turned[j]] = j
         return plan
     return _rows_assigned(costs)
 
 
-@kernel()
+@inner
 def _rows_assigned(costs):  # type: ignore[no-untyped-def]
     """A column for each row, where there are no more rows than columns."""
     n, m = costs.shape
@@ -128,14 +132,20 @@ def beaten(costs, plan):  # type: ignore[no-untyped-def]
     for i in range(robots):
         if plan[i] >= 0:
             total += costs[i, plan[i]]
-        rows += costs[i].min()
+        least = costs[i, 0]
+        for j in range(bins):
+            least = min(least, costs[i, j])
+        rows += least
     if robots <= bins and total == rows:
         return False
     for j in range(bins):
-        columns += costs[:, j].min()
+        least = costs[0, j]
+        for i in range(robots):
+            least = min(least, costs[i, j])
+        columns += least
     if robots >= bins and total == columns:
         return False
-    best, least = assignment(costs), 0
+    best, least = assignment(costs), np.int64(0)
     for i in range(robots):
         if best[i] >= 0:
             least += costs[i, best[i]]

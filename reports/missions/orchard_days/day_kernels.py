@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from .choice_kernels import assignment, beaten, deferred, immediate, serial
 
 OUT, FETCH, WAIT, HAUL, BACK = range(1, 6)
 
 
-@kernel()
+@kernel(
+    "(i8[::1], Tuple((i8[:, ::1], i8[:, ::1], i8[:, ::1], i8)), Tuple((i8[::1], i8[:, ::1], i8[::1])), "
+    "UniTuple(i8, 2), UniTuple(i8, 3), i8, UniTuple(i8[::1], 3))"
+)
 def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyped-def]
     """Play until all bins are home, ``limit`` steps have passed or ``flag`` is set.
 
@@ -41,7 +44,9 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     robots, fill = sizes
     stood, full, returned = times
     groups, bins = len(begin), len(stood)
-    group_cell, group_bin, since = begin.copy(), np.arange(groups), np.zeros(groups, np.int64)
+    group_cell, group_bin, since = np.empty(groups, np.int64), np.empty(groups, np.int64), np.zeros(groups, np.int64)
+    for g in range(groups):
+        group_cell[g], group_bin[g] = begin[g], g
     group_at, coming, reserve = np.full(len(fruit), -1), np.zeros(len(fruit), np.bool_), np.full(len(fruit), -1)
     cell_of, free, left = np.full(bins, -1), np.zeros(bins, np.bool_), np.full(bins, -1)  # left: steps until full
     state, place, until = np.zeros(robots, np.int64), np.full(robots, home), np.zeros(robots, np.int64)
@@ -52,9 +57,23 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     made, t, out = groups, 0, 0
     while t < limit and out < bins and not asked(flag):
         # robots decide
-        idle = np.nonzero(state == 0)[0]
-        if len(idle):
-            offered = np.nonzero(free)[0]
+        count = 0
+        for r in range(robots):
+            count += state[r] == 0
+        if count > 0:
+            idle, count = np.empty(count, np.int64), 0
+            for r in range(robots):
+                if state[r] == 0:
+                    idle[count] = r
+                    count += 1
+            count = 0
+            for b in range(bins):
+                count += free[b]
+            offered, count = np.empty(count, np.int64), 0
+            for b in range(bins):
+                if free[b]:
+                    offered[count] = b
+                    count += 1
             plan = _choice(rules, idle, offered, place, cell_of, left, distance, empty, told)
             for k in range(len(idle)):
                 r = idle[k]
@@ -106,7 +125,7 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     return told
 
 
-@kernel()
+@inner
 def _choice(rules, idle, offered, place, cell_of, left, distance, empty, told):  # type: ignore[no-untyped-def]
     """Columns of ``offered`` for ``idle``, by the rule of the day."""
     n, m = len(idle), len(offered)
@@ -130,7 +149,7 @@ def _choice(rules, idle, offered, place, cell_of, left, distance, empty, told): 
     return plan
 
 
-@kernel()
+@inner
 def _delivery(proposed, b, home, cell_of, group_cell, group_bin, since, group_at, fruit, coming, reserve, empty):  # type: ignore[no-untyped-def]
     """The cell to which a robot that will fetch bin ``b`` (-1: none) brings a new one; -1 for none."""
     if b >= 0 and not proposed:
@@ -152,7 +171,7 @@ def _delivery(proposed, b, home, cell_of, group_cell, group_bin, since, group_at
     return best
 
 
-@kernel()
+@inner
 def _work(t, fill, group_cell, group_bin, since, group_at, reserve, fruit, orders, distance, left, full, told):  # type: ignore[no-untyped-def]
     """Let groups work for a step."""
     for g in range(len(group_cell)):

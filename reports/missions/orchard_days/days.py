@@ -99,7 +99,7 @@ def play_day(
     times = (np.full(rules.bins, -1), np.full(rules.bins, -1), np.full(rules.bins, -1))
     codes = CHOICES.index(choice), DELIVERIES.index(delivery), COSTS.index(cost)
     shape = (grid.distances, grid.empty_times, grid.full_times, grid.home)
-    told = day(stop.flag, shape, (begin.cells, begin.orders, fruit), (rules.robots, rules.fill), codes, limit, times)
+    told = day(stop.flag, shape, (np.ascontiguousarray(begin.cells), begin.orders, fruit), (rules.robots, rules.fill), codes, limit, times)
     if stop.reached():
         raise Stopped
     return Day(*times, *(int(number) for number in told))

@@ -30,8 +30,7 @@ def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evide
     return made.evidence(problem, "auction prices") if made.complete else None
 
 
-def _prepare() -> None:
-    from ...engines.assignment_steps import auction_kernels  # noqa: F401 - compiles on import or first use
+KERNELS = ("waybound.solvers.engines.assignment_steps.auction_kernels", "waybound.solvers.engines.assignment_steps.price_kernels")
 
 
-BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", missing, compute, order=1, prepare=_prepare))
+BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", missing, compute, order=1, kernels=KERNELS))

@@ -70,8 +70,6 @@ def compute(problem: TaskAllocation, stop: Stop, linear: LinearPrograms) -> Evid
     return Evidence("task-forest", "forest of tasks rooted at the robots, with prices", value, data)
 
 
-def _prepare() -> None:
-    from . import forest_kernels as forest_kernels  # compiles, or loads what was compiled before
+KERNELS = ("waybound.solvers.bounds.auctions.forest_kernels",)
 
-
-BOUNDS.add("task-forest", BoundMethod("task-forest", missing, compute, order=1, prepare=_prepare))
+BOUNDS.add("task-forest", BoundMethod("task-forest", missing, compute, order=1, kernels=KERNELS))

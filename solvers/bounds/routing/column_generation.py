@@ -376,7 +376,7 @@ class _Tree(ProofTree[_Node]):
 
     def _generated(self, master: _Master, node: _Node, part: _Part) -> _Solved:
         """Routes added until there are none of negative reduced cost, or enough is proved."""
-        from .route_label_kernels import STOPPED, cheapest_routes
+        from .route_label_kernels import STOPPED
 
         near = self._near(part.cost, node.memory)
         memory = _bits(near)
@@ -393,10 +393,8 @@ class _Tree(ProofTree[_Node]):
         def priced(duals: Floats, *, careful: bool, below: float) -> tuple[int, float, Floats, list[Longs]]:
             reduced = part.cost.copy()
             reduced[:, 1:] -= duals[1:]
-            status, least, totals, lengths, visits = cheapest_routes(
-                self.stop.flag, reduced, weight, self.way, self.start, self.lower, self.upper, memory, careful, LABELS, COLUMNS, below
-            )
-            return status, least, totals, np.split(visits.astype(np.int64), np.cumsum(lengths)[:-1]) if len(lengths) else []
+            arrays = reduced, weight, self.way, self.start, self.lower, self.upper, memory
+            return least_routes(self.stop, arrays, careful=careful, most=COLUMNS, below=below)
 
         careless = True
         while True:
@@ -550,12 +548,25 @@ def column_generation_bound(
     return tree.evidence("routes")
 
 
-def _prepare() -> None:
-    from ....formulations.routing.checking import walk_kernels as walk_kernels
-    from . import route_label_kernels as route_label_kernels  # compile, or load what was compiled before
+def least_routes(
+    stop: Stop, arrays: tuple[NDArray[Any], ...], *, careful: bool, most: int, below: float
+) -> tuple[int, float, Floats, list[Longs]]:
+    """What ``cheapest_routes`` says of ``arrays``, with the customers of the cheapest routes, ``most`` of them, cheapest first."""
+    from .route_label_kernels import cheapest_routes
 
+    status, least, totals, found, at, parent = cheapest_routes(stop.flag, *arrays, careful, LABELS, below)
+    order = np.argsort(totals, kind="stable")[:most]
+    here, steps = found[order], []
+    while (here >= 0).any():  # from the ends of all routes towards the depot
+        steps.append(np.where(here >= 0, at[here], 0))
+        here = np.where(here >= 0, parent[here], -1)
+    visits = np.array(steps[::-1], dtype=np.int64).reshape(len(steps), len(order)).T
+    return status, least, totals[order], [row[row > 0] for row in visits]
+
+
+KERNELS = ("waybound.solvers.bounds.routing.route_label_kernels", "waybound.formulations.routing.checking.walk_kernels")
 
 BOUNDS.add(
     "column-generation",
-    BoundMethod("column-generation", lacks_arc_costs, column_generation_bound, order=8, aims=True, prepare=_prepare),
+    BoundMethod("column-generation", lacks_arc_costs, column_generation_bound, order=8, aims=True, kernels=KERNELS),
 )

@@ -99,8 +99,6 @@ def _missing(problem: Problem) -> frozenset[str]:
     return unknown if terms_of(problem) is not None else unknown | {"objective:weights"}  # type: ignore[arg-type]
 
 
-def _prepare() -> None:
-    from ....formulations.routing.checking import customer_set_kernels as customer_set_kernels  # compiles, or loads
+KERNELS = ("waybound.formulations.routing.checking.customer_set_kernels",)
 
-
-BOUNDS.add("customer-sets", BoundMethod("customer-sets", _missing, customer_sets_bound, order=7, aims=True, prepare=_prepare))
+BOUNDS.add("customer-sets", BoundMethod("customer-sets", _missing, customer_sets_bound, order=7, aims=True, kernels=KERNELS))

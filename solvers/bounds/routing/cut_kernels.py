@@ -42,13 +42,16 @@ def cuts_below(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     nodes = len(starts) - 1
     covered, seen = np.zeros(nodes, np.bool_), np.zeros(nodes, np.bool_)
     queue, by = np.empty(nodes, np.int64), np.empty(nodes, np.int64)
+    left = np.empty(len(capacity))
     found = 0
     for node in order:
         if found == len(inside) or asked(flag):
             break
         if covered[node]:
             continue
-        left, flow = capacity.copy(), 0.0
+        flow = 0.0
+        for e in range(len(capacity)):
+            left[e] = capacity[e]
         while flow < need[node] - least:
             seen[:] = False
             seen[0], queue[0] = True, 0
@@ -77,8 +80,9 @@ def cuts_below(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             continue
         # All that the depot does not reach is a least cut, and all that reaches the node another one: the smaller of both.
         outside = nodes - end
-        inside[found] = ~seen
-        seen[:] = False
+        for j in range(nodes):
+            inside[found, j] = not seen[j]
+            seen[j] = False
         seen[node], queue[0] = True, node
         begin, end = 0, 1
         while begin < end:
@@ -89,9 +93,10 @@ def cuts_below(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                 if left[twins[e]] > 1e-9 and not seen[i]:
                     seen[i], queue[end] = True, i
                     end += 1
-        if end < outside:
-            inside[found] = seen
-        covered |= inside[found]
+        for j in range(nodes):
+            if end < outside:
+                inside[found, j] = seen[j]
+            covered[j] = covered[j] or inside[found, j]
         found += 1
     return found
 
@@ -132,7 +137,8 @@ def overloaded_sets(  # type: ignore[no-untyped-def] # pragma: no cover - compil
     nodes = len(starts) - 1
     degree = np.zeros(nodes)
     for i in range(nodes):
-        degree[i] = capacity[starts[i] : starts[i + 1]].sum()
+        for e in range(starts[i], starts[i + 1]):
+            degree[i] += capacity[e]
     joined, taken = np.zeros(nodes), np.zeros(nodes, np.bool_)
     members, touched = np.empty(nodes, np.int64), np.empty(nodes, np.int64)
     found, known = 0, np.zeros(len(inside))

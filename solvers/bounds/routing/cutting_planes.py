@@ -301,8 +301,6 @@ def _lacks(problem: Problem) -> frozenset[str]:
     return frozenset() if problem.features() & {"capacity"} and not problem.features() & {"time-windows"} else lacking
 
 
-def _prepare() -> None:
-    from . import cut_kernels as cut_kernels  # compiles, or loads what was compiled before
+KERNELS = ("waybound.solvers.bounds.routing.cut_kernels",)
 
-
-BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", _lacks, cutting_planes_bound, order=1, prepare=_prepare))
+BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", _lacks, cutting_planes_bound, order=1, kernels=KERNELS))

@@ -62,12 +62,6 @@ def deviation_chord_bound(
     return best
 
 
-def _prepare() -> None:
-    for method in BOUNDS.values():
-        if method.name in SLOW | {"spanning-tree"}:
-            method.prepare()
-
-
 def _missing(problem: Problem) -> frozenset[str]:
     if problem.family != "routing":
         return frozenset({f"{problem.family} problems"})
@@ -84,6 +78,14 @@ def _replaces(problem: Problem) -> frozenset[str]:
     return SLOW if one and not timed else frozenset()
 
 
+KERNELS = (
+    "waybound.solvers.bounds.routing.prim_kernels",
+    "waybound.solvers.bounds.routing.state_space_kernels",
+    "waybound.formulations.routing.checking.state_space_kernels",
+    "waybound.solvers.bounds.routing.route_label_kernels",
+    "waybound.formulations.routing.checking.walk_kernels",
+)
+
 BOUNDS.add(
-    KIND, BoundMethod(KIND, _missing, deviation_chord_bound, order=LAST, aims=True, prepare=_prepare, replaces=_replaces)
+    KIND, BoundMethod(KIND, _missing, deviation_chord_bound, order=LAST, aims=True, kernels=KERNELS, replaces=_replaces)
 )  # fmt: skip

@@ -13,11 +13,11 @@ DONE, STOPPED, FULL = 0, 1, 2
 
 
 @kernel(
-    "Tuple((i8, f8, f8[::1], i4[::1], i4[::1]))(i8[::1], f8[:, ::1], f8[:, :, ::1], f8[:, :, ::1], f8[::1], f8[:, ::1], f8[:, ::1], "
-    "u8[:, ::1], b1, i8, i8, f8)"
+    "Tuple((i8, f8, f8[::1], i4[::1], i4[::1], i4[::1]))"
+    "(i8[::1], f8[:, ::1], f8[:, :, ::1], f8[:, :, ::1], f8[::1], f8[:, ::1], f8[:, ::1], u8[:, ::1], b1, i8, f8)"
 )
 def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, cost, weight, way, start, lower, upper, memory, careful, room, most, below
+    flag, cost, weight, way, start, lower, upper, memory, careful, room, below
 ):
     """Routes of the least reduced cost over all that keep their levels and come back to a customer only where he was forgotten.
 
@@ -37,16 +37,16 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
         The customers that are remembered at each node, one bit each.
     careful : bool
         Whether a label must also remember no more than one that gives way to it. Without it only some routes are found, and sooner.
-    room, most : int
-        Labels, and routes to return.
+    room : int
+        Labels at most.
     below : float
         Only routes of a smaller reduced cost are returned.
 
     Returns
     -------
-    (int, float, array, int32 array, int32 array)
-        Whether it was done, stopped or full; the least reduced cost; of the routes returned their reduced costs and lengths, and their
-        customers one after the other.
+    (int, float, array, int32 array, int32 array, int32 array)
+        Whether it was done, stopped or full; the least reduced cost; of the routes below their reduced costs and their last labels; of all
+        labels their customers, and the labels before them, -1 for none.
 
     Notes
     -----
@@ -54,14 +54,18 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
     """
     n, words, kinds = len(cost), memory.shape[1], len(start)
     size = min(room, 1024)  # of what follows, which grows
-    at, parent, value = np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
-    level, seen, gone = np.zeros((size, kinds)), np.zeros((size, words), np.uint64), np.zeros(size, np.bool_)
-    heap, found, totals = np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
-    after, first = np.zeros(size, np.int32), np.full(n, -1, np.int32)
-    bits, now, one = np.zeros(words, np.uint64), np.zeros(kinds), np.uint64(1)
+    at, parent, after, heap, found = (
+        np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32)
+    )  # fmt: skip
+    value, totals, level, seen, gone = (
+        np.empty(size), np.empty(size), np.empty((size, kinds)), np.empty((size, words), np.uint64), np.empty(size, np.bool_)
+    )  # fmt: skip
+    first = np.empty(n, np.int32)
+    for j in range(n):
+        first[j] = -1
+    bits, now, one = np.empty(words, np.uint64), np.empty(kinds), np.uint64(1)
     waiting = count = number = 0
     least, label = math.inf, -1
-    none, nobody = np.zeros(0), np.zeros(0, np.int32)
     while True:
         tail = 0 if label < 0 else at[label]
         for head in range(1, n):
@@ -89,7 +93,7 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
                         bits[(other - 1) >> 6] |= one << np.uint64((other - 1) & 63)
                         break
             if asked(flag):
-                return STOPPED, -math.inf, none, nobody, nobody
+                return STOPPED, -math.inf, totals[:0], found[:0], at[:0], parent[:0]
             previous, k, kept = -1, first[head], True
             while k >= 0 and value[k] <= v:
                 good = True
@@ -110,19 +114,32 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
             if not kept:
                 continue
             if count == room:
-                return FULL, -math.inf, none, nobody, nobody
+                return FULL, -math.inf, totals[:0], found[:0], at[:0], parent[:0]
             if count == size:
-                more = np.zeros(min(room, 2 * size) - size, np.int32)
-                at, parent, after = np.append(at, more), np.append(parent, more), np.append(after, more)
-                heap, found, gone = np.append(heap, more), np.append(found, more), np.append(gone, more > 0)
-                value, totals = np.append(value, more * 1.0), np.append(totals, more * 1.0)
-                level = np.concatenate((level, np.zeros((len(more), kinds))))
-                seen = np.concatenate((seen, np.zeros((len(more), words), np.uint64)))
-                size += len(more)
+                size = min(room, 2 * size)
+                at_, parent_, after_, heap_, found_ = (
+                    np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32),
+                    np.empty(size, np.int32),
+                )  # fmt: skip
+                value_, totals_, level_, seen_, gone_ = (
+                    np.empty(size), np.empty(size), np.empty((size, kinds)), np.empty((size, words), np.uint64), np.empty(size, np.bool_)
+                )  # fmt: skip
+                for c in range(count):
+                    at_[c], parent_[c], after_[c], heap_[c], found_[c] = at[c], parent[c], after[c], heap[c], found[c]
+                    value_[c], totals_[c], gone_[c] = value[c], totals[c], gone[c]
+                    for r in range(kinds):
+                        level_[c, r] = level[c, r]
+                    for w in range(words):
+                        seen_[c, w] = seen[c, w]
+                at, parent, after, heap, found = at_, parent_, after_, heap_, found_
+                value, totals, level, seen, gone = value_, totals_, level_, seen_, gone_
             new = count
             count += 1
-            at[new], parent[new], value[new] = head, label, v
-            level[new], seen[new], after[new] = now, bits, k
+            at[new], parent[new], value[new], after[new], gone[new] = head, label, v, k, False
+            for r in range(kinds):
+                level[new, r] = now[r]
+            for w in range(words):
+                seen[new, w] = bits[w]
             if previous < 0:
                 first[head] = new
             else:
@@ -176,19 +193,4 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
                 break
             heap[q], heap[p] = heap[p], heap[q]
             p = q
-    order = np.argsort(totals[:number])[:most]
-    lengths = np.zeros(len(order), np.int32)
-    for k in range(len(order)):
-        label = found[order[k]]
-        while label >= 0:
-            lengths[k] += 1
-            label = parent[label]
-    visits, end = np.zeros(lengths.sum(), np.int32), 0
-    for k in range(len(order)):
-        end += lengths[k]
-        p, label = end - 1, found[order[k]]
-        while label >= 0:
-            visits[p] = at[label]
-            p -= 1
-            label = parent[label]
-    return DONE, least, totals[order], lengths, visits
+    return DONE, least, totals[:number], found[:number], at[:count], parent[:count]

@@ -52,7 +52,7 @@ def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Lin
 
 
 def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
-    from .prim import spanning_tree_degrees
+    from .prim_kernels import spanning_tree_degrees
 
     edges = np.minimum(arcs.cost, arcs.cost.T)
     edges[0] = arcs.cost[0]
@@ -82,8 +82,6 @@ def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
     return None if math.isnan(best) else (best_price[1:], float(best_price[0]), best)
 
 
-def _prepare() -> None:
-    from . import prim as prim  # compiles, or loads what was compiled before
+KERNELS = ("waybound.solvers.bounds.routing.prim_kernels",)
 
-
-BOUNDS.add("spanning-tree", BoundMethod("spanning-tree", lacks_arc_costs, spanning_tree_bound, order=1, prepare=_prepare))
+BOUNDS.add("spanning-tree", BoundMethod("spanning-tree", lacks_arc_costs, spanning_tree_bound, order=1, kernels=KERNELS))

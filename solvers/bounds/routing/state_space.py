@@ -257,8 +257,6 @@ def _lacks(problem: Problem) -> frozenset[str]:
     return unknown if terms_of(problem) is not None else unknown | {"objective:weights"}  # type: ignore[arg-type]
 
 
-def _prepare() -> None:
-    from . import state_space_kernels as state_space_kernels  # compiles, or loads what was compiled before
+KERNELS = ("waybound.solvers.bounds.routing.state_space_kernels", "waybound.formulations.routing.checking.state_space_kernels")
 
-
-BOUNDS.add("state-space", BoundMethod("state-space", _lacks, state_space_bound, order=1, prepare=_prepare))
+BOUNDS.add("state-space", BoundMethod("state-space", _lacks, state_space_bound, order=1, kernels=KERNELS))

@@ -44,7 +44,10 @@ def walk_costs(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     nodes, cells = len(lower), base[-1]
     value = np.full((cells, 2), math.inf)
     before, load = np.full((cells, 2), -1, np.int32), np.zeros((cells, 2))
-    for b in range(upper[1:].max() + 1):
+    most = np.int64(0)
+    for j in range(1, nodes):
+        most = max(most, upper[j])
+    for b in range(most + 1):
         if asked(flag):
             return value, before, load
         for j in range(1, nodes):

@@ -1,6 +1,7 @@
 """Marginal gains of coverage and facility location, compiled.
 
-A function is handed over as the ``arrays`` of its ``ItemWeights``: ``(layout, indptr, indices, weights, matrix)``. A set S is ``best``, the
+A function is handed over as the ``arrays`` of its ``ItemWeights``: ``(layout, indptr, indices, weights, matrix,
+single)``. A set S is ``best``, the
 largest weight that one of its elements gives to each item, so that f(S) = sum(best). Sums are in float64 whatever the matrix holds, and in
 one order of additions, so that two loops that ask for the same gain get the same number to the bit. Loops over elements take a
 ``Stop.flag`` first.
@@ -10,27 +11,37 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 
 
-@kernel()
-def gain(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def over_items(types: str) -> str:
+    """Declared types of a kernel that takes ``types`` and a function."""
+    return f"({types}, i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]), read(f4[:, ::1]))"
+
+
+@inner
+def _gain_of_row(matrix, e, best):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    # Four sums at once, because one would wait for its own last addition.
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    items = matrix.shape[1]
+    full = items - items % 4
+    for j in range(0, full, 4):
+        a += max(matrix[e, j] - best[j], 0.0)
+        b += max(matrix[e, j + 1] - best[j + 1], 0.0)
+        c += max(matrix[e, j + 2] - best[j + 2], 0.0)
+        d += max(matrix[e, j + 3] - best[j + 3], 0.0)
+    for j in range(full, items):
+        a += max(matrix[e, j] - best[j], 0.0)
+    return (a + b) + (c + d)
+
+
+@inner
+def gain(e, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """What element ``e`` adds to the set that ``best`` stands for."""
     if layout == IN_MATRIX:
-        # Four sums at once, because one would wait for its own last addition.
-        a, b, c, d = 0.0, 0.0, 0.0, 0.0
-        items = matrix.shape[1]
-        full = items - items % 4
-        for j in range(0, full, 4):
-            a += max(matrix[e, j] - best[j], 0.0)
-            b += max(matrix[e, j + 1] - best[j + 1], 0.0)
-            c += max(matrix[e, j + 2] - best[j + 2], 0.0)
-            d += max(matrix[e, j + 3] - best[j + 3], 0.0)
-        for j in range(full, items):
-            a += max(matrix[e, j] - best[j], 0.0)
-        return (a + b) + (c + d)
+        return _gain_of_row(matrix, e, best) if len(matrix) > 0 else _gain_of_row(single, e, best)
     total = 0.0
     if layout == AT_ITEM:
         for p in range(indptr[e], indptr[e + 1]):
@@ -41,31 +52,35 @@ def gain(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-
     return total
 
 
-@kernel()
-def take(e, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel(over_items("i8, f8[::1]"))
+def take(e, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add element ``e`` to the set: raises ``best`` in place."""
     if layout == IN_MATRIX:
-        for j in range(matrix.shape[1]):
-            best[j] = max(best[j], matrix[e, j])
+        if len(matrix) > 0:
+            for j in range(matrix.shape[1]):
+                best[j] = max(best[j], matrix[e, j])
+        else:
+            for j in range(single.shape[1]):
+                best[j] = max(best[j], single[e, j])
     else:
         for p in range(indptr[e], indptr[e + 1]):
             j = indices[p]
             best[j] = max(best[j], weights[j] if layout == AT_ITEM else weights[p])
 
 
-@kernel()
-def gains_of(flag, elements, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel(over_items("i8[::1], i8[::1], f8[::1]"))
+def gains_of(flag, elements, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gain of each of ``elements``, shape (elements,); 0 where it was asked to stop before."""
     found = np.zeros(len(elements))
     for k in range(len(elements)):
         if asked(flag):
             break
-        found[k] = gain(elements[k], best, layout, indptr, indices, weights, matrix)
+        found[k] = gain(elements[k], best, layout, indptr, indices, weights, matrix, single)
     return found
 
 
-@kernel()
-def sweep(flag, costs, budget, groups, room, most, floor, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel(over_items("i8[::1], f8[::1], f8, i4[::1], i8[::1], i8, f8, f8[::1]"))
+def sweep(flag, costs, budget, groups, room, most, floor, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """A set picked almost greedily: sweeps with a falling threshold on the gain per cost, each a tenth below the last.
 
     Every set proves a bound; one near greedy's proves a good one, and this needs no heap. The number of sweeps is fixed beforehand: a
@@ -75,7 +90,7 @@ def sweep(flag, costs, budget, groups, room, most, floor, best, layout, indptr, 
     known = np.empty(n)  # an upper bound on the gain per cost of each element
     top = 0.0
     for e in range(n):
-        known[e] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
+        known[e] = gain(e, best, layout, indptr, indices, weights, matrix, single) / costs[e]
         if costs[e] > budget or room[groups[e]] == 0:
             known[e] = -1.0
         top = max(top, known[e])
@@ -94,9 +109,9 @@ def sweep(flag, costs, budget, groups, room, most, floor, best, layout, indptr, 
             if costs[e] > budget or room[groups[e]] == 0:
                 known[e] = -1.0
                 continue
-            known[e] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
+            known[e] = gain(e, best, layout, indptr, indices, weights, matrix, single) / costs[e]
             if known[e] >= threshold:
-                take(e, best, layout, indptr, indices, weights, matrix)
+                take(e, best, layout, indptr, indices, weights, matrix, single)
                 picks[count] = e
                 count += 1
                 known[e] = -1.0

@@ -13,8 +13,8 @@ from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.selection.feasibility import Openings, in_budgets
 from ....formulations.stop import NEVER, Stop
-from ....instances.selection.constraints import Cardinality, Knapsack, LimitRows, PartitionMatroid
-from ....instances.selection.functions import DenseFacilityLocation, FacilityLocation, ItemWeights, SetFunction
+from ....instances.selection.constraints import Knapsack, LimitRows, PartitionMatroid
+from ....instances.selection.functions import ItemWeights
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .growing_sets import WeightedSet, empty_set
@@ -185,15 +185,6 @@ def _missing(problem: Problem) -> frozenset[str]:
     return frozenset() if f.monotone and f.submodular else frozenset({"a function that is declared monotone and submodular"})
 
 
-def _prepare() -> None:
-    """Compile for the functions that can be met."""
-    from ....formulations.selection.submodular_selection import SubmodularSelection
+KERNELS = ("waybound.solvers.bounds.selection.gain_kernels",)
 
-    one = np.array([0, 1], np.int32), np.zeros(1, np.int32)
-    functions: list[SetFunction] = [FacilityLocation(*one, np.ones(1), 1)]
-    functions += [DenseFacilityLocation(np.ones((1, 1), dtype)) for dtype in (np.float32, np.float64)]
-    for function in functions:
-        marginal_gains_bound(SubmodularSelection(function, Cardinality(1)))
-
-
-BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=1, prepare=_prepare))
+BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=1, kernels=KERNELS))

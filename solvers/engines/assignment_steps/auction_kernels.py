@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 NONE = 1 << 61
@@ -22,7 +22,7 @@ MANY_PAIRS = 12
 _COLUMN = (1 << 32) - 1
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[:, :, ::1], i8[::1])")
 def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Rows without a column bid in turn until none is left; who is outbid takes the turn of who outbids.
 
@@ -112,7 +112,7 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
     return 0
 
 
-@kernel()
+@inner
 def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """The cheapest pairs from ``begin`` to ``end`` at present prices, in ascending order; ``NONE`` where there are no more."""
     size, many = 0, len(values)
@@ -131,7 +131,7 @@ def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-u
     values[size:] = NONE
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[::1])")
 def sparse_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """``remembering_phase`` with each row looking at all of its own pairs, the one that was outbid last first."""
     stack, top = _bidders(owner, len(indptr) - 1)
@@ -162,7 +162,7 @@ def sparse_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most,
     return 0
 
 
-@kernel()
+@inner
 def _bidders(owner, rows):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Rows that own no column, the first one on top, and how many they are."""
     owning = np.zeros(rows, np.bool_)

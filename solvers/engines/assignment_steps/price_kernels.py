@@ -6,7 +6,10 @@ from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
 
 
-@kernel()
+@kernel(
+    "(i8[::1], i8[::1], read(i4[::1]), read(f8[::1]), i8[::1], f8[::1], i8)",
+    "(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8)",
+)
 def lower_labels(flag, indptr, columns, cost, column, price, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Lower the price of each row's column until no other column is better for the row, in sweeps up and down (Bellman 1958).
 
@@ -50,7 +53,7 @@ def lower_labels(flag, indptr, columns, cost, column, price, most):  # type: ign
     return False
 
 
-@kernel()
+@kernel("(i8[::1], i8[::1], read(i4[::1]), read(f8[::1]), i8[::1], f8[::1], i8)")
 def raise_labels(flag, indptr, columns, cost, column, price, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Raise prices from 0 until no row has a column that is better than its own: the least ones; arguments as of ``lower_labels``."""
     rows = len(column)

@@ -7,7 +7,7 @@ import numpy as np
 from ....formulations.kernels import kernel
 
 
-@kernel()
+@kernel("(read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), i4[::1])")
 def survey(robot_of_action, starts, targets, weights, viewers):  # type: ignore[no-untyped-def]
     """Count the actions that see each target.
 
@@ -31,7 +31,7 @@ def survey(robot_of_action, starts, targets, weights, viewers):  # type: ignore[
     return ascending, live, private, most, lightest, heaviest
 
 
-@kernel()
+@kernel("(read(i4[::1]), read(i4[::1]), i8)")
 def by_robot(robot_of_action, starts, num_robots):  # type: ignore[no-untyped-def]
     """Actions that see something, robot after robot, in ascending order within a robot."""
     place = np.zeros(num_robots + 1, dtype=np.int32)
@@ -48,7 +48,7 @@ def by_robot(robot_of_action, starts, num_robots):  # type: ignore[no-untyped-de
     return order
 
 
-@kernel()
+@kernel("(read(i4[::1]), i4[::1], i4[::1])")
 def group(robot_of_action, order, first):  # type: ignore[no-untyped-def]
     """Starts of the robots in ``order``; returns how many robots there are, and the most actions of one."""
     robots, most = 0, 0
@@ -61,7 +61,7 @@ def group(robot_of_action, order, first):  # type: ignore[no-untyped-def]
     return robots, most
 
 
-@kernel()
+@kernel("(i4[::1], read(i4[::1]), read(i4[::1]), read(f8[::1]), i4[::1], i4[::1], i4[::1], f8[::1], f8[::1])")
 def condense(order, starts, targets, weights, viewers, new_starts, new_targets, new_weights, private):  # type: ignore[no-untyped-def]
     """Copy the edges of the actions in ``order``; targets of one viewer become ``private``, their least weight an action."""
     size = 0

@@ -6,9 +6,15 @@ import math
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
+from .cleaning import Layout
 from .lane_kernels import bare, inlined
 
 INFINITE = math.inf
+
+_NAMED = (Layout,)
+"""The named tuple that these types name."""
+
+GRAPH = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[::1]), read(f8[::1]))"
 
 
 @inlined
@@ -74,7 +80,7 @@ def _minima_layer(  # type: ignore[no-untyped-def]
                     note(next_near, targets[e], v, out[v])
 
 
-@kernel()
+@kernel(f"(i8[::1], {GRAPH}, f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1], f8[::1], f8[:, ::1], i8)")
 def tree_minima(flag, graph, start, floor, near, next_near, own, back, layers, h):  # type: ignore[no-untyped-def]
     """Minima over trees: row l of ``layers`` gets, per blue copy B(v, l), the least of ``start`` over the roots above it.
 
@@ -93,7 +99,7 @@ def tree_minima(flag, graph, start, floor, near, next_near, own, back, layers, h
         near, next_near = next_near, near
 
 
-@bare
+@kernel(f"(i8[::1], {GRAPH}, f8[::1], f8[::1], f8[::1], i8, f8[::1])", _nrt=False)
 def ball_minima(flag, graph, start, near, lowest, hops, out):  # type: ignore[no-untyped-def]
     """``out`` of each action: the least of ``start`` over all actions of robots within ``hops`` hops of its robot."""
     first, starts, targets, _, _, _ = graph
@@ -152,7 +158,7 @@ def _solve_layer(  # type: ignore[no-untyped-def]
                     next_sums[targets[e]] += weights[e] * reds[v]
 
 
-@kernel()
+@kernel(f"(i8[::1], {GRAPH}, f8[:, ::1], i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
 def solve_layers(flag, graph, layers, h, reds, sums, next_sums, blues, back, total):  # type: ignore[no-untyped-def]
     """The recursion with a level of its own for each blue copy; ``total`` gets the sum of all copies of each action.
 
@@ -173,7 +179,7 @@ def solve_layers(flag, graph, layers, h, reds, sums, next_sums, blues, back, tot
         sums, next_sums = next_sums, sums
 
 
-@bare
+@kernel(f"({GRAPH}, f8[::1], i8, b1)", _nrt=False)
 def average(graph, total, h, normalise):  # type: ignore[no-untyped-def]
     """Turn sums of copies into shares, in place: no robot does more than 1, exactly 1 where ``normalise``."""
     first, _, _, _, _, _ = graph

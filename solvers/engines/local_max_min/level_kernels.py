@@ -19,16 +19,23 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
+from .cleaning import Layout
 from .lane_kernels import add, bare, inlined, larger, load, multiply, splat, store, subtract
-from .layer_kernels import clear, least_of_others, note
-from .search import DEEPEST
+from .layer_kernels import GRAPH, clear, least_of_others, note
+from .search import DEEPEST, Lists, Scratch, Sight
+
+_SIGHT = "named(Sight, i4[::1], i4[::1])"
+_SCRATCH = "named(Scratch, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[::1])"
+_LISTS = "named(Lists, i4[::1], b1[::1], i4[::1], i4[::1])"
+_NAMED = (Layout, Lists, Scratch, Sight)
+"""The named tuples that these types name."""
 
 INFINITE = math.inf
 BELOW = -1.0
 """Lane before the first, said of a red copy that is negative at all levels of a block."""
 
 
-@kernel()
+@kernel(f"(i8[::1], {GRAPH}, {_SIGHT}, read(i4[::1]), i4[::1], i8, i4[::1], b1[::1], i4[::1], i4[::1])")
 def place(flag, graph, sight, robot_of, roots, h, distance, marked, robots, targets):  # type: ignore[no-untyped-def]
     """Find the robots within h hops of the roots, in ascending order, and their ``distance`` (elsewhere -1).
 
@@ -73,7 +80,7 @@ def place(flag, graph, sight, robot_of, roots, h, distance, marked, robots, targ
     return reached, seen
 
 
-@bare
+@kernel("(i4[::1], b1[::1], i4[::1], i4[::1])", _nrt=False)
 def unplace(distance, marked, robots, targets):  # type: ignore[no-untyped-def]
     """Undo the marks of ``place``."""
     for p in range(len(robots)):
@@ -214,7 +221,7 @@ def _step(  # type: ignore[no-untyped-def]
     return next_noted
 
 
-@kernel()
+@kernel(f"(i8[::1], {GRAPH}, {_SCRATCH}, i4[::1], i4[::1], i4[::1], i8, f8[:, ::1], b1, f8)")
 def sweep(flag, graph, scratch, robots, within, distance, h, levels, secant, slack):  # type: ignore[no-untyped-def]
     """Test eight levels for the roots in ``robots`` of distance 0; ``scratch.least`` gets what limits each action's root.
 
@@ -236,7 +243,7 @@ def sweep(flag, graph, scratch, robots, within, distance, h, levels, secant, sla
         room, next_room, near, next_near = next_room, room, next_near, near
 
 
-@kernel()
+@kernel(f"({GRAPH}, i8, i4[::1], i4[::1])")
 def transpose(graph, num_targets, target_starts, robots):  # type: ignore[no-untyped-def]
     """Robots that see each target, one entry an edge."""
     first, starts, targets, _, _, _ = graph
@@ -244,7 +251,9 @@ def transpose(graph, num_targets, target_starts, robots):  # type: ignore[no-unt
         target_starts[targets[e] + 1] += 1
     for k in range(num_targets):
         target_starts[k + 1] += target_starts[k]
-    fill = target_starts[:num_targets].copy()
+    fill = np.empty(num_targets, np.int64)
+    for k in range(num_targets):
+        fill[k] = target_starts[k]
     for i in range(len(first) - 1):
         for e in range(starts[first[i]], starts[first[i + 1]]):
             k = targets[e]
@@ -252,7 +261,7 @@ def transpose(graph, num_targets, target_starts, robots):  # type: ignore[no-unt
             fill[k] += 1
 
 
-@bare
+@kernel(f"({GRAPH}, f8[::1], f8[::1])", _nrt=False)
 def capacities(graph, sums, lowest):  # type: ignore[no-untyped-def]
     """Per action the least, over its targets, of what all viewers at their caps give; returns the least and largest of these."""
     first, starts, targets, weights, private, caps = graph
@@ -270,7 +279,7 @@ def capacities(graph, sums, lowest):  # type: ignore[no-untyped-def]
     return smallest, largest
 
 
-@kernel()
+@kernel(f"(i8[::1], {GRAPH}, {_SIGHT}, read(i4[::1]), {_SCRATCH}, {_LISTS}, i8, f8, f8, f8, i4[::1], f8[::1], f8[::1])")
 def step_groups(flag, graph, sight, robot_of, scratch, lists, h, step, stride, slack, order, ceilings, base):  # type: ignore[no-untyped-def]
     """One digit of the additive search: in ``order`` roots of one ceiling U and one ``base`` stand together.
 

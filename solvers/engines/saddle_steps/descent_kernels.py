@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
+from .game import Layout
 
 MOVES = 4
 """Shifts between two actions that a robot makes in one visit; robots of two actions need one."""
@@ -22,7 +23,7 @@ UNMOVED = 0.01
 """A target whose coverage changed by less than this share of what is negligible calls no robot."""
 
 
-@kernel()
+@inner
 def _best_and_worst(graph, robot, shares, cover, level):  # type: ignore[no-untyped-def]
     """The actions of a robot by the weighted deficits that they see: the one of most, the used one of least, both sums, and edges."""
     best, worst, most, least, edges = -1, -1, -1.0, 0.0, 0
@@ -40,7 +41,7 @@ def _best_and_worst(graph, robot, shares, cover, level):  # type: ignore[no-unty
     return best, worst, most, least, edges
 
 
-@kernel()
+@inner
 def _merge(graph, best, worst, targets, gains):  # type: ignore[no-untyped-def]
     """The targets of two actions, and what each gains by a share that moves from ``worst`` to ``best``; returns how many there are."""
     count = 0
@@ -61,7 +62,7 @@ def _merge(graph, best, worst, targets, gains):  # type: ignore[no-untyped-def]
     return count
 
 
-@kernel()
+@inner
 def _slope(deficits, gains, count, shift):  # type: ignore[no-untyped-def]
     """Fall of half the sum of squared deficits at ``shift``, and how fast it changes."""
     slope, curvature = 0.0, 0.0
@@ -73,7 +74,7 @@ def _slope(deficits, gains, count, shift):  # type: ignore[no-untyped-def]
     return slope, curvature
 
 
-@kernel()
+@inner
 def _shift(deficits, gains, count, most):  # type: ignore[no-untyped-def]
     """Share to move, at most ``most``, that makes the sum of squared deficits least; and how many steps that took.
 
@@ -109,7 +110,7 @@ def _shift(deficits, gains, count, most):  # type: ignore[no-untyped-def]
     return shift, steps
 
 
-@kernel()
+@kernel(f"(i8[::1], {Layout.TYPES}, Tuple((i4[::1], f8[::1], f8[::1])), f8[::1], f8[::1], f8, f8, i4[::1], b1[::1], i8, i8, i8)")
 def descend(flag, graph, scratch, shares, cover, level, negligible, queue, queued, head, size, most_work):  # type: ignore[no-untyped-def]
     """Visit the robots in the queue until it is empty, ``most_work`` edges were read, or the ``flag`` of a ``Stop`` is set.
 

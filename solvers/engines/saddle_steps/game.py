@@ -47,7 +47,14 @@ class Layout(NamedTuple):
         """The layout of a graph."""
         first, order = graph.by_robot
         sight = graph.by_target
-        return cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        arrays = (first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        views = [array.view() for array in arrays]
+        for view in views:
+            view.setflags(write=False)  # kernels are compiled for one kind of arrays
+        return cls(*views)
+
+    TYPES = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
+    """In the words of ``kernel``."""
 
 
 class Limits:

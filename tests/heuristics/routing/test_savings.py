@@ -10,10 +10,12 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context
+from waybound.heuristics.routing.savings import SLOW_TO_BEGIN
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
@@ -143,3 +145,13 @@ def test_cut_short_a_lone_vehicle_still_drives_a_tour() -> None:
     outcome = HEURISTICS["savings"].run(problem, replace(CONTEXT, time_limit=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert len(outcome.answer) == 1 and outcome.limit == "time"
+
+
+def test_the_routes_are_those_of_least_cost_whatever_is_counted_and_open_large_problems() -> None:
+    problem = scattered(40, capacity=40.0)
+    plain = HEURISTICS["savings"].run(problem, CONTEXT).answer
+    for objective in (Vehicles().then(TotalCost()), 2.0 * Vehicles() + TotalCost()):
+        asked = replace(problem, objective=Objective.of(objective))
+        assert not HEURISTICS["savings"].missing(asked)
+        assert HEURISTICS["savings"].run(asked, CONTEXT).answer == plain
+    assert not HEURISTICS["savings"].opens(problem) and HEURISTICS["savings"].opens(scattered(SLOW_TO_BEGIN + 1))

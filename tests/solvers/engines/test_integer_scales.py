@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.solvers.engines.integer_scales import FINE, UNLIMITED, Scale, scale_of
+from waybound.solvers.engines.integer_scales import FINE, UNLIMITED, Scale, Strips, scale_of
 
 numbers = st.floats(0, 1e5, allow_nan=False)
 
@@ -66,3 +66,10 @@ def test_exact_scales_are_exact(whole: int, factor: int) -> None:
 
 def test_infinite_limits_are_unlimited() -> None:
     assert int(Scale(FINE, False).down(math.inf)) == UNLIMITED
+
+
+def test_strips_are_scaled_as_if_they_were_one_array() -> None:
+    rows = [np.array([1.0, math.inf, 2.5]), np.array([math.nan, 7.25]), np.array([])]
+    strips = Strips(lambda: rows)
+    assert strips.largest == 7.25
+    assert scale_of(strips, [3.0]) == scale_of([1.0, 2.5, 7.25, 3.0]) == Scale(100, True)

@@ -31,3 +31,11 @@ def test_seeds_matter_and_repeat() -> None:
     answers = [PyVRP().run(problem, Options(iterations=1, seed=s), Control()).answer for s in (1, 1, 2, 3, 4, 5)]
     assert answers[0] == answers[1]
     assert len(set(map(str, answers))) > 1
+
+
+def test_it_tells_when_its_search_begins_and_runs_apart_where_its_set_up_holds_everything_up() -> None:
+    problem, control = small("capacity", 0, "exact"), Control()
+    assert PyVRP().run(problem, Options(iterations=3), control).answer is not None
+    assert control.set_up is not None and not control.setting_up
+    assert not PyVRP().apart(problem)
+    assert PyVRP().memory(problem) == 35.0 * problem.size**2

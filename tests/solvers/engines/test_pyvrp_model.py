@@ -48,3 +48,18 @@ def test_energy_for_travel_is_a_limit_on_distance_in_the_distances_scale() -> No
     energy = problem.fleet[0].energy
     assert energy is not None
     assert model.vehicle_type(0).max_distance == math.floor(energy.capacity / energy.rate * 10 + 1e-9)
+
+
+def test_durations_are_made_only_where_time_is_limited_or_priced() -> None:
+    plain = small("capacity", 0, "exact")
+    data = integer_routing(plain)
+    made = Model(plain, data).data
+    assert "duration" not in vars(data.moves[0])
+    assert np.array_equal(made.duration_matrix(0), made.distance_matrix(0))
+    for timed in (
+        replace(plain, fleet=(replace(plain.fleet[0], max_duration=1e6),)),
+        replace(plain, fleet=(replace(plain.fleet[0], unit_duration_cost=2.0),)),
+        replace(plain, sites=replace(plain.sites, due=np.where(plain.sites.depot, np.inf, 1e6))),
+    ):
+        data = integer_routing(timed)
+        assert np.array_equal(Model(timed, data).data.duration_matrix(0), data.moves[0].duration)

@@ -205,3 +205,19 @@ def test_one_decimal_that_an_engine_has_no_room_for_is_rounded() -> None:
     problem = RoutingProblem(Sites.of(range(3)), Travel("euclidean", xy), (VehicleType(),))
     made = integer_routing(problem, largest=2**32 - 1, total=2**32 - 1, fine=10)
     assert made.moves[0].distance_up.max() < 2**30
+
+
+def test_matrices_made_in_strips_are_those_of_all_distances_and_are_made_anew_once_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("waybound.solvers.engines.routing_integers.STRIP", 10)
+    xy = np.random.default_rng(1).uniform(0, 100, (7, 2))
+    for convention in ("exact", "round"):
+        travel = Travel("euclidean", coordinates=xy, convention=convention)
+        data = integer_routing(RoutingProblem(Sites.of(range(7)), travel, (VehicleType(),)))
+        moves, factor = data.moves[0], data.scales["distance"]
+        assert np.array_equal(moves.distance, np.rint(travel.distances * factor))
+        assert (moves.distance_up >= travel.distances * factor * (1 - 1e-12)).all()
+        assert (moves.longest, moves.slowest) == (moves.distance_up.max(), moves.duration.max())
+        assert (moves.duration is moves.distance) == (convention == "round")
+        once = moves.distance
+        moves.forget()
+        assert moves.distance is not once and np.array_equal(moves.distance, once)

@@ -18,6 +18,7 @@ from small_routing import plane, small
 
 from waybound.formulations.certificate import certify, check_certificate, verified_bound
 from waybound.formulations.evidence import Evidence
+from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
@@ -36,8 +37,10 @@ PROVED = (
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
-    """Kernels are compiled before a budget begins, as ``find_bounds`` does it."""
-    column_generation._prepare()
+    """Kernels are compiled before a budget begins."""
+    for module in column_generation.KERNELS:
+        for kernel in kernels(module):
+            kernel.make()
 
 
 def leaves(evidence: Evidence) -> list[dict[str, Any]]:
@@ -165,7 +168,8 @@ def test_the_same_seed_gives_the_same_evidence() -> None:
 def test_labels_find_the_cheapest_of_all_routes(seed: int) -> None:
     from waybound.formulations.stop import NEVER
     from waybound.solvers.bounds.routing.arcs import arc_costs
-    from waybound.solvers.bounds.routing.route_label_kernels import DONE, cheapest_routes
+    from waybound.solvers.bounds.routing.column_generation import least_routes
+    from waybound.solvers.bounds.routing.route_label_kernels import DONE
 
     problem, rng = small("service-times", seed, "exact"), np.random.default_rng(seed)
     arcs = arc_costs(problem)
@@ -179,15 +183,12 @@ def test_labels_find_the_cheapest_of_all_routes(seed: int) -> None:
     for visits in routes(problem, problem.fleet[0]):
         stops = [0, *visits, 0]  # the depot is site 0, and nodes are sites
         truth[visits] = float(sum(reduced[i, j] for i, j in itertools.pairwise(stops)))
-    status, least, totals, lengths, visited = cheapest_routes(
-        NEVER.flag, reduced, tree.weight, tree.way, tree.start, tree.lower, tree.upper, memory, True, 100_000, 10, 0.0
-    )
+    arrays = reduced, tree.weight, tree.way, tree.start, tree.lower, tree.upper, memory
+    status, least, totals, visited = least_routes(NEVER, arrays, careful=True, most=10, below=0.0)
     assert status == DONE and least == pytest.approx(min(truth.values()))
-    found = [tuple(part.tolist()) for part in np.split(visited, np.cumsum(lengths)[:-1])] if len(lengths) else []
-    assert len(found) == min(10, len(found)) and totals.tolist() == sorted(totals.tolist())
+    found = [tuple(route.tolist()) for route in visited]
+    assert 0 < len(found) <= 10 and totals.tolist() == sorted(totals.tolist())
     for route, total in zip(found, totals.tolist(), strict=True):
         assert truth[route] == pytest.approx(total) and total < 0.0
-    careless = cheapest_routes(
-        NEVER.flag, reduced, tree.weight, tree.way, tree.start, tree.lower, tree.upper, memory, False, 100_000, 10, 0.0
-    )
+    careless = least_routes(NEVER, arrays, careful=False, most=10, below=0.0)
     assert careless[1] >= least - 1e-9

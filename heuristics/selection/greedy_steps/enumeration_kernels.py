@@ -6,12 +6,12 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection.gain_kernels import gain, take
+from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
 
 
-@kernel()
+@kernel(over_items("i8[::1], i8[::1], i8[::1], i8[::1], f8[::1], f8[::1], f8, f8[::1], b1, i8"))
 def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, slot_group, starts, members, rest, costs, budget, tail, optional, items, layout, indptr, indices, weights, matrix
+    flag, slot_group, starts, members, rest, costs, budget, tail, optional, items, layout, indptr, indices, weights, matrix, single
 ):
     """The set of largest value: each slot holds an element of its group, ascending within a group.
 
@@ -43,22 +43,25 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         e = members[k]
         if costs[e] > left[t]:
             continue
-        reached = value[t] + gain(e, best[t], layout, indptr, indices, weights, matrix)
+        reached = value[t] + gain(e, best[t], layout, indptr, indices, weights, matrix, single)
         looked += optional or t + 1 == slots
         chosen[t] = e
         if reached > most:
             most = reached
-            winner = chosen[: t + 1].copy()
+            winner = np.empty(t + 1, np.int64)
+            for h in range(t + 1):
+                winner[h] = chosen[h]
         if t + 1 == slots or reached + (tail[k + 1] if optional else rest[t + 1]) <= most:
             continue
-        best[t + 1] = best[t]
-        take(e, best[t + 1], layout, indptr, indices, weights, matrix)
+        for j in range(items):
+            best[t + 1, j] = best[t, j]
+        take(e, best[t + 1], layout, indptr, indices, weights, matrix, single)
         value[t + 1], left[t + 1] = reached, left[t] - costs[e]
         t += 1
     return most, winner, looked, t < 0
 
 
-@kernel()
+@kernel("(i8[::1], i4[::1], i4[::1], read(i4[::1]), read(i4[::1]), read(f8[::1]), f8[:, ::1])")
 def best_bottleneck(flag, starts, actions, indptr, indices, weights, rest):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One action a robot such that the worst target is covered best; ``rest[i, j]`` bounds what robots from i on can give target j."""
     robots, targets = len(starts) - 1, rest.shape[1]
@@ -69,17 +72,21 @@ def best_bottleneck(flag, starts, actions, indptr, indices, weights, rest):  # t
     while t >= 0 and not asked(flag):
         if t == robots:
             looked += 1
-            worst = covered[t].min()
+            worst = np.inf
+            for j in range(targets):
+                worst = min(worst, covered[t, j])
             if worst > most:
                 most = worst
-                winner[:] = chosen
+                for i in range(robots):
+                    winner[i] = chosen[i]
             t -= 1
             continue
         if place[t] < 0:
             place[t] = starts[t]
             if starts[t] == starts[t + 1]:  # a robot without actions
                 place[t] += 1
-                covered[t + 1] = covered[t]
+                for j in range(targets):
+                    covered[t + 1, j] = covered[t, j]
                 t += 1
                 continue
         if place[t] >= starts[t + 1]:
@@ -88,7 +95,8 @@ def best_bottleneck(flag, starts, actions, indptr, indices, weights, rest):  # t
             continue
         a = actions[place[t]]
         place[t] += 1
-        covered[t + 1] = covered[t]
+        for j in range(targets):
+            covered[t + 1, j] = covered[t, j]
         for p in range(indptr[a], indptr[a + 1]):
             covered[t + 1, indices[p]] += weights[p]
         hope = np.inf

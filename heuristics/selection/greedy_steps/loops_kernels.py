@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM
-from ....solvers.bounds.selection.gain_kernels import gain, take
+from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
 
 
-@kernel()
-def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel(over_items("i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1]"))
+def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Every gain afresh in every round."""
     n, count, evaluations = len(groups), 0, 0
     picks, gains = np.empty(most, np.int64), np.empty(most)
@@ -27,13 +27,13 @@ def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, we
             if asked(flag):
                 return picks[:count], gains[:count], evaluations
             if free[e] and room[groups[e]] > 0:
-                found = gain(e, best, layout, indptr, indices, weights, matrix)
+                found = gain(e, best, layout, indptr, indices, weights, matrix, single)
                 evaluations += 1
                 if found > most_gain:
                     chosen, most_gain = e, found
         if chosen < 0 or most_gain < eps:
             break
-        take(chosen, best, layout, indptr, indices, weights, matrix)
+        take(chosen, best, layout, indptr, indices, weights, matrix, single)
         picks[count], gains[count] = chosen, most_gain
         count += 1
         free[chosen] = False
@@ -41,7 +41,7 @@ def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, we
     return picks[:count], gains[:count], evaluations
 
 
-@kernel()
+@inner
 def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Let the entry at ``at`` sink to its place in a heap with the largest key on top, the smallest index among equal ones."""
     key, e = keys[at], heap[at]
@@ -61,8 +61,8 @@ def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cov
     keys[at], heap[at] = key, e
 
 
-@kernel()
-def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel(over_items("i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1]"))
+def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gains of earlier rounds, which can only have fallen since, on a heap; only what comes up is evaluated again."""
     n, count, size = len(groups), 0, 0
     heap, keys = np.empty(n, np.int32), np.empty(n)
@@ -72,7 +72,7 @@ def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, wei
         if asked(flag):
             return picks[:0], gains[:0], size
         if free[e] and room[groups[e]] > 0:
-            keys[size] = gain(e, best, layout, indptr, indices, weights, matrix)
+            keys[size] = gain(e, best, layout, indptr, indices, weights, matrix, single)
             heap[size] = e
             size += 1
     evaluations = size
@@ -82,7 +82,7 @@ def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, wei
         e = heap[0]
         full = room[groups[e]] == 0
         if not full and evaluated[e] != count:
-            keys[0] = gain(e, best, layout, indptr, indices, weights, matrix)
+            keys[0] = gain(e, best, layout, indptr, indices, weights, matrix, single)
             evaluations += 1
             evaluated[e] = count
             sift(keys, heap, size, 0)
@@ -90,7 +90,7 @@ def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, wei
         if not full:
             if keys[0] < eps:
                 break
-            take(e, best, layout, indptr, indices, weights, matrix)
+            take(e, best, layout, indptr, indices, weights, matrix, single)
             picks[count], gains[count] = e, keys[0]
             count += 1
             room[groups[e]] -= 1
@@ -100,7 +100,7 @@ def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, wei
     return picks[:count], gains[:count], evaluations
 
 
-@kernel()
+@kernel("(i8[::1], i8, i8, read(i4[::1]), read(i4[::1]), read(f8[::1]))")
 def transpose(flag, items, layout, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """The elements of each item, and (but for coverage) the weights that they give it."""
     starts = np.zeros(items + 1, np.int64)
@@ -108,7 +108,9 @@ def transpose(flag, items, layout, indptr, indices, weights):  # type: ignore[no
         starts[indices[p] + 1] += 1
     for j in range(items):
         starts[j + 1] += starts[j]
-    at = starts[:-1].copy()
+    at = np.empty(items, np.int64)
+    for j in range(items):
+        at[j] = starts[j]
     elements, given = np.empty(len(indices), np.int32), np.empty(0 if layout == AT_ITEM else len(indices))
     for e in range(len(indptr) - 1):
         if asked(flag):
@@ -123,11 +125,31 @@ def transpose(flag, items, layout, indptr, indices, weights):  # type: ignore[no
 
 
 BLOCK = 256
+EPSILON = float(np.finfo(np.float64).eps)
 
 
-@kernel()
+@kernel(
+    "(i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1], i8[::1], i4[::1], f8[::1], i8, "
+    "i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]), read(f4[:, ::1]))"
+)
 def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, free, groups, room, most, eps, best, item_starts, item_elements, item_weights, changes, layout, indptr, indices, weights, matrix
+    flag,
+    free,
+    groups,
+    room,
+    most,
+    eps,
+    best,
+    item_starts,
+    item_elements,
+    item_weights,
+    changes,
+    layout,
+    indptr,
+    indices,
+    weights,
+    matrix,
+    single,
 ):
     """Gains kept up to date through the transposed CSR: when an item's weight rises, the gains of its elements fall.
 
@@ -136,18 +158,20 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     is kept as an upper bound.
     """
     n, count, evaluations = len(groups), 0, 0
-    near = np.full(n, -np.inf)
     blocks = (n + BLOCK - 1) // BLOCK
-    highest = np.full(blocks, -np.inf)
+    near, highest = np.full(n, -np.inf), np.full(blocks, -np.inf)
     picks, gains = np.empty(most, np.int64), np.empty(most)
     for e in range(n):
         if asked(flag):
             return picks[:0], gains[:0], evaluations
         if free[e]:
-            near[e] = gain(e, best, layout, indptr, indices, weights, matrix)
+            near[e] = gain(e, best, layout, indptr, indices, weights, matrix, single)
             evaluations += 1
             highest[e // BLOCK] = max(highest[e // BLOCK], near[e])
-    slack = 4.0 * np.finfo(np.float64).eps * (changes + 2.0) * max(0.0, highest.max()) if blocks > 0 else 0.0
+    top = 0.0
+    for b in range(blocks):
+        top = max(top, highest[b])
+    slack = 4.0 * EPSILON * (changes + 2.0) * top
     while count < most and not asked(flag):
         top = -np.inf
         for b in range(blocks):
@@ -168,7 +192,7 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             if highest[b] >= top - slack and highest[b] > -np.inf:
                 for e in range(b * BLOCK, min(n, (b + 1) * BLOCK)):
                     if near[e] >= top - slack and room[groups[e]] > 0:
-                        found = gain(e, best, layout, indptr, indices, weights, matrix)
+                        found = gain(e, best, layout, indptr, indices, weights, matrix, single)
                         evaluations += 1
                         if found > most_gain:
                             chosen, most_gain = e, found
@@ -193,8 +217,8 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     return picks[:count], gains[:count], evaluations
 
 
-@kernel()
-def in_order(flag, order, starts, members, room, best, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel(over_items("i8[::1], i8[::1], i8[::1], i8[::1], i8[::1], f8[::1]"))
+def in_order(flag, order, starts, members, room, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One group after the other picks its best elements, as many as it has room for."""
     most = 0
     for g in order:
@@ -202,18 +226,20 @@ def in_order(flag, order, starts, members, room, best, layout, indptr, indices, 
     picks, gains = np.empty(most, np.int64), np.empty(most)
     count, evaluations = 0, 0
     for g in order:
-        left = members[starts[g] : starts[g + 1]].copy()
+        left = np.empty(starts[g + 1] - starts[g], np.int64)
+        for k in range(len(left)):
+            left[k] = members[starts[g] + k]
         for _ in range(min(room[g], len(left))):
             at, most_gain = -1, -1.0
             for k in range(len(left)):
                 if asked(flag):
                     return picks[:count], gains[:count], evaluations
                 if left[k] >= 0:
-                    found = gain(left[k], best, layout, indptr, indices, weights, matrix)
+                    found = gain(left[k], best, layout, indptr, indices, weights, matrix, single)
                     evaluations += 1
                     if found > most_gain:
                         at, most_gain = k, found
-            take(left[at], best, layout, indptr, indices, weights, matrix)
+            take(left[at], best, layout, indptr, indices, weights, matrix, single)
             picks[count], gains[count] = left[at], most_gain
             count += 1
             left[at] = -1

@@ -31,7 +31,9 @@ def spanning_tree_degrees(flag, edges, price):  # type: ignore[no-untyped-def] #
     degree = np.zeros(n, np.int64)
     nearest = np.full(n, math.inf)
     parent = np.zeros(n, np.int64)
-    left = np.arange(1, n)
+    left = np.empty(n - 1, np.int64)
+    for k in range(n - 1):
+        left[k] = k + 1
     count, node, total = n - 1, 0, 0.0
     while count > 0:
         if asked(flag):

@@ -21,7 +21,9 @@ import numpy as np
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM
-from .loops import sift
+from .loops_kernels import sift
+
+_DATA = "Tuple((f8[::1], i8[::1], i8[::1], i4[::1], f8[::1], i8, read(i4[::1]), read(i4[::1]), read(f8[::1])))"
 
 
 @kernel()
@@ -63,7 +65,7 @@ def move(e, to, count, steps, data):  # type: ignore[no-untyped-def] # pragma: n
             before *= 1.0 - count[item_elements[q]] / steps
 
 
-@kernel()
+@kernel(f"(i8[::1], i8[::1], i8, {_DATA})")
 def value(flag, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """F(x); a part of it where it was asked to stop."""
     state, _, item_starts, item_elements, item_weights, layout, _, _, weights = data
@@ -83,7 +85,7 @@ def value(flag, count, steps, data):  # type: ignore[no-untyped-def] # pragma: n
     return total
 
 
-@kernel()
+@kernel(f"(i8[::1], i8, f8[::1], i4[::1], i8[::1], i8, i8[::1], i8, {_DATA})")
 def climb(flag, rounds, bounds, groups, room, most, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """``rounds`` steps of the continuous greedy, as far as the ``flag`` lets it.
 
@@ -122,7 +124,7 @@ def climb(flag, rounds, bounds, groups, room, most, count, steps, data):  # type
     return evaluations
 
 
-@kernel()
+@kernel(f"(i8[::1], i8[::1], i8[::1], i8[::1], i8, {_DATA})")
 def pipage(flag, starts, members, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Make every count 0 or ``steps``: within a group, two broken ones trade until one is whole, uphill.
 

@@ -12,7 +12,7 @@ from selection_problems import random_function
 
 from waybound.formulations.selection.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
-from waybound.heuristics.selection.greedy_steps import multilinear
+from waybound.heuristics.selection.greedy_steps import multilinear_kernels as multilinear
 from waybound.instances.selection.constraints import Cardinality
 from waybound.instances.selection.functions import AT_ITEM, Coverage, FacilityLocation
 

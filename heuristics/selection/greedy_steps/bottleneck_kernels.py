@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 
 
-@kernel()
+@inner
 def lift(tree, leaf, more):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add ``more`` to a leaf of a binary tree of minima (root at 1)."""
     tree[leaf] += more
@@ -18,7 +18,7 @@ def lift(tree, leaf, more):  # type: ignore[no-untyped-def] # pragma: no cover -
         at //= 2
 
 
-@kernel()
+@inner
 def set_leaf(tree, leaf, value):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Put ``value`` into a leaf."""
     tree[leaf] = value
@@ -28,7 +28,7 @@ def set_leaf(tree, leaf, value):  # type: ignore[no-untyped-def] # pragma: no co
         at //= 2
 
 
-@kernel()
+@kernel("(i8[::1], i4[::1], i4[::1], read(i4[::1]), read(i4[::1]), read(f8[::1]), i8)")
 def best_worst_target(flag, starts, actions, indptr, indices, weights, targets):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """For each robot in turn the action after which the worst target is covered best, the first of equal ones; -1 without actions.
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from waybound.formulations.stop import NEVER, Stop
-from waybound.solvers.bounds.routing.prim import spanning_tree_degrees
+from waybound.solvers.bounds.routing.prim_kernels import spanning_tree_degrees
 
 
 def symmetric(rng: np.random.Generator, n: int) -> np.ndarray:

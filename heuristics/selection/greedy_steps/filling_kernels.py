@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import kernel
+from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection.gain_kernels import gain, take
-from .loops import sift
+from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
+from .loops_kernels import sift
 
 
-@kernel()
-def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr, indices, weights, matrix):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@inner
+def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add the element of largest gain per cost that still fits, until none does or the ``flag`` is set.
 
     ``keys`` on the heap are upper bounds of these rates.
@@ -24,14 +24,14 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr
         e = heap[0]
         if costs[e] <= left:
             if evaluated[e] != round_:
-                keys[0] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
+                keys[0] = gain(e, best, layout, indptr, indices, weights, matrix, single) / costs[e]
                 evaluated[e] = round_
                 sift(keys, heap, size, 0)
                 continue
             if keys[0] <= 0.0:  # nothing gains any more, least of all what was chosen at the start
                 break
             total += keys[0] * costs[e]
-            take(e, best, layout, indptr, indices, weights, matrix)
+            take(e, best, layout, indptr, indices, weights, matrix, single)
             picks[count] = e
             count += 1
             round_ += 1
@@ -42,22 +42,24 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr
     return total, count
 
 
-@kernel()
+@kernel(over_items("i8[::1], i8[::1], i8, i8, f8, f8[::1], f8[::1], f8"))
 def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, begun, lo, hi, most_value, free_best, costs, budget, layout, indptr, indices, weights, matrix
+    flag, begun, lo, hi, most_value, free_best, costs, budget, layout, indptr, indices, weights, matrix, single
 ):
     """The best filling that starts with ``begun`` and one element of ``lo`` to ``hi`` (with ``begun`` alone where ``lo`` is negative).
 
     ``free_best`` is the set of all elements without cost. Returns ``(value, picks)``; no picks where none beats ``most_value``.
     """
     n = len(costs)
-    best = free_best.copy()
-    left, value = budget, best.sum()
+    best, left, value = np.empty(len(free_best)), budget, 0.0
+    for j in range(len(best)):
+        best[j] = free_best[j]
+        value += best[j]
     picks = np.empty(n, np.int64)
     winner = np.empty(0, np.int64)
     for k in range(len(begun)):
-        value += gain(begun[k], best, layout, indptr, indices, weights, matrix)
-        take(begun[k], best, layout, indptr, indices, weights, matrix)
+        value += gain(begun[k], best, layout, indptr, indices, weights, matrix, single)
+        take(begun[k], best, layout, indptr, indices, weights, matrix, single)
         left -= costs[begun[k]]
         picks[k] = begun[k]
     if left < 0.0:
@@ -69,7 +71,7 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             return most_value, winner
         if 0.0 < costs[e] <= left:
             first_heap[size] = e
-            first_keys[size] = gain(e, best, layout, indptr, indices, weights, matrix) / costs[e]
+            first_keys[size] = gain(e, best, layout, indptr, indices, weights, matrix, single) / costs[e]
             size += 1
     for at in range(size // 2 - 1, -1, -1):
         sift(first_keys, first_heap, size, at)
@@ -79,17 +81,21 @@ def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             break
         if e >= 0 and not 0.0 < costs[e] <= left:
             continue
-        trial[:] = best
-        heap[:size], keys[:size] = first_heap[:size], first_keys[:size]
+        for j in range(len(best)):
+            trial[j] = best[j]
+        for at in range(size):
+            heap[at], keys[at] = first_heap[at], first_keys[at]
         count, reached, rest = len(begun), value, left
         if e >= 0:
-            reached += gain(e, trial, layout, indptr, indices, weights, matrix)
-            take(e, trial, layout, indptr, indices, weights, matrix)
+            reached += gain(e, trial, layout, indptr, indices, weights, matrix, single)
+            take(e, trial, layout, indptr, indices, weights, matrix, single)
             picks[count] = e
             count += 1
             rest -= costs[e]
-        more, count = fill(flag, costs, rest, heap, keys, size, trial, picks, count, layout, indptr, indices, weights, matrix)
+        more, count = fill(flag, costs, rest, heap, keys, size, trial, picks, count, layout, indptr, indices, weights, matrix, single)
         if reached + more > most_value:
             most_value = reached + more
-            winner = picks[:count].copy()
+            winner = np.empty(count, np.int64)
+            for k in range(count):
+                winner[k] = picks[k]
     return most_value, winner
