@@ -186,6 +186,15 @@ def test_an_engine_that_claims_the_optimum_and_hands_over_nothing_makes_no_start
     assert (told.status, told.bound, told.bound_kind) == ("optimal", 24.0, "claimed")
 
 
+@pytest.mark.parametrize("unit", [1.0, 2.0**-40, 2.0**40])
+@pytest.mark.parametrize(("told", "false"), [(1e-15, False), (0.1, True)])
+def test_a_sum_that_is_off_by_rounding_at_an_optimum_of_0_is_no_lie(backend: Any, unit: float, told: float, false: bool) -> None:
+    nothing = ArrayProblem(program([-3.0 * unit, -2.0 * unit], [[2.0, 3.0]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max"))
+    said = RawResult("optimal", answer=np.zeros(2), objective=told, bound=told)  # in the units that solvers are given
+    found = wb.solve(nothing, backend(said), bound_time=60)
+    assert (found.objective, found.status, bool(found.faults)) == (0.0, "optimal", false)
+
+
 def test_a_heuristics_broken_answer_is_none_and_its_false_evidence_proves_nothing(registered: Any) -> None:
     boast = Evidence("spanning-tree", "boast", 99.0, {"multipliers": [0.0] * 5, "depot": 0.0})
     for answer, value in ((BROKEN, None), (BEST, 24.0)):
