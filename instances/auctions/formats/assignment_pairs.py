@@ -90,11 +90,11 @@ def write(instance: Any) -> str:
     names = [instance.robot_name(k) for k in instance.robots.tolist()], [instance.bin_name(k) for k in instance.bins.tolist()]
     columns = [*names, [plain(cost) for cost in instance.cost.tolist()]]
     titles = list(COLUMNS)
-    held = {"filled": instance.filled}
+    held: dict[str, NDArray[np.float64] | None] = {"filled": instance.filled}
     for what in ("robot", "bin"):
         places = getattr(instance, f"{what}_positions")
         held |= {f"{what}-{axis}": None if places is None else places[:, k] for k, axis in enumerate("xy")}
-    at = {"robot": instance.robots, "bin": instance.bins}
+    at: dict[str, NDArray[Any]] = {"robot": instance.robots, "bin": instance.bins}
     for title, values in held.items():
         if values is not None:
             titles.append(title)
