@@ -234,8 +234,9 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
                 return command(*args, **kwargs)
         except WayboundError as error:
             raise failed(error, str(error), error.exit_code) from None
-        except KeyboardInterrupt as error:
-            raise failed(error, "interrupted", interrupts.exit_code()) from None
+        except KeyboardInterrupt:
+            complain("interrupted")
+            raise typer.Exit(interrupts.exit_code()) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
         except MemoryError as error:
