@@ -253,7 +253,7 @@ def _best_bound(
     if claimed is not None and math.isfinite(claimed) and not met:
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
         if ahead and (verified is None or not same(claimed, verified, size, precision)):
-            return claimed, "claimed", run.claimant
+            return claimed + 0.0, "claimed", run.claimant
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
 
 
