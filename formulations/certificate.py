@@ -163,7 +163,7 @@ def verified_bound(problem: Problem, evidence: Evidence) -> float:
     if evidence.kind in ENDLESS:
         return -math.inf if problem.sense == "min" else math.inf
     try:
-        return float(CHECKERS[evidence.kind](problem, evidence.data))
+        return float(CHECKERS[evidence.kind](problem, evidence.data)) + 0.0  # -0.0 is 0
     except _MALFORMED as fault:
         raise _malformed(evidence, fault) from fault
 

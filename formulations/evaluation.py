@@ -111,7 +111,7 @@ class Evaluation:
     @property
     def objective(self) -> float | list[float]:
         """The value, or the list of values of an objective in order of priority."""
-        return self.values[0] if len(self.values) == 1 else list(self.values)
+        return self.values[0] + 0.0 if len(self.values) == 1 else [value + 0.0 for value in self.values]  # -0.0 is 0
 
 
 class Checklist:

@@ -48,7 +48,7 @@ def solvers_table(infos: Sequence[SolverInfo], *, asked: bool) -> Table:
         elif not asked:
             state = info.version
         else:
-            state = f"lacks {', '.join(info.missing)}" if info.missing else f"takes it ({info.version})"
+            state = f"does not handle {', '.join(info.missing)}" if info.missing else f"takes it ({info.version})"
         rows.append((info.name, state, info.takes, info.summary))
     columns = (Column("solver"), Column("takes it" if asked else "version"), Column("kinds"), Column("summary", wide=True))
     return Table("Solvers", columns, tuple(rows))
@@ -61,5 +61,5 @@ def heuristics_table(infos: Sequence[HeuristicInfo], *, asked: bool) -> Table:
     if asked:
         columns.insert(1, Column("takes it"))
         for row, info in zip(rows, infos, strict=True):
-            row.insert(1, f"lacks {', '.join(info.missing)}" if info.missing else "takes it")
+            row.insert(1, f"does not handle {', '.join(info.missing)}" if info.missing else "takes it")
     return Table("Heuristics", tuple(columns), tuple(tuple(row) for row in rows))

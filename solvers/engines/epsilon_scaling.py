@@ -20,7 +20,8 @@ class EpsilonScalingEngine(Engine):
     """The auction of Bertsekas (1979) in whole numbers, epsilon falling to below one n-th of a step.
 
     The prices that it ends with prove the optimum. Where they do not, since costs of very different sizes do not fit into whole numbers of
-    64 bits, shortest augmenting paths (``lapjv``) begin anew in the time that is left. See docs/formulations/bin-assignment.md#auctions.
+    64 bits, shortest augmenting paths (``lapjv``) begin anew in the time that is left; few pairs go there at once, where nothing has to be
+    compiled or loaded. See docs/formulations/bin-assignment.md#auctions.
     """
 
     name = "epsilon-scaling"
@@ -36,12 +37,16 @@ class EpsilonScalingEngine(Engine):
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
         from .assignment_steps.auction import auction
+        from .assignment_steps.recovered_prices import FEW_PAIRS
 
         stop = self.begin(problem, options, control)
         asked = cast("BinAssignment", problem)
         reason = next(asked.infeasibility_reasons(), None)
         if reason is not None and reason.evidence is not None:
             return RawResult("infeasible", message=reason.message, evidence=(reason.evidence,))
+        other = LapjvEngine()
+        if len(asked.bins) <= FEW_PAIRS and not other.apart(problem):
+            return other.run(problem, options, control)
         found = auction(asked, stop)
         statistics = {"bids": found.bids, "phases": found.phases}
         proofs: tuple[Evidence, ...] = ()
@@ -51,7 +56,6 @@ class EpsilonScalingEngine(Engine):
             control.publish(found.answer, value, evidence=proofs)
             if same(value, evidence.value, judged.size):
                 return RawResult("optimal", answer=found.answer, objective=value, bound=value, statistics=statistics, evidence=proofs)
-        other = LapjvEngine()
         if stop.reached() or other.apart(problem):
             answer = control.answer if proofs else asked.answer_at_hand()
             why = (

@@ -43,12 +43,12 @@ def test_an_order_of_robots_by_name(run, strict_json):  # type: ignore[no-untype
     [
         (("cover-30", "--heuristic", "greedy", "--option", "eps=-1"), "eps must be"),
         (("cover-30", "--heuristic", "sequential-greedy"), "constraint:cardinality; can take it: "),
-        (("cover-30", "--heuristic", "knapsack-greedy"), "lacks constraint:cardinality"),
+        (("cover-30", "--heuristic", "knapsack-greedy"), "does not handle constraint:cardinality"),
         (
             ("sata-s3", "--problem", "winner-takes-all", "--heuristic", "sequential-greedy", "--option", "order=1,2"),
             "permutation of all 3 robots",
         ),
-        (("sata-s3", "--problem", "bottleneck-lp", "--heuristic", "greedy"), "lacks bottleneck-lp problems"),
+        (("sata-s3", "--problem", "bottleneck-lp", "--heuristic", "greedy"), "does not handle bottleneck-lp problems"),
     ],
 )
 def test_bad_requests_are_refused_in_one_line(refused, arguments, words):  # type: ignore[no-untyped-def]

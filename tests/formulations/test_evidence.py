@@ -41,3 +41,9 @@ def test_a_reason_tells_its_evidence_or_none() -> None:
 def test_a_guarantee_lists_its_assumptions() -> None:
     made = Guarantee(2.0, "at least half", ("monotone", "submodular"), "a theorem").to_json()
     assert made == {"ratio": 2.0, "statement": "at least half", "assumptions": ["monotone", "submodular"], "source": "a theorem"}
+
+
+def test_a_reason_that_is_named_as_its_kind_is_named_once() -> None:
+    from waybound.formulations.evidence import Reason
+
+    assert Reason("fleet", "fleet", "too small").name == "fleet" and Reason("site", "mill", "too far").name == "site mill"

@@ -26,3 +26,9 @@ def test_labels_and_texts_are_printable_and_no_longer_than_people_read():
     line = Line("a\x1b[2J" * 900, "b\n" * 50000)
     assert line.label.isprintable() and line.text.isprintable()
     assert len(line.label) <= 80 and len(line.text) <= 2000
+
+
+def test_no_number_is_minus_nothing() -> None:
+    from waybound.formulations.rendering import number
+
+    assert number(-0.0) == "0" and number([-0.0, 1.5]) == "0 then 1.5"

@@ -155,7 +155,7 @@ def test_where_no_solver_takes_a_problem_the_heuristic_that_opens_it_does_and_ot
     with pytest.raises(UsageError, match=r"no form of \S+ is exact; name one of three-index-\S+, three-index-\S+$"):
         wb.solve(asked, start=[[k] for k in range(1, 31)])
     refusal = UnsupportedError("no installed solver", frozenset({"team-risk"}), ["safety-margins"], nearest="ortools")
-    assert str(refusal).endswith("lacks team-risk; heuristics that can: safety-margins")
+    assert str(refusal).endswith("does not handle team-risk; heuristics that can: safety-margins")
 
 
 def test_where_no_form_takes_a_problem_the_engines_that_do_are_named() -> None:

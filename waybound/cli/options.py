@@ -244,8 +244,9 @@ def handled(command: Callable[P, R]) -> Callable[P, R]:
         except WayboundError as error:
             cause = error.__cause__ if isinstance(error, SearchFailedError) else None
             raise failed(error, f"{error}{traced(cause, bool(kwargs.get('verbose')))}", error.exit_code) from None
-        except KeyboardInterrupt as error:
-            raise failed(error, "interrupted", interrupts.exit_code()) from None
+        except KeyboardInterrupt:
+            complain("interrupted")
+            raise typer.Exit(interrupts.exit_code()) from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
         except MemoryError as error:

@@ -265,7 +265,7 @@ def _best_bound(
     if claimed is not None and math.isfinite(claimed) and not met:
         ahead = verified is None or better_bound(problem.sense, claimed, verified)
         if ahead and (verified is None or not same(claimed, verified, size, precision)):
-            return claimed, "claimed", claimant
+            return claimed + 0.0, "claimed", claimant
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
 
 

@@ -19,6 +19,9 @@ BITS = 56
 
 UNREACHED = 1 << 60
 
+FEW_PAIRS = 20_000
+"""Pairs up to which no compiled loop is loaded."""
+
 SWEEPS = 1000
 """After which costs that are rounded are taken for a circle that no sweep ends."""
 
@@ -45,16 +48,29 @@ def recovered_prices(problem: BinAssignment, answer: tuple[int, ...], source: st
     return proof(problem, parts, prices, answer, source, stop)
 
 
-def _prices(part: Side, column: Wholes, stop: Stop) -> Floats:
-    from .price_kernels import lower_labels
+def _lower(part: Side, cost: Wholes, column: Wholes, price: Wholes, stop: Stop) -> None:
+    """``lower_labels``, compiled where it is worth loading, of few pairs all rows at once."""
+    if len(cost) > FEW_PAIRS:
+        from .price_kernels import lower_labels
 
+        lower_labels(stop.flag, part.indptr, part.columns, cost, column.astype(np.int64), price, SWEEPS)
+        return
+    paid = cost[part.columns == np.repeat(column, np.diff(part.indptr))]
+    for _ in range(SWEEPS):
+        lowered = np.minimum(price[column], np.minimum.reduceat(cost + price[part.columns], part.indptr[:-1]) - paid)
+        if stop.reached() or (lowered == price[column]).all():
+            return
+        price[column] = lowered
+
+
+def _prices(part: Side, column: Wholes, stop: Stop) -> Floats:
     cost, unit, _ = whole_costs(part, BITS)
     steps = part.num_columns + 1
     cost, unit = cost // steps, unit / steps
     held = np.zeros(part.num_columns, dtype=bool)
     held[column] = True
     price = np.where(held, UNREACHED if not held.all() else 0, 0).astype(np.int64)
-    lower_labels(stop.flag, part.indptr, part.columns, cost, column.astype(np.int64), price, SWEEPS)
+    _lower(part, cost, column, price, stop)
     far = held & (price > UNREACHED // 2) if not held.all() else held
     if far.any():
         price[far] -= price[far].min()

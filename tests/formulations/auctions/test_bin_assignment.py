@@ -113,3 +113,12 @@ def test_without_any_pair_there_is_the_empty_answer_unless_pairs_are_asked_for(s
     most = wb.solve(BinAssignment.from_matrix(none), solver)
     assert (most.status, most.answer, most.objective, most.bound_kind) == ("optimal", (-1, -1), 0.0, "verified")
     assert wb.solve(BinAssignment.from_matrix(none, match="robots"), solver).status == "infeasible"
+
+
+def test_neither_bound_nor_objective_is_minus_nothing() -> None:
+    found = wb.solve(BinAssignment.from_matrix([[-0.0, 1.0], [1.0, -0.0]]))
+    assert (
+        found.status == "optimal"
+        and "-0" not in repr(found).replace("-0x", "")
+        and not any(math.copysign(1.0, value) < 0 for value in (found.objective, found.bound))
+    )

@@ -15,6 +15,6 @@ def test_solvers_and_heuristics_say_what_they_lack():
     absent = dataclasses.replace(able, installed=False)
     told = [row[1] for row in solvers_table([able, lacking, absent], asked=True).rows]
     assert told[0].startswith("takes it")
-    assert told[1:] == ["lacks energy:travel", f"not installed: {able.install}"]
+    assert told[1:] == ["does not handle energy:travel", f"not installed: {able.install}"]
     table = heuristics_table(wb.heuristics(problem), asked=True)
     assert all(len(row) == len(table.columns) for row in table.rows)

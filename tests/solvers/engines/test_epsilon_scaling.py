@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from bin_assignments import OPTIMA, enumerated, random_costs, worked
@@ -13,6 +16,7 @@ from waybound.formulations.stop import NEVER
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.assignment_steps import auction as steps
+from waybound.solvers.engines.assignment_steps import recovered_prices
 
 
 @pytest.mark.parametrize("name", OPTIMA)
@@ -29,6 +33,23 @@ def test_random_assignments_with_forbidden_pairs_are_those_of_enumeration() -> N
         most, best, _ = enumerated(costs)
         assert found.status == "optimal" and found.objective == pytest.approx(best, abs=1e-9) and not found.faults
         assert most == 0 or (found.bound_kind == "verified" and found.bound == pytest.approx(best, abs=1e-9))
+
+
+@pytest.fixture(autouse=True)
+def compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few pairs too are for the auction here."""
+    monkeypatch.setattr(recovered_prices, "FEW_PAIRS", 0)
+
+
+def test_few_pairs_load_no_compiled_loop() -> None:
+    code = (
+        "import sys, numpy as np, waybound as wb\n"
+        "made = wb.solve(wb.BinAssignment.from_matrix(np.random.default_rng(1).random((30, 40))), bound_time=0)\n"
+        "assert made.solver == 'epsilon-scaling' and made.status == 'optimal' and made.bound_kind == 'verified'\n"
+        "assert 'numba' not in sys.modules\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
 
 
 def test_where_its_prices_prove_nothing_shortest_paths_begin_anew(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from waybound.instances.auctions.assignment import AssignmentInstance
 from waybound.instances.auctions.formats.assignment_pairs import read, recognises, write
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
@@ -37,6 +38,35 @@ def test_what_is_wrong_is_named_with_its_line(text: str, line: int, message: str
     assert caught.value.line == line
 
 
+@pytest.mark.parametrize("costs", ["uniform", "whole", "euclidean", "orchard"])
+def test_all_that_is_generated_is_written_with_places_and_times_and_read_again(costs: str) -> None:
+    made = generate("assignment", 1, costs=costs)
+    again = read(write(made), Path("x.csv"))
+    assert again.digest() == made.digest() and recognises(write(made))
+    for key in ("robot_positions", "bin_positions", "filled"):
+        assert (getattr(made, key) is None) == (getattr(again, key) is None)
+        assert getattr(made, key) is None or (getattr(made, key) == getattr(again, key)).all()
+
+
+def test_a_bin_that_nobody_fills_stays_one() -> None:
+    again = read("robot,bin,cost,filled\na,x,1,inf\na,y,2,0\n", Path("x.csv"))
+    assert again.filled.tolist() == [float("inf"), 0.0] and "inf" in write(again)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("robot,bin,cost,filled\na,x,1,3\nb,x,2,4\n", 3, "filled of bin 'x' is another one than in line 2; expected 3; found '4'"),
+        ("robot,bin,cost,robot-x\na,x,1,3\n", None, "places of robots need both"),
+        ("robot,bin,filled\na,x,3\n", 1, "column cost is missing"),
+    ],
+)
+def test_what_does_not_belong_together_is_refused(text: str, line: int | None, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        read(text, Path("x.csv"))
+    assert caught.value.line == line
+
+
 def test_what_the_format_has_no_place_for_is_refused() -> None:
-    with pytest.raises(UsageError, match="no place for"):
-        write(generate("assignment", 1, costs="orchard"))
+    with pytest.raises(UsageError, match="has no pair"):
+        write(AssignmentInstance.from_matrix([[1.0, float("inf")]]))
