@@ -82,6 +82,7 @@ if TYPE_CHECKING:
         UsageError,
         WayboundError,
     )
+    from .instances.risk.allocation import RiskAllocationInstance
     from .instances.risk.risky_graph import RiskyGraph
     from .instances.risk.uncertain_graph import UncertainGraph
     from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
@@ -168,6 +169,7 @@ _MODULES = {
         "WayboundError",
     ),
     "instances.auctions.orchard_jobs": ("OrchardJobs",),
+    "instances.risk.allocation": ("RiskAllocationInstance",),
     "instances.risk.uncertain_graph": ("UncertainGraph",),
     "instances.risk.risky_graph": ("RiskyGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
@@ -232,6 +234,7 @@ __all__ = [
     "RelayTree",
     "Reward",
     "RiskAllocation",
+    "RiskAllocationInstance",
     "RiskyGraph",
     "RiskyPath",
     "RobotTasks",

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...instances.errors import InputError
 from ...instances.printable import printable
 from ...instances.risk.allocation import RiskAllocationInstance
+from ...instances.risk.allocation_arrays import allocation_from_arrays
 from ..evaluation import Evaluation
 from ..evidence import Evidence
 from ..problem import Decision, Problem
@@ -89,6 +90,47 @@ class RiskAllocation(Problem):
         self.places: dict[str, tuple[int, tuple[int, ...]]] = {}
         self.open = np.ones(len(self.limits), dtype=bool)
         self._joint: tuple[tuple[bytes, int | None], dict[str, Probability]] = ((b"", None), {})
+
+    @classmethod
+    def from_arrays(cls, quantities: Any, covariance: Any, limits: Any, cost: Any, **further: Any) -> RiskAllocation:
+        """A problem from numpy arrays, or pandas frames and series, whose labels are names and need not be in one order.
+
+        Parameters
+        ----------
+        quantities : array or DataFrame of shape (quantities, decisions)
+            What a decision adds to the mean of each.
+        covariance : array or DataFrame of shape (quantities, quantities), or their variances, shape (quantities,)
+        limits : float, array or Series of shape (rows,)
+            That the chance rows must not exceed.
+        cost : array or Series of shape (decisions,)
+            Or the reward, with ``sense="max"``.
+        chance : array or DataFrame of shape (rows, quantities), optional
+            The chance rows, by the quantities; each quantity is one by default.
+        constraint : sequence of shape (rows,), optional
+            The constraint that each row belongs to, by any label: one of several rows, alternatives, is enough. Each row is one by default.
+        total : float, optional
+            Risk of all constraints together.
+        each : float, array or Series of shape (constraints,), optional
+            The most risk of one, at most 1/2.
+        budgets : mapping of str to (constraints, risk), optional
+            Of some constraints together, by name or by number from 0.
+        risk : str
+            ``allocated`` or ``joint``.
+        offset : float, array or Series of shape (quantities,), optional
+            Of the means.
+        lower, upper : float, array or Series of shape (decisions,), optional
+        rows : array or DataFrame of shape (constraints, decisions), optional
+            Deterministic, within ``row_lower`` and ``row_upper``: float, array or Series of shape (constraints,).
+        sense : str
+            ``min`` or ``max``.
+        name : str
+
+        Raises
+        ------
+        InputError
+            If shapes or labels do not fit each other, or numbers are out of range.
+        """
+        return cls(allocation_from_arrays(quantities, covariance, limits, cost, **further))
 
     @classmethod
     def from_cvxpy(
