@@ -58,8 +58,13 @@ def test_no_bound_exceeds_the_optimum(feature: str) -> None:
     assert judged
 
 
-@pytest.mark.parametrize("convention", ["exact", "round", "trunc1", "ceil"])
-@pytest.mark.parametrize("metric", [name for name in METRICS if name != "GEO"])
+ROUNDED = [
+    (metric, convention) for metric in METRICS for convention in ("exact", "round", "trunc1", "trunc2", "ceil", "file")
+    if convention != "file" or METRICS[metric].file_rounding is not None
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("metric", "convention"), ROUNDED)
 def test_no_rounding_of_any_metric_makes_it_too_much(metric: str, convention: str) -> None:
     for seed in range(6):
         rng = np.random.default_rng(seed)
