@@ -99,6 +99,15 @@ def test_data_of_another_scale_give_the_same_bound(power: int) -> None:
         assert check(scaled, {}) == pytest.approx(check(plain, {}) * 2.0**power, rel=1e-12)
 
 
+@pytest.mark.parametrize("vehicle", [{"unit_cost": 1e150}, {"fixed_cost": 1e150}, {"unit_duration_cost": 1e150, "speed": 1e-100}])
+def test_numbers_beyond_all_doubles_prove_nothing_or_what_is_true(vehicle: dict[str, float]) -> None:
+    level = Objective.of(1e150 * TotalCost())
+    problem = replace(plane(1, 5, 20.0), fleet=(VehicleType(None, 20.0, **vehicle),), objective=level)  # type: ignore[arg-type]
+    for check in CHECKED.values():
+        bound = check(problem, {})
+        assert not math.isnan(bound) and bound < math.inf
+
+
 def test_other_families_and_objectives_prove_nothing() -> None:
     problem = plane(1, 5, 20.0)
     for kind, check in CHECKED.items():
