@@ -230,7 +230,10 @@ def _refuses(problem: Any) -> frozenset[str]:
 def _opens(problem: Any) -> bool:
     if problem.family != "routing" or not problem.features() & RISKS:
         return False
-    return len(problem.customers) > EXACT or not any(FORMS[name].exactness is Exactness.EXACT for name in problem.forms())
+    forms = problem.forms()
+    if "set-partitioning" in forms:  # which solves what it takes in the time that a start would take
+        return False
+    return len(problem.customers) > EXACT or not any(FORMS[name].exactness is Exactness.EXACT for name in forms)
 
 
 HEURISTICS.add(

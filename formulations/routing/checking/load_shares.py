@@ -52,8 +52,9 @@ def check_load_shares(problem: RoutingProblem, data: Mapping[str, Any]) -> float
     if terms is None or terms.vehicles < 0 or unknown_features(relaxed) or not len(problem.customers):
         return -sign * math.inf
     cheapest = min(_fixed(terms, v) for v in relaxed.fleet)
-    shares = np.min([_shares(relaxed, terms, v, cheapest) for v in relaxed.fleet], axis=0)
-    return sign * summed(relaxed, terms, np.where(np.isfinite(shares), shares, 0.0), cheapest * fewest_routes(relaxed))
+    with np.errstate(over="ignore", invalid="ignore"):
+        shares = np.min([_shares(relaxed, terms, v, cheapest) for v in relaxed.fleet], axis=0)
+        return sign * summed(relaxed, terms, np.where(np.isfinite(shares), shares, 0.0), cheapest * fewest_routes(relaxed))
 
 
 def _fixed(terms: Terms, vehicle: VehicleType) -> float:
@@ -87,5 +88,6 @@ def summed(problem: RoutingProblem, terms: Terms, paid: Floats, fixed: float) ->
         [fixed, *(w * start for name, w in terms.peaks.items() if name == "latest-return")],
     ])  # fmt: skip
     size = float(np.abs(parts).sum() + np.abs(paid).sum() + (np.abs(worth) + np.abs(terms.penalties * sites.penalty[at])).sum())
-    bound = math.fsum(parts) - 8.0 * _EPS * (len(at) + 16) * size
-    return bound if math.isfinite(bound) else -math.inf
+    if not math.isfinite(size):
+        return -math.inf
+    return math.fsum(parts) - 8.0 * _EPS * (len(at) + 16) * size

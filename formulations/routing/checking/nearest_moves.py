@@ -42,9 +42,10 @@ def check_nearest_moves(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     sign, terms, relaxed = 1.0 if problem.sense == "min" else -1.0, terms_of(problem), without_stops(problem)
     if terms is None or terms.vehicles < 0 or unknown_features(relaxed) or not len(problem.customers):
         return -sign * math.inf
-    moves, first, last = least_moves_at(relaxed, terms)
     service, routes = relaxed.sites.service[relaxed.sites.customers], fewest_routes(relaxed)
-    paid = moves / 2.0 + min(rates(terms, v)[1] for v in relaxed.fleet) * service
     vehicle = min(terms.cost * v.fixed_cost + terms.vehicles for v in relaxed.fleet)
-    ends = np.concatenate([np.sort(side)[:routes] for side in (first, last)])
-    return sign * summed(relaxed, terms, paid, routes * vehicle + math.fsum(ends) / 2.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        moves, first, last = least_moves_at(relaxed, terms)
+        paid = moves / 2.0 + min(rates(terms, v)[1] for v in relaxed.fleet) * service
+        ends = np.concatenate([np.sort(side)[:routes] for side in (first, last)])
+        return sign * summed(relaxed, terms, paid, routes * vehicle + float(ends.sum()) / 2.0)

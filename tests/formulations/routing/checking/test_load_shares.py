@@ -58,8 +58,13 @@ def test_no_bound_exceeds_the_optimum(feature: str) -> None:
     assert judged
 
 
-@pytest.mark.parametrize("convention", ["exact", "round", "trunc1", "ceil"])
-@pytest.mark.parametrize("metric", [name for name in METRICS if name != "GEO"])
+ROUNDED = [
+    (metric, convention) for metric in METRICS for convention in ("exact", "round", "trunc1", "trunc2", "ceil", "file")
+    if convention != "file" or METRICS[metric].file_rounding is not None
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("metric", "convention"), ROUNDED)
 def test_no_rounding_of_any_metric_makes_it_too_much(metric: str, convention: str) -> None:
     for seed in range(6):
         rng = np.random.default_rng(seed)
@@ -92,6 +97,15 @@ def test_data_of_another_scale_give_the_same_bound(power: int) -> None:
     scaled = replace(problem, travel=Travel("euclidean", problem.travel.coordinates * 2.0**power))
     for check in CHECKED.values():
         assert check(scaled, {}) == pytest.approx(check(plain, {}) * 2.0**power, rel=1e-12)
+
+
+@pytest.mark.parametrize("vehicle", [{"unit_cost": 1e150}, {"fixed_cost": 1e150}, {"unit_duration_cost": 1e150, "speed": 1e-100}])
+def test_numbers_beyond_all_doubles_prove_nothing_or_what_is_true(vehicle: dict[str, float]) -> None:
+    level = Objective.of(1e150 * TotalCost())
+    problem = replace(plane(1, 5, 20.0), fleet=(VehicleType(None, 20.0, **vehicle),), objective=level)  # type: ignore[arg-type]
+    for check in CHECKED.values():
+        bound = check(problem, {})
+        assert not math.isnan(bound) and bound < math.inf
 
 
 def test_other_families_and_objectives_prove_nothing() -> None:
