@@ -74,7 +74,7 @@ class Clock:
         start = self.midnight
         if start is None:
             return list(times)
-        return [start + pd.Timedelta(seconds=round(t * self.seconds, 3)) if math.isfinite(t) else pd.NaT for t in times]
+        return [start + pd.Timedelta(round(1000.0 * t * self.seconds), unit="ms") if math.isfinite(t) else pd.NaT for t in times]
 
     def __str__(self) -> str:
         since = f" since {self.origin.replace('T', ' ')}" if self.origin else ""
