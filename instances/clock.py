@@ -5,8 +5,10 @@ Nothing is converted without a unit that the user named: a timestamp is a number
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import math
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from .errors import InputError, UsageError
 from .suggestions import did_you_mean
+from .text import is_number, shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +31,14 @@ SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 ALIASES = {
     "sec": "s", "second": "s", "seconds": "s", "minute": "min", "minutes": "min", "hour": "h", "hours": "h", "day": "d", "days": "d",
 }  # fmt: skip
+
+
+DAY = datetime.timedelta(days=1)
+
+_DAY = re.compile(r"\d{4}-\d\d-\d\d")
+_CLOCK = re.compile(r"(\d{1,2}):(\d\d)(?::(\d\d(?:\.\d{1,6})?))?\Z")
+_SPAN = re.compile(r"(?:(\d{1,6}) days?,? )?(\d{1,6}):(\d\d):(\d\d(?:\.\d{1,9})?)\Z")
+_PARTS = re.compile(r"(\d+(?:\.\d+)?)\s*([a-z]+)")
 
 
 @dataclass(frozen=True)
@@ -89,8 +100,46 @@ def unit_named(name: object) -> str:
     raise UsageError(f"unknown unit of time {text!r}; choose from {', '.join(SECONDS)}{did_you_mean(text, ALIASES)}")
 
 
+def moment_of(cell: str, line: int | None, what: str) -> Any:
+    """The point in time that a text tells: a number, a time of day, or a timestamp; None where it is empty."""
+    if not cell:
+        return None
+    if is_number(cell):
+        return float(cell)
+    try:
+        if _DAY.match(cell):
+            return datetime.datetime.fromisoformat(cell)
+        if found := _CLOCK.match(cell):
+            hours, minutes, seconds = int(found[1]), int(found[2]), float(found[3] or 0)
+            whole = datetime.timedelta(hours=hours, minutes=minutes, seconds=seconds)
+            if whole <= DAY and minutes < 60 and seconds < 60:
+                return whole if whole == DAY else (datetime.datetime.min + whole).time()
+    except ValueError:
+        pass
+    raise InputError(f"{what} must be a number or a moment", line=line, expected="480, 08:00 or 2026-05-04T08:00", found=shown(cell))
+
+
+def span_of(cell: str, line: int | None, what: str) -> Any:
+    """The length of time that a text tells: a number or a timedelta; None where it is empty."""
+    if not cell:
+        return None
+    if is_number(cell):
+        return float(cell)
+    with contextlib.suppress(OverflowError):  # longer than any calendar
+        if found := _SPAN.match(cell):
+            days, hours, minutes, seconds = int(found[1] or 0), int(found[2]), int(found[3]), float(found[4])
+            return datetime.timedelta(days=days, hours=hours, minutes=minutes, seconds=seconds)
+        parts = _PARTS.findall(cell.lower())
+        units = [ALIASES.get(unit, unit) for _, unit in parts]
+        if parts and not _PARTS.sub("", cell.lower()).strip() and set(units) <= SECONDS.keys():
+            return datetime.timedelta(seconds=sum(float(size) * SECONDS[unit] for (size, _), unit in zip(parts, units, strict=True)))
+    raise InputError(
+        f"{what} must be a number or a length of time", line=line, expected="20, 20min, 1h 30min or 00:20:00", found=shown(cell)
+    )
+
+
 class Times:
-    """Reads columns and numbers that may be moments or spans of time.
+    """Reads columns, numbers and texts that may be moments or spans of time.
 
     Parameters
     ----------
@@ -111,6 +160,8 @@ class Times:
         import pandas as pd
 
         for value in _flat(values):
+            if isinstance(value, str):
+                value = moment_of(value.strip(), None, "a time") if _DAY.match(value.strip()) else None
             if _is_moment(value) and value is not pd.NaT:
                 moment = pd.Timestamp(value)
                 if self._first is not None and (moment.tzinfo is None) != (self._first.tzinfo is None):
@@ -133,6 +184,8 @@ class Times:
         """A point in time as a number; NaN where it is missing."""
         import pandas as pd
 
+        if isinstance(value, str):
+            value = moment_of(value.strip(), None, what)
         if value is None or value is pd.NaT:
             return math.nan
         if _is_moment(value):
@@ -145,6 +198,8 @@ class Times:
         """A length of time as a number; NaN where it is missing."""
         import pandas as pd
 
+        if isinstance(value, str):
+            value = span_of(value.strip(), None, what)
         if value is None or value is pd.NaT:
             return math.nan
         if isinstance(value, datetime.timedelta | np.timedelta64):
@@ -156,8 +211,7 @@ class Times:
         try:
             return float(value)
         except (TypeError, ValueError):
-            expected = "numbers; texts become moments by pd.to_datetime and spans by pd.to_timedelta"
-            raise InputError(f"{what} must hold numbers or times", expected=expected, found=repr(value)[:60]) from None
+            raise InputError(f"{what} must hold numbers or times", found=repr(value)[:60]) from None
 
     def moments(self, values: Any, what: str) -> Floats:
         """Points in time, of any shape."""

@@ -181,7 +181,9 @@ def kind_of(data: Any) -> str:
         return shown(data)
     if isinstance(data, bool | int | float) or data is None:
         return "a number beyond all bounds" if _huge(data) else json.dumps(data)
-    return "a list" if isinstance(data, list) else "an object"
+    if isinstance(data, list | dict):
+        return "a list" if isinstance(data, list) else "an object"
+    return f"{type(data).__module__}.{type(data).__name__}".removeprefix("builtins.")  # of Python, and nothing that JSON has
 
 
 def _huge(data: Any) -> bool:

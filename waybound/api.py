@@ -31,7 +31,7 @@ def read_source(
     from .instances.bundled import bundled_names, bundled_path
     from .instances.reading import read_instance
 
-    if isinstance(path, str) and not Path(path).exists() and path in bundled_names():
+    if isinstance(path, str) and path in bundled_names() and not Path(path).exists():
         return read_instance(bundled_path(path), format, problem, settings)
     return read_instance(path, format, problem, settings)
 

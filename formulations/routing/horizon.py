@@ -77,10 +77,16 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
 
 
 def _refuse(problem: RoutingProblem, plan: Routes) -> None:
+    """Raise UsageError for a plan that breaks a constraint, but for the visits of sites that it does not know: those are new orders."""
     held = problem.features() & set(REFUSED)
     if held:
         raise UsageError(f"a plan in progress cannot be continued with {', '.join(sorted(held))}")
-    verdict = problem.evaluate(plan)
+    problem.check_start(plan)
+    visited = np.zeros(len(problem.sites), dtype=bool)
+    visited[[site for route in plan for site in route.visits]] = True
+    groups = tuple(replace(g, required=g.required and bool(visited[list(g.sites)].any())) for g in problem.sites.groups)
+    known = replace(problem.sites, required=problem.sites.required & visited, groups=groups)
+    verdict = problem.altered(sites=known).evaluate(plan)
     if not verdict.feasible:
         raise UsageError(f"the plan that is to be continued breaks a constraint: {verdict.violations[0].message}")
 

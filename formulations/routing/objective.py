@@ -150,8 +150,9 @@ class Weighted(Composable):
         return self + _only_level(other) * -1.0
 
     def __str__(self) -> str:
-        parts = [t.name if w == 1 else f"{_plain(w)}*{t.name}" for w, t in self.terms]
-        return " + ".join(parts).replace("+ -", "- ")
+        (first, *rest) = ((w, t.name if abs(w) == 1 else f"{_plain(abs(w))}*{t.name}") for w, t in self.terms)
+        lead = first[1] if first[0] > 0 else f"-1*{first[1]}" if first[0] == -1 else f"-{first[1]}"
+        return lead + "".join(f" {'+' if w > 0 else '-'} {text}" for w, text in rest)
 
 
 def _read(text: str) -> Weighted:

@@ -157,8 +157,9 @@ class RoutingProblem(Problem):
         sites : DataFrame
             Columns ``id`` (else the index, or ``name``), ``x, y`` or ``lat, lon`` (decimal degrees), ``demand, pickup, ready, due,
             service, reward, required, penalty, depot, skills``, all but the coordinates (or ``travel``) optional; ``demand2, pickup2, ...``
-            are further load dimensions, ``skills`` words with commas between. Without ``depot`` the first row is the depot. All other
-            columns are kept, shown, and not used; one that looks like a misspelt title is refused.
+            are further load dimensions, ``skills`` words with commas between. Without ``depot`` the first row is the depot. Titles are read
+            in any case. All other columns are kept, shown, and not used, as solutions tell; one that looks like a misspelt title, or has
+            the name that another toolkit gives to what counts (``tw_early``), is refused.
         travel : optional
             Distances, Euclidean or on the globe without it: a matrix (array, or frame with the ids as labels) in which ``inf`` stands for a
             move that cannot be made; a frame with one row a move (``from, to, distance`` and perhaps ``duration``); a scipy.sparse matrix
@@ -172,20 +173,22 @@ class RoutingProblem(Problem):
             Of all vehicles: durations are divided by it. Where sites have latitude and longitude it is a distance in an hour.
         fleet : DataFrame or sequence of mappings or VehicleType, optional
             In their place: one entry a vehicle type, with the keys of waybound's JSON (docs/formats.md), sites by id. A frame without the
-            column ``count`` has one vehicle a row; ``shift_start, shift_end`` and ``capacity2, ...`` stand for the JSON's lists.
+            column ``count`` has one vehicle a row; ``shift_start, shift_end`` and ``capacity2, ...`` stand for the JSON's lists. ``travel``
+            may be a matrix as that of all, with ``inf`` for moves that this vehicle cannot make.
         columns : mapping, optional
             From the titles above to those of the frame, or the other way round.
         extra : list of titles, or bool
-            Columns that are kept though they look like misspelt ones; True for all.
+            Columns that are kept though they look like misspelt ones, or are called as other toolkits call what counts; True for all.
         time_unit : str, optional
-            ``s, min, h`` or ``d``: what times count. Needed where any are timestamps or timedeltas; time 0 is then midnight of the first
-            day.
+            ``s, min, h`` or ``d``: what times count. Needed where any are timestamps, timedeltas or texts (``06:00``); time 0 is then
+            midnight of the first day.
         distance_unit : str
             ``km, m`` or ``mi``, for distances on the globe and those of a routing service.
         weight : str
             Attribute of a networkx graph's edges that holds distances.
         objective : optional
-            Terms (``Vehicles().then(TotalCost())``), or their text (``"vehicles"``); the usual one of the problem by default.
+            Terms (``Vehicles().then(TotalCost())``), or their text (``"vehicles"``); the usual one of the problem by default, with the
+            penalties and rewards of sites that may be left out.
         convention : str
             Distance convention, ``exact`` by default.
         name : str
@@ -387,7 +390,8 @@ class RoutingProblem(Problem):
         Parameters
         ----------
         plan : Solution or Routes
-            A feasible answer, driven on the schedule that its tables show.
+            A feasible answer to this problem, or to one with fewer sites: those that it does not visit are new orders. Each route is
+            driven on the schedule that its tables show.
         time : float
             Sites begun before it are done. A vehicle under way then is committed to the next stop of its route and starts a route of its
             own there, when it has served it, with the energy, load, distance and duration it has left; it drives home from there even
@@ -404,7 +408,8 @@ class RoutingProblem(Problem):
         """
         from .horizon import continued
 
-        return continued(self, self.answer_of(getattr(plan, "answer", plan)), float(time))
+        own = getattr(plan, "problem", self) is self  # sites of another problem are told by their ids
+        return continued(self, self.answer_of(getattr(plan, "answer", plan) if own else plan.routes), float(time))
 
     def vehicle_names(self, answer: Routes) -> list[str]:
         """Name of the vehicle of each route: that of its type, and a number from 1 within the type."""

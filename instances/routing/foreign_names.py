@@ -12,6 +12,11 @@ from functools import cache
 
 from ..suggestions import did_you_mean
 
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
 OURS: dict[str, dict[str, str]] = {
     "sites": {
         "x": "x_coord coord_x x_coordinate pos_x easting",
@@ -22,9 +27,9 @@ OURS: dict[str, dict[str, str]] = {
         "units pallets parcels packages boxes",
         "pickup": "pickups backhaul backhauls collection collected pickup_demand",
         "ready": "ready_time ready_date earliest earliest_time early earliest_start earliest_arrival start start_time begin begin_time "
-        "tw_early tw_start tw_begin tw_open tw_min tw_from tw_lower window_start window_open window_begin time_window_start time_window_open "
-        "time_window_begin time_window_early time_window_from open opens opening open_time opening_time not_before arrive_after "
-        "beginning_of_time_window start_window",
+        "tw_early tw_start tw_begin tw_open tw_min tw_from tw_lower window_start window_open window_begin time_window_start "
+        "time_window_open time_window_begin time_window_early time_window_from open opens opening open_time opening_time not_before "
+        "arrive_after beginning_of_time_window start_window",
         "due": "due_date due_time latest latest_time late latest_start latest_arrival end end_time deadline tw_late tw_end tw_close tw_max "
         "tw_to tw_upper window_end window_close time_window_end time_window_close time_window_late time_window_to close closes closing "
         "close_time closing_time not_after arrive_before end_of_time_window end_window",
@@ -52,7 +57,8 @@ OURS: dict[str, dict[str, str]] = {
         "unit_overtime_cost": "overtime_cost per_overtime_hour",
         "shift_start": "tw_early tw_start tw_begin earliest earliest_start ready ready_time start_time start_early time_window_start "
         "window_start opens open",
-        "shift_end": "tw_late tw_end tw_close latest latest_end due due_date due_time end_time end_late time_window_end window_end closes close",
+        "shift_end": "tw_late tw_end tw_close latest latest_end due due_date due_time end_time end_late time_window_end window_end "
+        "closes close",
         "shift": "time_window time_windows working_time working_hours",
         "skills": "skill skill_set capabilities",
         "speed": "speed_factor speed_kmh velocity",
@@ -66,8 +72,8 @@ OURS: dict[str, dict[str, str]] = {
         "due": "due_date due_time latest late tw_late tw_end end end_time close closes to deadline window_end",
     },
     "shipments": {
-        "pickup": "pickup_id pickup_site pickup_index from origin source",
-        "delivery": "delivery_id delivery_site delivery_index dropoff to destination target",
+        "pickup": "pickup_id pickup_site pickup_location pickup_index from origin source",
+        "delivery": "delivery_id delivery_site delivery_location delivery_index dropoff to destination target",
         "load": "amount demand quantity weight volume size",
     },
     "groups": {
@@ -90,9 +96,10 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     "sites": {
         _WAITING: "release release_time release_date",
         _WINDOWS: "time_window time_windows tw windows window opening_hours business_hours",
-        _PAIRS: "pickups_deliveries pickup_delivery pickup_index delivery_index pickup_id delivery_id partner sibling pair shipment shipment_id",
+        _PAIRS: "pickups_deliveries pickup_delivery pickup_index delivery_index pickup_id delivery_id partner sibling pair shipment "
+        "shipment_id",
         _GROUPS: "group group_id id_customer mutually_exclusive alternatives",
-        "waybound has no priorities of visits: what a visit is worth is the column reward, what leaving it out costs is penalty": "priority",
+        "waybound has no priorities: what a visit is worth is the column reward, what leaving it out costs is penalty": "priority",
         "it is the column required, the other way round": "optional is_optional droppable allow_drop can_skip skippable",
         "waybound has no set-up times apart from service": "setup setup_time default_setup setup_per_type setup_duration",
         "waybound has one service time for all vehicles": "service_per_type default_service",
@@ -120,23 +127,29 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     },
     "windows": {},
     "shipments": {
-        "skills and windows are those of both sites, priorities there are none": "skills priority tw_early tw_late time_window time_windows",
+        "what else is asked of a pair is asked of its two sites, in their columns": "skills priority prize required tw_early tw_late "
+        "time_window time_windows pickup_tw_early pickup_tw_late pickup_service_duration delivery_tw_early "
+        "delivery_tw_late delivery_service_duration",
     },
     "groups": {},
 }
 """By table and what to say: names that stand for no column of it."""
 
-UNITS = frozenset(
-    ["s", "sec", "secs", "second", "seconds", "min", "mins", "minute", "minutes", "h", "hr", "hrs", "hour", "hours", "d", "day", "days", "kg", "kgs", "g", "t", "ton", "tons", "tonne", "tonnes", "lb", "lbs", "l", "litre", "litres", "m3", "km", "kms", "m", "mi", "mile", "miles", "meter", "meters", "metre", "metres", "eur", "euro", "euros", "usd", "gbp", "unix", "iso", "utc", "section"]
-)  # fmt: skip
+UNITS = _words(
+    "s sec secs second seconds min mins minute minutes h hr hrs hour hours d day days kg kgs g t ton tons tonne tonnes lb lbs "
+    "l litre litres m3 km kms m mi mile miles meter meters metre metres eur euro euros usd gbp unix iso utc section"
+)
 """Last words that say in what a column is measured."""
 
-OWNERS = frozenset(["site", "sites", "customer", "customers", "client", "clients", "node", "nodes", "job", "jobs", "task", "tasks", "stop", "stops", "visit", "order", "location"])
+OWNERS = _words("site sites customer customers client clients node nodes job jobs task tasks stop stops visit order location")
 """First words that say whose quantity it is; of a fleet, those below."""
-VEHICLES = frozenset(["vehicle", "vehicles", "truck", "van", "route"])
+VEHICLES = _words("vehicle vehicles truck van route")
 
-MORE_LOADS = frozenset(["quantity", "quantities", "qty", "amount", "load", "loads", "weight", "volume", "mass", "units", "pallets", "parcels", "packages", "boxes"])
+MORE_LOADS = _words("quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes")
 """Names of loads that may well stand beside another load."""
+
+PLACES = ("x", "y", "lat", "lon")
+"""Titles behind which a number tells another place."""
 
 _CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
@@ -145,7 +158,7 @@ def ours(title: str, table: str = "sites") -> str | None:
     """Waybound's title of what others call ``title``, in any case, spacing and unit; of further loads with their number. None if none."""
     known = _squashed(table)
     for name, number in _variants(title, table):
-        if name in known:
+        if name in known and not (number and known[name] in PLACES):
             own = known[name]
             return f"{own}{number}" if own in ("demand", "pickup", "capacity", "load") and number in "23456789" else own
     return None

@@ -131,8 +131,10 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
     for exact in (True, False):
         for title in titles:
             own = own_title(title)
-            if own is None or title in found.values() or own in told or (own == title) != exact or (title in granted and extra is not True):
+            if own is None or title in found.values() or own in told or (own == title) != exact:
                 continue
+            if not exact and title in granted and extra is not True:
+                continue  # the user says that it does not count
             if own not in found:
                 found[own] = title
             elif own in ALIASES.values():
@@ -196,12 +198,13 @@ def _refuse_dropping(title: Any, found: Mapping[str, Any], told: Collection[str]
     own, instead = ours(text), elsewhere(text)
     if instead is None and _plain_words(text) == "location" and not all(isinstance(v, str) for v in values.dropna()):
         instead = elsewhere("coordinates")  # an address is no place to compute with
-    if own is not None and own in found and own not in told and may_be_another_load(text):
-        own = next((further for k in range(2, 10) if (further := f"{own[:6]}{k}") not in found), own)
+    if own is not None and own in found and may_be_another_load(text):
+        own = next((further for k in range(2, 10) if (further := f"{own.rstrip('23456789')}{k}") not in found), own)
     own = own or own_title(title) or next((o for o in found if _plain_words(text).rstrip("s") == o.rstrip("s")), None)
     if own is not None and own in found:
         if own not in told:
-            raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected=f"one of them, or extra=[{title!r}] to keep the other only")
+            cure = f"one of them, or extra=[{title!r}] to keep the other only"
+            raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected=cure)
         return
     elsewhere_placed = (own in ("x", "y") and "lat" in found) or (own in ("lat", "lon") and "x" in found)
     meant = None if elsewhere_placed else own or _misspelt(text, found)

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..clock import Times
+from ..document import fields, json_numbers
 from ..errors import InputError
 from .foreign_names import hint
 from .frame_columns import words_of
 from .frame_lists import placed
-from .json_vehicles import VEHICLE_KEYS, decode_vehicle
+from .frame_travel import matrix_of, without_infinities
+from .json_vehicles import TRAVEL_KEYS, VEHICLE_KEYS, decode_travel, decode_vehicle
 from .sites import Sites
+from .travel import EXPLICIT, Travel
 from .vehicle_type import VehicleType
 
 SPANS = ("max_duration", "regular_duration")
@@ -45,16 +52,79 @@ def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
         if not isinstance(row, Mapping):
             raise InputError(f"fleet[{k}] must be a mapping or a VehicleType", found=type(row).__name__)
         with placed(given, k):
-            held = _held(row, f"fleet[{k}]", times)
+            own = own_travel(row.get("travel"), sites, times, f"fleet[{k}].travel")
+            held = _held({key: value for key, value in row.items() if key != "travel"}, f"fleet[{k}]", times)
             held.setdefault("name", f"vehicle {k + 1}" if len(rows) > 1 else "vehicle")
             if framed and "count" not in given.columns:
                 held.setdefault("count", 1)
-            kinds.append(decode_vehicle(held, f"fleet[{k}]", index, sites))
+            kinds.append(_travelling(decode_vehicle(held, f"fleet[{k}]", index, sites), own, sites))
     names = [v.name for v in kinds]
     if len(set(names)) < len(names):
         with placed(given, next(k for k, name in enumerate(names) if name in names[:k])):
             raise InputError("vehicle types must have different names", found=", ".join(names))
     return tuple(kinds)
+
+
+@dataclass(frozen=True, eq=False)
+class OwnTravel:
+    """Distances and durations of one type of vehicle, and the moves that it cannot make."""
+
+    travel: Travel
+    shut: NDArray[np.bool_] | None = None
+
+
+def own_travel(given: Any, sites: Sites, times: Times, path: str) -> OwnTravel | None:
+    """What a vehicle's ``travel`` tells: a matrix as of ``from_frame``, the name of a metric, a ``Travel``, or a mapping as in JSON with
+    matrices of any kind; None where it is missing."""
+    if given is None or (isinstance(given, float) and math.isnan(given)):
+        return None
+    if isinstance(given, Travel):
+        return OwnTravel(given)
+    whole = {"metric": given} if isinstance(given, str) else {"metric": EXPLICIT, "matrix": given}
+    data: dict[str, Any] = dict(given) if isinstance(given, Mapping) else whole
+    fields(data, path, TRAVEL_KEYS, ("metric",))
+    known = (("matrix", "distance", None), ("durations", "duration", times), ("variances", "variance", None))
+    try:
+        read = {key: matrix_of(data[key], sites.ids, what, clock) for key, what, clock in known if data.get(key) is not None}
+    except InputError as error:
+        raise InputError(f"{path}: {error.message}", expected=error.expected, found=error.found) from None
+    shut = None
+    if read.keys() & {"matrix", "durations"}:
+        matrix, durations, shut = without_infinities(read.get("matrix", np.zeros((len(sites),) * 2)), read.get("durations"))
+        read |= {key: values for key, values in (("matrix", matrix), ("durations", durations)) if key in read and values is not None}
+    closing = data.get("closing")
+    if closing is not None and not isinstance(closing, list):
+        data["closing"] = [json_numbers(row) for row in np.asarray(closing, dtype=np.float64)]
+    return OwnTravel(decode_travel({**data, **{key: values.tolist() for key, values in read.items()}}, sites, "", path), shut)
+
+
+def _travelling(vehicle: VehicleType, own: OwnTravel | None, sites: Sites) -> VehicleType:
+    """The vehicle type with its travel; a move that it cannot make has closed before it can set out."""
+    if own is None or own.shut is None:
+        return vehicle if own is None else replace(vehicle, travel=own.travel)
+    opens = max(float(sites.ready[vehicle.start]), vehicle.shift[0])
+    closes = np.full(own.shut.shape, math.inf) if own.travel.closing is None else own.travel.closing.copy()
+    closes[own.shut] = opens - max(1.0, abs(opens))
+    return replace(vehicle, travel=replace(own.travel, closing=closes))
+
+
+def shared_bans(
+    kinds: tuple[VehicleType, ...], forbidden: NDArray[np.bool_] | None, sites: Sites
+) -> tuple[tuple[VehicleType, ...], NDArray[np.bool_] | None]:
+    """Moves that no type of vehicle can make are forbidden to the problem, which more methods understand; the types without them."""
+    shut = [
+        None if v.travel is None or v.travel.closing is None else v.travel.closing < max(float(sites.ready[v.start]), v.shift[0])
+        for v in kinds
+    ]
+    if any(each is None for each in shut):
+        return kinds, forbidden
+    common = np.logical_and.reduce([each for each in shut if each is not None])
+    left = []
+    for v in kinds:
+        assert v.travel is not None and v.travel.closing is not None
+        closes = np.where(common, math.inf, v.travel.closing)
+        left.append(replace(v, travel=replace(v.travel, closing=closes if np.isfinite(closes).any() else None)))
+    return tuple(left), common if forbidden is None else common | forbidden
 
 
 def see_times(given: Any, times: Times) -> None:
@@ -148,6 +218,12 @@ def plain_value(value: Any) -> Any:
         if value == -math.inf:
             raise InputError("a number of the fleet is minus infinity", expected="a number of at least 0")
         return None
+    if isinstance(value, Mapping):  # a store, whose limits stay what they are
+        return {key: inner.tolist() if hasattr(inner, "tolist") else _listed(inner) for key, inner in value.items()}
     if isinstance(value, tuple | set | frozenset):
         value = sorted(value) if not isinstance(value, tuple) else list(value)
     return [plain_value(v) for v in value] if isinstance(value, list) else value
+
+
+def _listed(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

@@ -158,9 +158,7 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
     with placed(frame):
         for title in frame.columns:
             if title not in known:
-                raise InputError(
-                    f"{what} have an unknown column {str(title)!r}{hint(str(title), what, known)}", expected=", ".join(known)
-                )
+                raise InputError(f"{what} have an unknown column {str(title)!r}{hint(str(title), what, known)}", expected=", ".join(known))
         lacking = next((title for title in names if title not in frame.columns), None)
         if lacking is not None:
             raise InputError(f"{what} have no column {lacking!r}", expected=", ".join(known))

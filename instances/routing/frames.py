@@ -17,7 +17,7 @@ from ..suggestions import did_you_mean
 from ..text import label
 from .fleet import equal_fleet, with_problems
 from .frame_columns import Columns, columns_of
-from .frame_fleet import fleet_of, see_times
+from .frame_fleet import fleet_of, see_times, shared_bans
 from .frame_lists import groups_of, see_windows, shipments_of, windows_of
 from .frame_travel import Moves, in_order, is_graph, matrix_of, moves_of
 from .geography import coordinates_of, warn_of_swapped
@@ -101,6 +101,8 @@ def instance_from_frame(
     forbidden = None
     if isinstance(moves, Moves):
         forbidden = moves.forbidden
+        if len(made) > 1 and made.required.any() and forbidden is not None and forbidden.sum() == len(made) * (len(made) - 1):
+            raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
         ways = Travel(EXPLICIT, matrix=moves.distances, duration_matrix=moves.durations, **own)
     else:
         held = None if durations is None else matrix_of(durations, table.ids, "duration", times)
@@ -116,7 +118,7 @@ def instance_from_frame(
         if len(kinds) > 1:
             notes += (f"{'any number of' if vehicles is None else vehicles} vehicles at each of {len(kinds)} depots",)
     else:
-        kinds = fleet_of(fleet, made, times)
+        kinds, forbidden = shared_bans(fleet_of(fleet, made, times), forbidden, made)
     notes += unused(map(str, table.extra))
     clock = times.clock
     if clock is not None:

@@ -38,11 +38,13 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None, tuple[str, ...]
     """
     for pair in (("x", "y"), ("lat", "lon")):
         if (pair[0] in table) != (pair[1] in table):
-            raise InputError("coordinates need two columns", expected=" and ".join(pair), found="one of them")
+            alone = table.titles[pair[0] if pair[0] in table else pair[1]]
+            raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{alone!r} alone")
     if "lat" not in table:
         return False, np.column_stack([_column(table, "x"), _column(table, "y")]) if "x" in table else None, ()
     if "x" in table:
-        raise InputError("there are two kinds of coordinates", expected="x and y, or lat and lon", found="all four columns")
+        four = ", ".join(repr(table.titles[own]) for own in ("x", "y", "lat", "lon"))
+        raise InputError("there are two kinds of coordinates", expected="x and y, or lat and lon", found=four)
     lat, lon = _column(table, "lat"), _column(table, "lon")
     for what, values, most in (("latitude", lat, 90.0), ("longitude", lon, 180.0)):
         bad = ~(np.abs(values) <= most)

@@ -228,9 +228,9 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
 
 
 def refuse_powerless(instance: RoutingInstance) -> None:
-    """Raise InputError if no vehicle has the energy for a first and a last move."""
+    """Raise InputError if sites are to be visited, and no vehicle has the energy for a first and a last move."""
     at = instance.sites.customers
-    if not len(at):
+    if not (instance.sites.required.any() or any(group.required for group in instance.sites.groups)):
         return
     for v in instance.fleet:
         if v.energy is None or v.stations:

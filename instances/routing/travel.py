@@ -351,7 +351,8 @@ def _square(values: ArrayLike, what: str) -> Floats:
     np.fill_diagonal(bad, False)
     if bad.any():
         i, j = (int(v[0]) for v in np.nonzero(bad))
-        raise InputError(f"{what} from site {i} to site {j} must be finite and not negative", found=str(matrix[i, j]))
+        cure = "forbidden=array of the problem for moves that cannot be made" if matrix[i, j] == np.inf else None
+        raise InputError(f"{what} from site {i} to site {j} must be finite and not negative", expected=cure, found=str(matrix[i, j]))
     np.fill_diagonal(matrix, 0.0)
     matrix.setflags(write=False)
     return matrix

@@ -18,8 +18,11 @@ def check_folder(folder: Path) -> None:
     """Raise UsageError, before anything is run, if ``folder`` cannot be made or written to."""
     import os
 
-    if folder.exists() and not folder.is_dir():
-        raise UsageError(f"--out {folder} is a file, not a folder")
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise UsageError(f"--out {folder} is a file, not a folder")
+    except OSError as fault:
+        raise UsageError(f"--out {folder} cannot be made: {fault.strerror}") from None
     nearest = folder
     while not nearest.exists():
         nearest = nearest.parent

@@ -155,3 +155,29 @@ def test_generation_repeats_itself_from_the_seed(run, tmp_path):
 def test_generation_refuses_what_it_does_not_know(refused, tmp_path, arguments, says):
     assert says in refused("generate", *arguments, "--out", tmp_path / "a.json")
     assert list(tmp_path.iterdir()) == []
+
+
+LONG = "n" * 300
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("info", LONG), "File name too long"),
+        (("info", f"{LONG}.csv"), "File name too long"),
+        (("solve", LONG, "--time-limit", "1"), "File name too long"),
+        (("convert", "demo-tiny", "--to", f"{LONG}.json"), "File name too long"),
+        (("info", "s.csv", "--set", f"fleet={LONG}"), "File name too long"),
+        (("info", "s.csv", "--set", f"matrix={LONG}"), "File name too long"),
+        (("ratio", "bottleneck", "--instances", "1", "--out", LONG), "File name too long"),
+    ],
+)
+def test_a_name_of_300_characters_is_refused_in_a_line(refused, tmp_path, monkeypatch, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.csv").write_text("id,x,y\nyard,0,0\na,1,1\n")
+    assert says in refused(*arguments)
+
+
+def test_sites_and_problems_may_have_long_names(run, tmp_path):
+    (tmp_path / "s.csv").write_text(f"# name: {LONG}\nid,x,y\nyard,0,0\n{LONG},1,1\n")
+    assert run("solve", tmp_path / "s.csv", "--bound-time", "0", "--out", tmp_path / "s.sol").exit_code == 0

@@ -67,9 +67,21 @@ def test_nothing_is_converted_without_a_unit(values: Any, kind: str) -> None:
         reading(None, values).moments(values, "column ready")
 
 
-def test_what_is_no_time_says_how_it_becomes_one() -> None:
-    with pytest.raises(InputError, match=r"pd\.to_datetime"):
-        Times("min").moments(pd.Series(["08:00"]), "column ready")
+def test_texts_are_times_as_in_a_file() -> None:
+    times = Times("min")
+    texts = pd.Series(["2026-05-04T06:00", "07:30:00", "480", "", None])
+    times.see(texts)
+    assert times.origin == pd.Timestamp("2026-05-04")
+    assert np.array_equal(times.moments(texts, "ready"), [360.0, 450.0, 480.0, np.nan, np.nan], equal_nan=True)
+    spans = times.spans(pd.Series(["20min", "1h 5min", "00:20:00", ""]), "service")
+    assert np.array_equal(spans, [20.0, 65.0, 20.0, np.nan], equal_nan=True)
+    with pytest.raises(InputError, match="ready holds times of day: say in which unit of time"):
+        Times(None).moment("06:00", "ready")
+
+
+def test_what_is_no_time_says_what_is_one() -> None:
+    with pytest.raises(InputError, match="column ready must be a number or a moment; expected 480, 08:00 or 2026-05-04T08:00"):
+        Times("min").moments(pd.Series(["noon"]), "column ready")
     with pytest.raises(InputError, match="must be a length of time"):
         reading("min", [NINE]).span(NINE, "service")
     with pytest.raises(InputError, match="some timestamps have a time zone and others none"):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 import waybound as wb
@@ -163,3 +165,9 @@ def test_the_whole_log_of_a_run_says_what_was_proved_and_what_was_not() -> None:
 )
 def test_the_gap_on_the_way_is_that_of_an_open_first_level(value: Any, bound: Any, expected: float | None) -> None:
     assert search_log.open_gap(value, bound) == (None if expected is None else pytest.approx(expected))
+
+
+def test_remarks_on_the_problem_stand_above_the_search(tmp_path: Path) -> None:
+    sites = pd.DataFrame({"x": [0, 1], "y": 0, "colour": "red"})
+    wb.solve(wb.RoutingProblem.from_frame(sites, vehicles=1), "highs", bound_time=0, log=tmp_path / "log.txt")
+    assert "\nnote: columns kept and not used: colour\nsearch by highs" in (tmp_path / "log.txt").read_text()

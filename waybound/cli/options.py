@@ -177,14 +177,14 @@ def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *,
         check_writable(path)
     except InputError as fault:
         raise UsageError(f"{option} {fault}") from None
-    if path.exists() and any(Path(file).exists() and path.samefile(file) for file in unlike):
+    if path.exists() and any(os.path.exists(file) and path.samefile(file) for file in unlike):  # noqa: PTH110 - a name may be too long
         raise UsageError(f"{option} {path} would overwrite the input")
 
 
 def inputs_of(file: str, settings: Sequence[str] | None) -> list[str]:
     """The file, and whatever ``--set`` or its comment lines may name beside it."""
     named = [value for value in parse_pairs(settings, "--set").values() if isinstance(value, str)]
-    if Path(file).is_file():  # a pipe is read once
+    if os.path.isfile(file):  # noqa: PTH113 - a pipe is read once, and a name may be too long for pathlib
         with contextlib.suppress(OSError), Path(file).open(encoding="utf-8", errors="replace") as lines:  # its reader will say so
             heads = takewhile(lambda line: line.lstrip("\ufeff").startswith("#") or not line.strip(), lines)
             named += [str(Path(file).parent / value) for line in heads if (value := line.partition(":")[2].strip("\0 \t\r\n"))]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -126,7 +127,7 @@ def _limit(key: str, text: str, line: int | None) -> float:
 
 def _file(key: str, line: int | None, name: str, folder: Path) -> Path:
     file = Path(name) if line is None else folder / name
-    if file.exists() and not file.is_file():  # a file must not make the reader wait at a pipe
+    if os.path.exists(file) and not file.is_file():  # noqa: PTH110 - a name may be too long; a file must not make the reader wait at a pipe
         raise InputError(f"{key} {shown(name)} is no plain file", line=line)
     return file
 

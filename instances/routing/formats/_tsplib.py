@@ -176,7 +176,9 @@ def node_list(spec: Specification, name: str, n: int) -> tuple[list[int], list[i
     if nodes and (spec.complete or not last):
         return nodes, lines
     raise InputError(
-        f"{name} ends early", line=lines[-1] if lines else section.line, expected="-1" if spec.complete or not last else "-1 or EOF",
+        f"{name} ends early",
+        line=lines[-1] if lines else section.line,
+        expected="-1" if spec.complete or not last else "-1 or EOF",
         found="the end of the section",
     )
 

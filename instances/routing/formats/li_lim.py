@@ -66,8 +66,12 @@ def read(text: str, path: Path) -> RoutingInstance:
 
 
 def pairs_of(demand: np.ndarray, partners: np.ndarray, at: Sequence[int], first: int = 0) -> list[Shipment]:
-    """Pairs in the order of their pickups, each named by both of its rows; ``first`` is the number of the first row, which is the depot."""
+    """Pairs in the order of their pickups, each named by both of its rows; ``first`` is the number of the first row, which is the depot.
+
+    ``demand`` has shape (rows,), or (rows, loads).
+    """
     n = len(demand)
+    loads = demand.reshape(n, -1)
     one = (partners == 0).sum(axis=1) == 1
     refuse(
         ~one & (np.arange(n) > 0), at, "a customer needs one partner: a pickup its delivery, a delivery its pickup", partners, "one of two"
@@ -81,9 +85,11 @@ def pairs_of(demand: np.ndarray, partners: np.ndarray, at: Sequence[int], first:
     index = np.arange(n)
     back = (other[other] != index) | (pickup[other] == pickup)
     refuse(back & (index > 0), at, "partner names another one", other + first, "a pair that names each other")
-    refuse((demand <= 0) & pickup & (index > 0), at, "demand of a pickup must be positive", demand, "more than 0")
-    refuse((demand != -demand[other]) & (index > 0), at, "a delivery is not as much as its pickup", demand, "the same, negative")
-    return [Shipment(int(k), int(other[k]), (float(demand[k]),)) for k in index[1:] if pickup[k]]
+    wrong = (loads < 0).any(axis=1) | ~(loads > 0).any(axis=1)
+    refuse(wrong & pickup & (index > 0), at, "demand of a pickup must be positive", demand, "more than 0")
+    unlike = (loads != -loads[other]).any(axis=1)
+    refuse(unlike & (index > 0), at, "a delivery is not as much as its pickup", demand, "the same, negative")
+    return [Shipment(int(k), int(other[k]), tuple(loads[k].tolist())) for k in index[1:] if pickup[k]]
 
 
 def write(instance: RoutingInstance) -> str:

@@ -33,6 +33,8 @@ WRITTEN = ("demand", "ready", "due", "service", "reward")
 LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance": "max_distance", "fixed-cost": "fixed_cost",
           "unit-cost": "unit_cost"}  # fmt: skip
 PLACES = ("x", "y", "lat", "lon")
+STATES = ("easting", "northing")
+"""Titles of places in tables of states (``risk-states``)."""
 NAMES = ("name", "problem", "convention")
 KEYS = (*NAMES, *_frame_settings.KEYS)
 EXPRESSIBLE = frozenset(
@@ -46,7 +48,7 @@ EXPRESSIBLE = frozenset(
 
 def recognises(text: str) -> bool:
     """Whether the first line that is no comment holds titles of coordinates, or ``id``, among others, and no roles."""
-    titles = {own if (own := ours(title)) in PLACES else title for title in titles_of(text)}
+    titles = {own if (own := ours(title)) in PLACES and title not in STATES else title for title in titles_of(text)}
     return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles or bool({"lat", "lon"} & titles)) and "role" not in titles
 
 
@@ -71,7 +73,8 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
         titles = columns_of(frame, given.get("columns"), given.get("extra", ())).titles
         for pair in (("x", "y"), ("lat", "lon")):
             if (pair[0] in titles) != (pair[1] in titles):
-                raise InputError("coordinates need two columns", expected=" and ".join(pair), found="one of them")
+                alone = titles[pair[0] if pair[0] in titles else pair[1]]
+                raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{alone!r} alone")
     except InputError as error:
         raise _frame_settings.in_file(error).at(line=start + 1) from None
     if "depot" in titles and not frame[titles["depot"]].eq(True).any():

@@ -1,7 +1,9 @@
 """VROOM's JSON: jobs, shipments and vehicles over matrices of travel times.
 
 Locations are rows of the matrices (``location_index``, ``start_index``, ``end_index``): nobody is asked for the distance of two places on a
-map. Each task may be left out: VROOM first assigns as much priority, then as many tasks as it can, and then minimises the cost. So every
+map. Where there are no matrices, ``--set speed=50`` stands for them: great circles between the coordinates, at so many km an hour.
+
+Each task may be left out: VROOM first assigns as much priority, then as many tasks as it can, and then minimises the cost. So every
 site has a reward of ``priority (n + 1) + 1`` for n sites, and rewards come before the total cost.
 
 Jobs are sites with their own number as id, shipments two sites ``pickup 3`` and ``delivery 3``, and the places where vehicles start or end
@@ -9,7 +11,8 @@ are depots ``location 0``. Vehicles that are alike make one type, named for thei
 an end has the depot ``anywhere``, which is no distance from any site.
 
 Costs per hour and kilometre are taken as they are, not rounded to whole numbers as VROOM does. Breaks, setup times, numbers of tasks, and
-limits of distance beside costs by time have no place in the data and are refused by name.
+limits of distance beside costs by time have no place in the data and are refused by name. ``--set ignore=breaks,steps`` leaves out what
+only restricts, or where VROOM's own search begins, and is told.
 
 Source: VROOM, Coupey, Nicod and Varnier, the description of its API, version 1.14.
 """
@@ -37,6 +40,7 @@ from ..sites import Shipment
 from ..travel import EXPLICIT, Travel
 from ..vehicle_type import Energy
 from ._limits import cannot, refuse_inexpressible
+from ._vroom_settings import IGNORED, SETTINGS, location_of, on_the_globe, without
 
 Floats = NDArray[np.float64]
 
@@ -88,14 +92,18 @@ class _Site:
     location: tuple[float, float] | None = None
 
 
-def read(text: str, path: Path) -> RoutingInstance:
+def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> RoutingInstance:
     """The instance; see ``Format.read``."""
-    data = parse_json(text)
+    data, given, notes = parse_json(text), settings or {}, tuple[str, ...]()
     if not isinstance(data, dict):
         raise InputError("must hold one object", found=kind_of(data))
     if "routes" in data and "vehicles" not in data:
         raise InputError("is a solution file, not an instance")
     fields(data, "the document", DOCUMENT, ("vehicles",))
+    for key, apply in (("ignore", without), ("speed", on_the_globe)):
+        if given.get(key) is not None:
+            data, told = apply(data, given[key])
+            notes += told
     matrices = _matrices(data)
     size = next(iter(matrices.values()))["durations"].shape[0]
     vehicles = [_vehicle(item, f"vehicles[{k}]", matrices, size) for k, item in enumerate(array(data["vehicles"], "vehicles"))]
@@ -109,7 +117,9 @@ def read(text: str, path: Path) -> RoutingInstance:
         raise InputError(
             "loads and capacities have different lengths", expected="the same everywhere", found=", ".join(map(str, sorted(dimensions)))
         )
-    return _instance(label(path.stem), [*sites, *tasks], shipments, vehicles, matrices, max(1, *dimensions))
+    made = _instance(label(path.stem), [*sites, *tasks], shipments, vehicles, matrices, max(1, *dimensions))
+    located = given.get("speed") is not None and made.sites.coordinates is not None
+    return replace(made, notes=notes, sites=replace(made.sites, geographic=located))
 
 
 @dataclass
@@ -147,7 +157,8 @@ def _matrices(data: Mapping[str, Any]) -> dict[str, dict[str, Floats]]:
     else:
         given = data.get("matrices")
         if not isinstance(given, dict) or not given:
-            raise InputError("matrices are missing", expected="matrices of durations: no server is asked for travel times")
+            expected = "matrices of durations, or --set speed=50 (km an hour) for great circles between the coordinates"
+            raise InputError("matrices are missing, and no server is asked for travel times", expected=expected)
         size, found = -1, {}
         for profile, item in given.items():
             where = f"matrices.{label(profile)}"
@@ -170,7 +181,8 @@ def _known(data: Any, path: str, known: Collection[str], required: Collection[st
     fields(data, path, known, required)
     for key, nothing in LACKING.items():
         if key in data and data[key] != nothing:
-            raise InputError(f"{path}.{key} is not supported", expected=f"no {key}")
+            cure = f", or --set ignore={key} to plan without" if key in IGNORED else ""
+            raise InputError(f"{path}.{key} is not supported", expected=f"no {key}{cure}")
     return data  # type: ignore[no-any-return]
 
 
@@ -181,13 +193,6 @@ def _place(data: Mapping[str, Any], key: str, path: str, size: int) -> int:
     if place >= size:
         raise InputError(f"{path}.{key} is no row of the matrices", expected=f"0 to {size - 1}", found=str(place))
     return place
-
-
-def _location(data: Mapping[str, Any], key: str, path: str) -> tuple[float, float] | None:
-    if data.get(key) is None:
-        return None
-    x, y = (real(v, f"{path}.{key}[{k}]") for k, v in enumerate(array(data[key], f"{path}.{key}", 2)))
-    return x, y
 
 
 def _window(data: Any, path: str) -> tuple[float, float]:
@@ -223,7 +228,7 @@ def _vehicle(item: Any, path: str, matrices: Mapping[str, Mapping[str, Floats]],
     for key in ("start", "end"):
         given = f"{key}_index" in data or key in data
         ends[key] = place = _place(data, f"{key}_index", path, size) if given else None
-        if place is not None and (at := _location(data, key, path)) is not None:
+        if place is not None and (at := location_of(data, key, path)) is not None:
             places[place] = at
     if ends["start"] is None and ends["end"] is None:
         raise InputError(f"{path} neither starts nor ends anywhere", expected="start_index or end_index")
@@ -273,7 +278,7 @@ def _task(data: Mapping[str, Any], name: str, path: str, size: int) -> _Site:
         if after[0] <= before[1]:
             raise InputError(f"{path}.time_windows[{k}] begins before the one before it ends", expected="windows in order and apart")
     service = float(integer(data.get("service", 0), f"{path}.service", 0))
-    return _Site(name, place, service=service, windows=windows, location=_location(data, "location", path))
+    return _Site(name, place, service=service, windows=windows, location=location_of(data, "location", path))
 
 
 def _tasks(data: Mapping[str, Any], size: int) -> tuple[list[_Site], list[tuple[str, str, Sequence[int]]]]:
@@ -597,6 +602,6 @@ FORMATS.add(
     "vroom",
     Format(
         "vroom", "VROOM's JSON (jobs, shipments, vehicles, matrices)", recognises, read, write, (), PROBLEMS[0], PROBLEMS,
-        solutions=(".json", ".sol", ".tour", ".vroom"),
+        solutions=(".json", ".sol", ".tour", ".vroom"), settings=SETTINGS,
     ),
 )  # fmt: skip

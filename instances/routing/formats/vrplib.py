@@ -16,9 +16,10 @@ OPLib's orienteering problems (``TYPE: OP``) ask for one tour through the depot 
 depot counts.
 
 LKH-3's files of pairs (``TYPE: PDPTW``) have a row ``node, demand, ready, due, service, pickup, delivery`` each, which names the partner;
-the depot is node 1. Its files with pickups and deliveries at the same sites (``TYPE: VRPSPD, VRPMPD`` or ``MVRPB``) have a row ``node, 0,
-ready, due, service, pickup, delivery`` each. They write a window that all nodes share and no route can outlast where there is none. Their
-``EXACT_2D`` distances are Euclidean and not rounded.
+the depot is node 1. A row ``node, pickup, delivery`` leaves the others to the sections that tell them elsewhere. A ``DEMAND_SECTION`` of
+several columns tells several loads, and ``CAPACITY`` as many numbers. LKH-3's files with pickups and deliveries at the same sites (``TYPE:
+VRPSPD, VRPMPD`` or ``MVRPB``) have a row ``node, 0, ready, due, service, pickup, delivery`` each. They write a window that all nodes share
+and no route can outlast where there is none. Their ``EXACT_2D`` distances are Euclidean and not rounded.
 
 Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib; OPLib, of Kobeaga, Merino and Lozano (2018), Computers and
 Operations Research 90; LKH-3, Helsgaun (2017), Roskilde University.
@@ -43,7 +44,7 @@ from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..sites import Shipment
 from ..travel import EXPLICIT, METRICS, Travel
-from ._tsplib import FLEET_IN_NAME, SET_X, Specification, edge_weights, node_list, node_table, scan
+from ._tsplib import FLEET_IN_NAME, SET_X, Lines, Specification, edge_weights, node_list, node_table, scan
 from ._tsplib_writer import EXACT_2D, always_open, write
 from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, backhauls_of, depots_of, fleet_of, groups_of, is_rich, prizes_of, skills_of
 from .li_lim import pairs_of
@@ -81,7 +82,8 @@ KEYWORDS = {
     **dict.fromkeys(("TSP", "ATSP"), (HEADERS | {"VEHICLES"}, SECTIONS)),
     **dict.fromkeys(("CVRP", "VRPTW", "CVRPTW", *RICH), (HEADERS | FLEET_HEADERS | RICH_HEADERS, SECTIONS | VISITED | RICH_SECTIONS)),
     "OP": (HEADERS | {"COST_LIMIT", "TSPSOL"}, SECTIONS | {"DEPOT_SECTION", "NODE_SCORE_SECTION"}),
-    **dict.fromkeys((*SIMULTANEOUS, PAIRED), (HEADERS | FLEET_HEADERS - {"SERVICE_TIME"}, SECTIONS | {"DEPOT_SECTION", PICKUPS})),
+    **dict.fromkeys(SIMULTANEOUS, (HEADERS | FLEET_HEADERS - {"SERVICE_TIME"}, SECTIONS | {"DEPOT_SECTION", PICKUPS})),
+    PAIRED: (HEADERS | FLEET_HEADERS, SECTIONS | VISITED | {PICKUPS}),
 }
 """By type: headers and sections that it knows."""
 _MARK = re.compile(r"^[ \t]*(?:(?:DIMENSION|EDGE_WEIGHT_TYPE|TYPE|NAME)[ \t]*:|(?:NODE_COORD|EDGE_WEIGHT|DEMAND)_SECTION\b)", re.M)
@@ -120,7 +122,8 @@ def read(text: str, path: Path) -> RoutingInstance:
     if travel.metric == "GEO" and (found := _no_minutes(travel.coordinates)) is not None:
         notes.append(f"GEO coordinates are degrees and minutes (DDD.MM), and {found:g} has 60 minutes or more: decimal degrees belong into "
                      "the columns lat and lon of a CSV file")  # fmt: skip
-    demand, pickup = np.zeros(n), np.zeros(n)
+    demand: Floats
+    pickup, dimensions = np.zeros(n), 1
     worth: dict[str, Any] = {}
     lines: list[int] | None
     if kind in SIMULTANEOUS:
@@ -129,9 +132,11 @@ def read(text: str, path: Path) -> RoutingInstance:
             notes.append("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited")
     elif kind == PAIRED:
         worth["shipments"], service, ready, due, lines = _pairs(spec, n, depot)
+        dimensions = max((len(shipment.load) for shipment in worth["shipments"]), default=1)
+        demand = np.zeros((n, dimensions))
     else:
         demand, service, ready, due, lines = _sites(spec, flags, kind)
-        pickup = backhauls_of(spec, n, depots)
+        pickup, dimensions = backhauls_of(spec, n, depots), demand.shape[1]
     prizes = prizes_of(spec, n, depots)
     groups = groups_of(spec, n, depots, prizes)
     free = np.isin(np.arange(n), [site for group in groups for site in group.sites])
@@ -139,12 +144,15 @@ def read(text: str, path: Path) -> RoutingInstance:
     worth |= {"groups": groups, "skills": skills_of(spec, n, depots)}
     sites = Sites.of(ids, depot=flags, demand=demand, pickup=pickup, ready=ready, due=due, service=service, coordinates=xy, **worth)
     if is_rich(spec, depots) or prizes is not None or kind in RICH:
+        if dimensions > 1:
+            raise InputError("several loads beside prizes, several depots or vehicles that differ are not supported",
+                             line=spec.sections["DEMAND_SECTION"].line, expected="a DEMAND_SECTION of one column")  # fmt: skip
         return _rich(spec, (name, label(path.stem)), sites, travel, depots, notes, lines, kind == BACKHAULS)
     count = _fleet(spec, name, label(path.stem), notes) if not is_tsp or "VEHICLES" in spec.headers else 1
-    capacity, longest = _limit(spec, "CAPACITY"), _limit(spec, "DISTANCE")
+    capacities, longest = _capacities(spec, dimensions), _limit(spec, "DISTANCE")
     if math.isfinite(longest):
         notes.append(f"DISTANCE {longest:g} limits the duration of a route, service included")
-    fleet = (VehicleType(count, capacity, start=depot, end=depot, max_duration=longest),)
+    fleet = (VehicleType(count, capacities[0], start=depot, end=depot, max_duration=longest, further_capacity=capacities[1:]),)
     problems = PROBLEMS[kind] if count == 1 or not is_tsp else ("min-cost-vrp", "min-makespan-vrp")
     if kind in SIMULTANEOUS and (ready.any() or np.isfinite(due).any()):
         problems = PROBLEMS["VRPTW"]
@@ -262,34 +270,60 @@ def _depot(spec: Specification, n: int) -> int:
 def _sites(spec: Specification, at_depot: NDArray[np.bool_], kind: str) -> tuple[Floats, Floats, Floats, Floats, list[int] | None]:
     """Demand, service, ready and due times, and the lines that say most about each site."""
     n = len(at_depot)
-    demand, service, ready, due = np.zeros(n), np.zeros(n), np.zeros(n), np.full(n, math.inf)
+    demand, service, ready, due = np.zeros((n, 1)), np.zeros(n), np.zeros(n), np.full(n, math.inf)
     lines: NDArray[np.int64] | None = None
     if kind in ("CVRP", "CVRPTW") or "DEMAND_SECTION" in spec.sections or "CAPACITY" in spec.headers:
-        table, lines = node_table(spec, "DEMAND_SECTION", n, ("demand",))
-        demand = table[:, 0]
-        refuse(demand < 0, lines, "demand is negative", demand, "0 or more")
-        refuse(at_depot & (demand != 0), lines, "the depot has a demand", demand, "0")
+        demand, lines = _demands(spec, n)
+        refuse((demand < 0).any(axis=1), lines, "demand is negative", _bare(demand), "0 or more")
+        refuse(at_depot & (demand != 0).any(axis=1), lines, "the depot has a demand", _bare(demand), "0")
         if not spec.sections.keys() & {"CAPACITY_SECTION", "CAPACITIES"} and kind not in RICH:
             spec.value("CAPACITY")
+    told = _services(spec, at_depot)
+    if told is not None:
+        service, lines = told[0], lines if told[1] is None else told[1]
+    if kind in ("VRPTW", "CVRPTW", "MDVRPTW", "PCVRPTW") or "TIME_WINDOW_SECTION" in spec.sections:
+        if kind == "CVRP":
+            raise InputError("TYPE CVRP has no TIME_WINDOW_SECTION; TYPE VRPTW has", line=spec.sections["TIME_WINDOW_SECTION"].line)
+        windows, lines = _windows(spec, n)
+        ready, due = windows.T
+    return demand, service, ready, due, None if lines is None else lines.tolist()
+
+
+def _demands(spec: Specification, n: int) -> tuple[Floats, Lines]:
+    """Of all loads, shape (nodes, loads): the section has a column for each."""
+    rows = spec.section("DEMAND_SECTION").rows
+    width = len(rows[0][1].split()) - 1 if rows else 1
+    return node_table(spec, "DEMAND_SECTION", n, ("demand",) * max(1, width))
+
+
+def _bare(values: Floats) -> Floats:
+    """One number a row where there is one column, for messages."""
+    return values[:, 0] if values.shape[1] == 1 else values
+
+
+def _services(spec: Specification, at_depot: NDArray[np.bool_]) -> tuple[Floats, Lines | None] | None:
+    """Service times, and their lines where they stand in a section; None where there are none."""
     if "SERVICE_TIME" in spec.headers:
         if "SERVICE_TIME_SECTION" in spec.sections:
             raise InputError("SERVICE_TIME stands beside a SERVICE_TIME_SECTION", line=spec.line("SERVICE_TIME"), expected="one of them")
         every = number(spec.value("SERVICE_TIME"), spec.line("SERVICE_TIME"), "SERVICE_TIME")
         if every < 0:
             raise InputError("SERVICE_TIME is negative", line=spec.line("SERVICE_TIME"), expected="0 or more", found=str(every))
-        service = np.where(at_depot, 0.0, every)
-    elif "SERVICE_TIME_SECTION" in spec.sections:
-        table, lines = node_table(spec, "SERVICE_TIME_SECTION", n, ("service time",))
-        service = table[:, 0]
-        refuse(service < 0, lines, "service time is negative", service, "0 or more")
-        refuse(at_depot & (service != 0), lines, "the depot has a service time", service, "0")
-    if kind in ("VRPTW", "CVRPTW", "MDVRPTW", "PCVRPTW") or "TIME_WINDOW_SECTION" in spec.sections:
-        if kind == "CVRP":
-            raise InputError("TYPE CVRP has no TIME_WINDOW_SECTION; TYPE VRPTW has", line=spec.sections["TIME_WINDOW_SECTION"].line)
-        table, lines = node_table(spec, "TIME_WINDOW_SECTION", n, ("ready time", "due date"))
-        ready, due = table.T
-        refuse(ready > due, lines, "time window closes before it opens", table, "ready time <= due date")
-    return demand, service, ready, due, None if lines is None else lines.tolist()
+        return np.where(at_depot, 0.0, every), None
+    if "SERVICE_TIME_SECTION" not in spec.sections:
+        return None
+    table, lines = node_table(spec, "SERVICE_TIME_SECTION", len(at_depot), ("service time",))
+    service = table[:, 0]
+    refuse(service < 0, lines, "service time is negative", service, "0 or more")
+    refuse(at_depot & (service != 0), lines, "the depot has a service time", service, "0")
+    return service, lines
+
+
+def _windows(spec: Specification, n: int) -> tuple[Floats, Lines]:
+    """Ready times and due dates, shape (nodes, 2)."""
+    table, lines = node_table(spec, "TIME_WINDOW_SECTION", n, ("ready time", "due date"))
+    refuse(table[:, 0] > table[:, 1], lines, "time window closes before it opens", table, "ready time <= due date")
+    return table, lines
 
 
 def _pickups(spec: Specification, travel: Travel, depot: int) -> tuple[Floats, Floats, Floats, Floats, Floats, list[int]]:
@@ -311,15 +345,46 @@ def _pickups(spec: Specification, travel: Travel, depot: int) -> tuple[Floats, F
 
 def _pairs(spec: Specification, n: int, depot: int) -> tuple[list[Shipment], Floats, Floats, Floats, list[int]]:
     """Pairs of pickup and delivery, service, ready and due times, and the lines."""
-    table, lines = node_table(spec, PICKUPS, n, ("demand", "ready time", "due date", "service time", "pickup", "delivery"))
-    demand, ready, due, service = table[:, :4].T
+    rows, at_depot = spec.section(PICKUPS).rows, np.arange(n) == 0
+    short = bool(rows) and len(rows[0][1].split()) == 3
+    columns = ("pickup", "delivery") if short else ("demand", "ready time", "due date", "service time", "pickup", "delivery")
+    table, lines = node_table(spec, PICKUPS, n, columns)
+    blank = np.column_stack([np.zeros((n, 2)), np.full(n, math.inf), np.zeros(n)])
+    held, partners = blank if short else table[:, :4], table[:, -2:]
     refuse(np.asarray(depot != 0), lines, "the depot must be node 1", [depot + 1], "1")
-    refuse(service < 0, lines, "service time is negative", service, "0 or more")
-    refuse(ready > due, lines, "time window closes before it opens", table[:, 1:3], "ready time <= due date")
-    own = (np.arange(n) == 0) & (table[:, [0, 3, 4, 5]] != 0).any(axis=1)
-    refuse(own, lines, "the depot has a demand, a service time or a partner", table[:, [0, 3, 4, 5]], "0")
+    refuse(held[:, 3] < 0, lines, "service time is negative", held[:, 3], "0 or more")
+    refuse(held[:, 1] > held[:, 2], lines, "time window closes before it opens", held[:, 1:3], "ready time <= due date")
+
+    def told(section: str, own: Floats, elsewhere: Floats | None) -> Floats:
+        """What stands in a section of its own, which a full row must not contradict."""
+        if elsewhere is None:
+            return own
+        if not short:
+            refuse((elsewhere[:, : own.shape[1]] != own).any(axis=1), lines, f"row differs from {section}", own, "the same values")
+        return elsewhere
+
+    services = _services(spec, at_depot)
+    demand = told("DEMAND_SECTION", held[:, :1], _demands(spec, n)[0] if "DEMAND_SECTION" in spec.sections else None)
+    window = told("TIME_WINDOW_SECTION", held[:, 1:3], _windows(spec, n)[0] if "TIME_WINDOW_SECTION" in spec.sections else None)
+    service = told("SERVICE_TIME", held[:, 3:], None if services is None else services[0][:, None])
+    loads = np.column_stack([demand, service, partners])
+    refuse(at_depot & (loads != 0).any(axis=1), lines, "the depot has a demand, a service time or a partner", loads, "0")
     spec.value("CAPACITY")
-    return pairs_of(demand, table[:, 4:], lines.tolist(), first=1), service, ready, due, lines.tolist()
+    return pairs_of(demand, partners, lines.tolist(), first=1), service[:, 0], window[:, 0], window[:, 1], lines.tolist()
+
+
+def _capacities(spec: Specification, dimensions: int) -> tuple[float, ...]:
+    """One for each load; infinite where the file has none."""
+    if dimensions == 1 or "CAPACITY" not in spec.headers:
+        return (_limit(spec, "CAPACITY"),)
+    given = spec.value("CAPACITY").replace(",", " ").split()
+    if len(given) != dimensions:
+        line, expected = spec.line("CAPACITY"), f"{dimensions} numbers"
+        raise InputError("CAPACITY has another number of loads than the demands", line=line, expected=expected, found=str(len(given)))
+    values = [number(value, spec.line("CAPACITY"), "CAPACITY") for value in given]
+    if min(values) <= 0:
+        raise InputError("CAPACITY must be positive", line=spec.line("CAPACITY"), expected="more than 0", found=spec.value("CAPACITY"))
+    return tuple(values)
 
 
 def _limit(spec: Specification, key: str) -> float:

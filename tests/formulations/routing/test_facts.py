@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Energy, Group, Shipment, Sites, VehicleType
@@ -42,6 +43,26 @@ def test_a_vehicle_names_sites_by_their_ids():
     assert (fleet["reloads"], fleet["energy"]["stations"], fleet["shift"], fleet["speed"]) == (["o"], ["o"], [1, 9], 2)
     assert fleet["travel"] == {"metric": "manhattan", "coordinates": False, "own_durations": False}
     assert "initial" not in fleet["energy"]
+
+
+@pytest.mark.parametrize(
+    ("sites", "objective", "remarks"),
+    [
+        ({"reward": 2.0}, None, ["rewards count for nothing: every site is required"]),
+        ({"penalty": 2.0, "required": False}, "total-cost", ["penalties count for nothing: the objective is total-cost"]),
+        ({"penalty": 2.0, "required": False}, "makespan + penalties", []),
+        ({"required": [False, True, True, True, False]}, None, ["1 site may be left out, and nothing tells what a visit is worth"]),
+        (
+            {"reward": 2.0, "required": False}, "total-cost - reward",
+            ["sites may be left out, and what they are worth counts: the objective is total-cost - reward"],
+        ),
+        ({"attributes": {"colour": list("abcde"), "node": range(5)}}, None, ["columns kept and not used: colour, node"]),
+    ],
+)  # fmt: skip
+def test_what_does_not_count_is_told(sites, objective, remarks):
+    made = Sites.of("oabcd", **sites)
+    problem = RoutingProblem(made, Travel("euclidean", XY), [VehicleType()], objective, notes=["seen"])
+    assert list(problem.remarks()) == ["seen", *remarks]
 
 
 def test_what_is_stated_of_depots_and_does_not_count_is_said():

@@ -6,9 +6,11 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from small_routing import varied
 
+import waybound as wb
 from waybound.formulations.routing import members
 from waybound.formulations.routing.objective import LatestReturn, Objective, Reward, TotalCost
 from waybound.formulations.routing.routes import Route, Routes
@@ -36,6 +38,20 @@ def test_vehicles_under_way_start_at_their_next_stop():
     assert (ids[second.start], second.shift[0], second.max_duration, second.max_distance) == ("c", 3, 17, 27)
     assert first.committed and second.committed
     assert after.sites.required.tolist() == [False, False, False, True, True]
+
+
+def test_orders_that_come_in_on_the_way_are_planned_with_the_rest():
+    """Also where they stand before the others, so that the sites of the plan have other numbers."""
+    frame = pd.DataFrame({"id": list("oabc"), "x": [0.0, 1, 2, 3], "y": 0.0})
+    plan = wb.solve(wb.RoutingProblem.from_frame(frame, vehicles=2), "highs", bound_time=0)
+    late = pd.concat([frame[:1], pd.DataFrame([{"id": "new", "x": 2.5, "y": 0.5}]), frame[1:]], ignore_index=True)
+    problem = wb.RoutingProblem.from_frame(late, vehicles=2)
+    for given in (plan, plan.routes):
+        after = problem.continue_from(given, 0.5)  # on the way to the first stop, whichever that is
+        assert {after.sites.ids[k] for k in after.customers} == {"new", *plan.routes[0][1:]}
+        assert after.sites.required[list(after.sites.ids).index("new")]
+    with pytest.raises(UsageError, match="visits site 9, and there are 5"):
+        problem.continue_from(Routes.of([[9]]), 1.0)
 
 
 def test_the_rest_of_the_plan_costs_what_was_left_of_it():
@@ -137,7 +153,7 @@ def test_an_optimal_plan_can_be_continued_from_any_moment(seed):
 @pytest.mark.parametrize(
     ("problem", "plan", "time", "message"),
     [
-        (line(), Routes.of([[1, 2]]), 1.0, "the plan that is to be continued breaks a constraint: c is visited 0 times"),
+        (line(), Routes.of([[1, 2], [2]]), 1.0, "the plan that is to be continued breaks a constraint: b is visited 2 times"),
         (line(), PLAN, 99.0, "nothing is left to plan at 99"),
         (line(), PLAN, math.inf, "a horizon begins at a moment, not at inf"),
         (line(sites=Sites.of("oabcde", pickup=1.0)), PLAN, 1.0, "cannot be continued with pickups"),

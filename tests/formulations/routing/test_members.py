@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from waybound.formulations.problem import PROBLEMS, problem_from_instance
 from waybound.formulations.routing import members
-from waybound.formulations.routing.objective import TERMS, Objective, TotalCost
+from waybound.formulations.routing.objective import TERMS, Objective, Reward, TotalCost
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.fleet import with_problems
-from waybound.instances.routing.instance import Energy, RoutingInstance, Shipment, Sites, VehicleType
+from waybound.instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
@@ -53,6 +56,39 @@ def test_the_objective_of_a_file_is_that_of_its_own_problem():
     instance = RoutingInstance("i", "test", PLAIN, TRAVEL, (VehicleType(2),), "vrptw", names, objective=("vehicles", "total-cost"))
     asked = {name: str(problem_from_instance(instance, name).objective) for name in instance.problems}
     assert asked == {"vrptw": "vehicles, then total-cost", "min-cost-vrp": "vehicles, then total-cost", "min-makespan-vrp": "makespan"}
+
+
+@pytest.mark.parametrize(
+    ("sites", "objective"),
+    [
+        ({"required": [False] * 4, "reward": [0, 2, 3, 4]}, "total-cost - reward"),
+        ({"required": [False] * 4, "penalty": [0, 2, 3, 4]}, "total-cost + penalties"),
+        ({"required": [0, 1, 0, 0], "penalty": [0, 0, 3, 4], "reward": [0, 0, 0, 1]}, "total-cost + penalties - reward"),
+        ({"required": [0, 1, 1, 1], "penalty": [0, 2, 3, 4], "reward": [0, 1, 1, 1]}, "total-cost"),
+        ({"required": [0, 1, 1, 0], "reward": [0, 1, 1, 0]}, "total-cost"),
+        ({"groups": [Group((1, 2))], "required": [0, 0, 0, 1]}, "total-cost"),
+        ({"groups": [Group((1, 2))], "required": [0, 0, 0, 1], "reward": [0, 1, 2, 0]}, "total-cost - reward"),
+        ({"groups": [Group((1, 2), required=False)], "required": [0, 0, 0, 1], "reward": [0, 1, 2, 0]}, "total-cost - reward"),
+    ],
+)
+def test_what_sites_that_may_be_left_out_are_worth_counts_by_default(sites, objective):
+    made = Sites.of("oabc", **{**sites, "required": np.array(sites["required"], dtype=bool)})
+    assert str(members.default_objective("min-cost-vrp", made)) == objective
+    assert str(members.min_cost_vrp(made, TRAVEL).objective) == objective
+    assert str(members.default_objective("min-makespan-vrp", made)) == "makespan"
+    pairs = replace(made, groups=(), shipments=(Shipment(2, 3),)) if made.required[2] == made.required[3] else None
+    if pairs is not None and objective != "total-cost":
+        assert str(members.pdptw(pairs, TRAVEL, capacity=9).objective) == objective
+
+
+def test_a_problem_keeps_its_objective_in_its_file():
+    made = Sites.of("oabc", required=False, reward=[0, 9, 9, 9])
+    for aim in (None, TotalCost(), TotalCost() - Reward()):
+        problem = members.min_cost_vrp(made, TRAVEL, objective=aim)
+        again = RoutingProblem.from_instance(problem.to_instance())
+        assert str(again.objective) == str(problem.objective) and again.digest() == problem.digest()
+    idle = members.min_cost_vrp(Sites.of("oabc", required=False), TRAVEL)
+    assert idle.to_instance().objective == ("total-cost",)
 
 
 def test_whatever_a_vehicle_type_takes_may_be_added():

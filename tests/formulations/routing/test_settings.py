@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from waybound import generate
@@ -61,3 +62,16 @@ def test_a_problem_that_the_data_do_not_allow_is_refused() -> None:
     several = replace(instance(), fleet=(*instance().fleet, replace(instance().fleet[0], name="other")))
     with pytest.raises(UsageError, match="fleet of one type"):
         parts_of(several, None, {"vehicles": 2})
+
+
+def test_optional_sites_that_are_worth_nothing_need_an_objective_that_is_said() -> None:
+    given = instance()
+    idle = replace(given, sites=replace(given.sites, required=given.sites.required & False))
+    with pytest.raises(InputError, match="all sites may be left out, and nothing tells what a visit is worth"):
+        parts_of(idle, None, {})
+    assert str(parts_of(idle, None, {"objective": "total-cost"})["objective"]) == "total-cost"
+    assert str(parts_of(replace(idle, objective=("total-cost",)), None, {})["objective"]) == "total-cost"
+    some = replace(given, sites=replace(given.sites, required=given.sites.required & (np.arange(len(given.sites)) > 1)))
+    assert str(parts_of(some, None, {})["objective"]) == "total-cost"
+    worth = replace(idle, sites=replace(idle.sites, reward=np.ones(len(idle.sites))))
+    assert str(parts_of(worth, None, {})["objective"]) == "total-cost - reward"

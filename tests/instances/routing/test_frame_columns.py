@@ -106,3 +106,25 @@ def test_two_columns_that_mean_the_same_are_refused_unless_one_is_granted(other:
         columns_of(frame, None, ())
     assert columns_of(frame, None, [other]).extra == (other,)
     assert columns_of(frame, {"demand": other}, ()).titles["demand"] == other
+
+
+def test_another_load_beside_the_demand_is_refused_with_the_next_title() -> None:
+    frame = SITES.assign(weight_kg=[0, 5, 6])
+    for mapping in (None, {"demand": "demand"}):
+        with pytest.raises(InputError, match=r"column 'weight_kg' is unknown; did you mean 'demand2'\?"):
+            columns_of(frame, mapping, ())
+    assert columns_of(frame, {"demand2": "weight_kg"}, ()).loads("demand").tolist()[1] == [2, 5]
+    assert columns_of(frame.drop(columns="demand"), {"demand": "weight_kg"}, ()).reals("demand").tolist() == [0, 5, 6]
+
+
+def test_titles_count_in_any_case_and_what_is_granted_beside_them_does_not() -> None:
+    frame = SITES.rename(columns={"demand": "Demand", "x": "X", "y": "Y"})
+    assert columns_of(frame, None, ()).titles == {"id": "id", "x": "X", "y": "Y", "demand": "Demand"}
+    assert columns_of(frame, None, ["Demand"]).extra == ("Demand",) and "demand" not in columns_of(frame, None, ["Demand"])
+    assert "demand" in columns_of(SITES, None, list(SITES.columns)) and "demand" in columns_of(frame, None, True)
+
+
+def test_a_location_is_an_address_or_a_place_that_counts() -> None:
+    assert columns_of(SITES.assign(location="Main Street 5"), None, ()).extra == ("location",)
+    with pytest.raises(InputError, match="column 'location' is unknown; coordinates are the columns x and y, or lat and lon"):
+        columns_of(SITES.assign(location=[1, 2, 3]), None, ())

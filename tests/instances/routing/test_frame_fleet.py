@@ -11,7 +11,8 @@ import pytest
 
 from waybound.instances.clock import Times
 from waybound.instances.errors import InputError
-from waybound.instances.routing.frame_fleet import fleet_of, see_times
+from waybound.instances.routing.frame_fleet import fleet_of, see_times, shared_bans
+from waybound.instances.routing.json_vehicles import decode_vehicle
 from waybound.instances.routing.sites import Sites
 from waybound.instances.routing.vehicle_type import VehicleType
 
@@ -86,3 +87,60 @@ def test_what_is_wrong_is_named(given: Any, unit: str | None, message: str) -> N
     with pytest.raises(InputError) as error:
         fleet(given, unit)
     assert message in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_store_holds_numbers_of_any_kind() -> None:
+    store = fleet([{"energy": {"capacity": np.int64(9), "rate": np.float32(2), "stations": ("yard",)}}])[0].energy
+    assert store is not None and (store.capacity, store.rate, store.stations) == (9, 2, (0,))
+    with pytest.raises(InputError, match=r"energy must be an object; found set$"):
+        decode_vehicle({"energy": {1, 2}}, "fleet[0]", SITES.index(), SITES)
+
+
+@pytest.mark.parametrize("of", [np.array, pd.DataFrame, lambda m: {"metric": "EXPLICIT", "matrix": np.array(m)}, list])
+def test_a_matrix_of_its_own_is_given_as_that_of_all(of: Any) -> None:
+    inf = math.inf
+    near, far = [[0, 1, inf], [2, 0, 3], [4, 5, 0]], [[0, 6, 7], [8, 0, 9], [1, 2, 0]]
+    one, other = fleet([{"name": "van", "travel": of(near)}, {"name": "bike", "travel": of(far)}])
+    assert one.travel is not None and one.travel.distance(1, 2) == 3 and other.travel is not None and other.travel.distance(0, 2) == 7
+    assert one.travel.closing is not None and np.argwhere(np.isfinite(one.travel.closing)).tolist() == [[0, 2]]
+    assert one.travel.closing[0, 2] < 0 and other.travel.closing is None  # closed before anybody can set out
+
+
+def test_what_no_vehicle_can_do_is_forbidden_to_the_problem() -> None:
+    near, far = np.ones((3, 3)), np.ones((3, 3))
+    near[0, 1] = far[0, 1] = far[1, 2] = math.inf
+    kinds, forbidden = shared_bans(fleet([{"name": "van", "travel": near}, {"name": "bike", "travel": far}]), None, SITES)
+    assert forbidden is not None and np.argwhere(forbidden).tolist() == [[0, 1]]
+    assert [v.travel is not None and v.travel.closing is not None for v in kinds] == [False, True]
+    some = fleet([{"name": "van", "travel": near}, {"name": "bike"}])
+    assert shared_bans(some, None, SITES) == (some, None)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (np.ones((2, 2)), r"fleet\[0\].travel: the distance matrix and the sites have different sizes; expected \(3, 3\)"),
+        (-np.ones((3, 3)), r"fleet\[0\].travel: distance from site yard to site port must be a number and not negative"),
+        ({"matrix": np.ones((3, 3))}, r"fleet\[0\].travel lacks the key 'metric'"),
+        ("by air", r"fleet\[0\].travel.metric is unknown"),
+    ],
+)
+def test_a_matrix_that_does_not_fit_is_refused(given: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        fleet([{"travel": given}])
+
+
+@pytest.mark.parametrize(
+    ("title", "own"),
+    [
+        ("tw_early", "shift_start"),
+        ("num_available", "count"),
+        ("Shift Duration", "max_duration"),
+        ("start_index", "start"),
+        ("profile", "travel"),
+    ],
+)
+def test_names_of_others_are_refused_with_ours(title: str, own: str) -> None:
+    for given in (pd.DataFrame({title: [1]}), [{title: 1}]):
+        with pytest.raises(InputError, match=f"unknown (column|key) '{title}'; did you mean '{own}'"):
+            fleet(given)

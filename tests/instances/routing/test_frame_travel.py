@@ -74,7 +74,6 @@ def test_of_edges_beside_each_other_the_shortest_counts_and_sites_may_be_called_
         (nx.DiGraph([("o", "a", {"weight": -1}), ("a", "b", {"weight": 1})]), {}, "weight of the edge from o to a must be finite"),
         (pd.DataFrame({"from": ["o", "z"], "to": ["a", "b"], "distance": [1, 1]}), {}, "the list of moves names the unknown site 'z'"),
         (pd.DataFrame({"from": ["o", "o"], "to": ["a", "a"], "distance": [1, 1]}), {}, "the move from o to a stands twice"),
-        (np.full((3, 3), np.inf), {}, "all distances between sites are infinite"),
         (np.full((3, 3), np.nan), {}, "must be a number and not negative; expected inf for a move that cannot be made"),
         ({"durations": [[0, 1], [1, 0]]}, {}, "the distance matrix and the sites have different sizes"),
         (D, {"durations": np.full((3, 3), np.timedelta64(60, "s"))}, "the duration matrix holds timedeltas: say in which unit"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pandas as pd
 import pytest
 import scipy.sparse as sp
 
+import waybound as wb
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.frames import instance_from_frame
@@ -167,7 +169,7 @@ def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
         ({"shipments": ["ab"]}, "a shipment has a pickup, a delivery and perhaps a load"),
         ({"groups": [["c", "c"]]}, "group 1 has the site c twice"),
         ({"windows": {"z": [(0, 1)]}}, "windows name the unknown site 'z'"),
-        ({"closing": np.full((5, 5), "x")}, "closing times must hold numbers or times"),
+        ({"closing": np.full((5, 5), "x")}, "closing times must be a number or a moment"),
         ({"closing": np.full((4, 4), 1.0)}, "closing times must have one entry a move"),
         ({"closing": np.full((5, 5), np.nan)}, "closing time of the move from site 0 to site 1 must be a number"),
         ({"fleet": [{"energy": {"capacity": 1.5}}]}, "the energy of no vehicle lasts to any site and back; expected at least 2; found 1.5"),
@@ -256,3 +258,48 @@ def test_what_would_be_misread_is_refused_with_the_cure(frame: pd.DataFrame, opt
     with pytest.raises(InputError) as error:
         instance_from_frame(frame, **options)
     assert message in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("columns", "given"),
+    [
+        ({}, {"max_distance": 1.0}),
+        ({}, {"fleet": [{"energy": {"capacity": 1}}]}),
+        ({}, {"travel": np.full((3, 3), np.inf)}),
+        ({"due": [9.0, 0.0, 0.0]}, {}),
+        ({"demand": [0.0, 9, 9]}, {"capacity": 1}),
+        ({"skills": ["", "cold", "cold"]}, {}),
+    ],
+)
+@pytest.mark.parametrize(("solver", "iterations"), [("highs", None), ("pyvrp", 20), ("ortools", 20)])
+def test_where_all_may_be_left_out_and_none_can_be_reached_nobody_drives(
+    columns: dict[str, Any], given: dict[str, Any], solver: str, iterations: int | None
+) -> None:
+    sites = pd.DataFrame({"x": [0, 30, 50], "y": [0, 40, -10], "required": False, "reward": [0, 500, 500], **columns})
+    solution = wb.solve(RoutingProblem.from_frame(sites, **given), solver, iterations=iterations, bound_time=0)
+    assert solution.answer is not None and solution.routes == [] and solution.objective == 0
+
+
+def test_names_of_others_are_refused_and_all_other_columns_are_told() -> None:
+    sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], "colour": ["red", "blue"], "node": [1, 2]})
+    for title, cure in (
+        ("tw_early", "columns={'ready': 'tw_early'} to use it"),
+        ("release_time", "no release times"),
+        ("priority", "reward"),
+    ):
+        with pytest.raises(InputError, match=re.escape(cure)):
+            RoutingProblem.from_frame(sites.assign(**{title: 1}))
+    for frame, extra in ((sites, ()), (sites.assign(tw_early=1), ["tw_early"])):
+        told = f"columns kept and not used: {', '.join(frame.columns[2:3].tolist() + list(extra) + ['node'])}"
+        solution = wb.solve(RoutingProblem.from_frame(frame, extra=extra, vehicles=1), "highs", bound_time=0)
+        assert told in str(solution) and told in solution._repr_html_() and told in solution.to_json()["notes"]
+    assert "node" in RoutingProblem.from_frame(sites, vehicles=1).sites.attributes
+    made = RoutingProblem.from_instance(instance_from_frame(sites), settings={"vehicles": 2})
+    assert made.notes == () and made.remarks() == ("columns kept and not used: colour, node",)
+
+
+def test_many_columns_that_are_kept_are_told_in_full() -> None:
+    titles = [f"remark of person {k}" for k in range(200)]
+    sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], **dict.fromkeys(titles, "so")})
+    text = str(wb.solve(RoutingProblem.from_frame(sites, vehicles=1), "highs", bound_time=0))
+    assert all(title in text for title in titles)

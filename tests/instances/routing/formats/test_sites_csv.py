@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import waybound as wb
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
@@ -256,7 +257,17 @@ def test_what_a_table_of_people_lacks_is_told_with_the_cure(text: str, settings:
     assert any(part in str(caught.value) for part in message.split("|")) and "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("columns", [{"lat": "Latitude", "lon": "Longitude", "id": "Shop"}, {"Latitude": "lat"}, {"id": "Shop"}, None])
+def test_columns_are_named_as_in_a_frame(columns: Any, tmp_path: Path) -> None:
+    """As they stand in the file, whatever their case."""
+    frame = pd.DataFrame({"Shop": ["h", "a"], "Latitude": [48.1, 48.2], "Longitude": [11.5, 11.6], "Demand": [0, 3]})
+    frame.to_csv(tmp_path / "s.csv", index=False)
+    read, made = wb.read(tmp_path / "s.csv", columns=columns, vehicles=1), wb.RoutingProblem.from_frame(frame, columns=columns, vehicles=1)
+    assert read.sites.ids == made.sites.ids and read.digest() == made.digest() and read.sites.demand.tolist() == [0, 3]  # type: ignore[attr-defined]
+
+
 def test_recognition_looks_at_the_titles() -> None:
+    assert recognises("CUST NO.,XCOORD.,YCOORD.\n")
     assert recognises(GOOD)
     assert recognises("X;Y;Demand\n")
     assert recognises('"id"\t"x"\n')

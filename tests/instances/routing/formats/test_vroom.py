@@ -158,7 +158,7 @@ def test_the_matrix_of_older_versions_is_that_of_cars(read_text_as: Callable[...
         ("shipments.0.pickup", ..., "shipments[0] lacks the key 'pickup'"),
         ("shipments.0.amount", [1], "loads and capacities have different lengths"),
         ("shipments.0.delivery.location_index", 9, "shipments[0].delivery.location_index is no row of the matrices"),
-        ("matrices", ..., "matrices are missing; expected matrices of durations: no server is asked for travel times"),
+        ("matrices", ..., "matrices are missing, and no server is asked for travel times"),
         ("matrices.car", {"distances": DURATIONS}, "matrices.car lacks the key 'durations'"),
         ("matrices.car.durations.1", [1, 2], "matrices.car.durations[1] has a wrong length; expected 4; found 2"),
         ("matrices.car.durations.1.0", -1, "durations of profile car hold a negative number"),

@@ -251,6 +251,73 @@ def test_a_fault_of_pairs_is_refused(read_text_as: Callable[..., Any], old: str,
     assert message in str(caught.value)
 
 
+SECTIONS = """\
+NAME : pairs
+TYPE : PDPTW
+DIMENSION : 3
+VEHICLES : 1
+CAPACITY : 20 3
+EDGE_WEIGHT_TYPE : EXACT_2D
+NODE_COORD_SECTION
+1 40 50
+2 45 68
+3 42.5 66
+DEMAND_SECTION
+1 0 0
+2 7 2
+3 -7 -2
+TIME_WINDOW_SECTION
+1 0 900
+2 5 400
+3 0 500
+SERVICE_TIME_SECTION
+1 0
+2 9
+3 8
+PICKUP_AND_DELIVERY_SECTION
+1 0 0
+2 0 3
+3 2 0
+DEPOT_SECTION
+1
+EOF
+"""
+
+
+def test_pairs_have_windows_and_several_loads_in_sections_of_their_own(read_text_as: Callable[..., Any]) -> None:
+    made = read_text_as(SECTIONS)
+    assert made.sites.shipments == (Shipment(1, 2, (7.0, 2.0)),) and made.fleet == (VehicleType(1, 20.0, further_capacity=(3.0,)),)
+    assert made.sites.ready.tolist() == [0, 5, 0] and made.sites.due.tolist() == [900, 400, 500]
+    assert made.sites.service.tolist() == [0, 9, 8]
+    full = SECTIONS.replace("1 0 0\n2 0 3\n3 2 0\n", "1 0 0 900 0 0 0\n2 7 5 400 9 0 3\n3 -7 0 500 8 2 0\n")
+    same = read_text_as(full)
+    assert same.sites.shipments == made.sites.shipments and same.sites.due.tolist() == made.sites.due.tolist()
+    several = SECTIONS.replace("PDPTW", "CVRPTW").replace("3 -7 -2", "3 1 1")
+    plain = read_text_as(several[: several.index("PICKUP")] + "DEPOT_SECTION\n1\nEOF\n")
+    assert plain.sites.demand.tolist() == [0, 7, 1] and plain.sites.further_demand.tolist() == [[0], [2], [1]]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("CAPACITY : 20 3", "CAPACITY : 20", "CAPACITY has another number of loads than the demands; expected 2 numbers; found 1"),
+        ("CAPACITY : 20 3", "CAPACITY : 20 0", "CAPACITY must be positive"),
+        ("3 -7 -2", "3 -7 -1", "a delivery is not as much as its pickup"),
+        ("2 7 2\n3 -7 -2", "2 7 -2\n3 -7 2", "demand of a pickup must be positive"),
+        ("1 0 0\n2 0 3\n3 2 0\n", "1 0 0 900 0 0 0\n2 7 5 401 9 0 3\n3 -7 0 500 8 2 0\n", "row differs from TIME_WINDOW_SECTION"),
+        ("1 0 0\n2 0 3\n3 2 0\n", "1 0 0 900 0 0 0\n2 6 5 400 9 0 3\n3 -6 0 500 8 2 0\n", "row differs from DEMAND_SECTION"),
+        ("1 0\n2 9", "1 1\n2 9", "the depot has a service time"),
+        ("2 5 400", "2 500 400", "time window closes before it opens"),
+        ("1 0 0\n2 7 2", "1 0 1\n2 7 2", "the depot has a demand, a service time or a partner"),
+    ],
+)
+def test_a_fault_of_sections_beside_pairs_is_refused(read_text_as: Callable[..., Any], old: str, new: str, message: str) -> None:
+    assert old in SECTIONS
+    with pytest.raises(InputError) as caught:
+        read_text_as(SECTIONS.replace(old, new))
+    assert message in str(caught.value)
+
+
 def test_windows_that_routes_can_outlast_are_windows(read_text_as: Callable[..., Any]) -> None:
     made = read_text_as(cvrp("3 0 0 10000000 5", "3 0 0 30 5", VRPSPD.replace("MVRPB", "VRPSPDTW")))
     assert (made.problem, made.sites.due.tolist()) == ("vrptw", [10000000, 10000000, 30])
@@ -384,7 +451,7 @@ FAULTS = [
     ("2 5\n", "2 -5\n", "demand is negative", 14, "0 or more", "-5.0"),
     ("1 0\n2 5\n", "1 3\n2 5\n", "the depot has a demand", 13, "0", "3.0"),
     ("4 2\nDEPOT", "DEPOT", "DEMAND_SECTION has a wrong number of rows", 15, "4 (DIMENSION)", "3"),
-    (" -1\nEOF\n", "", "DEPOT_SECTION ends early", 17, "-1 or EOF", None),
+    (" -1\nEOF\n", "", "DEPOT_SECTION ends early", 18, "-1 or EOF", None),
     (" 1\n -1\n", " -1\n", "there is no depot", 17, "at least one", None),
     (" 1\n -1\n", " 1\n 2\n -1\n", "the depot has a demand", 14, "0", "5.0"),
     (" 1\n -1\n", " 7\n -1\n", "DEPOT_SECTION names a node that does not exist", 18, "1 to 4", "7"),
