@@ -88,7 +88,7 @@ class Clock:
         start = self.midnight
         if start is None:
             return list(times)
-        return [start + pd.Timedelta(seconds=round(t * self.seconds, 3)) if math.isfinite(t) else pd.NaT for t in times]
+        return [start + pd.Timedelta(round(1000.0 * t * self.seconds), unit="ms") if math.isfinite(t) else pd.NaT for t in times]
 
     def told(self, time: float, digits: int = 6) -> str:
         """A point in time as its data had it: a moment, a time of day with the day if it is a later one, else a number."""

@@ -161,7 +161,8 @@ def judge(problem: Problem, answer: Any, *, form: str | None = None) -> Certific
     problem : Problem
     answer : object
         A ``Solution`` or the problem's own answer; of routes a list of lists of sites, such a list by the name of each vehicle, or a frame
-        with the columns ``vehicle`` and ``site``; the parsed JSON of an answer; or the path of a file: all that ``Solution.save`` writes,
+        with the columns ``vehicle`` and ``site``, and perhaps ``arrival, begin, departure``, a timetable that is judged too; the parsed
+        JSON of an answer; or the path of a file: all that ``Solution.save`` writes,
         VROOM's output, and solution files of HiGHS, SCIP, CBC, GLPK, Gurobi and MathOpt to an exported model. Or the exported model itself,
         solved: of ``highspy``, PuLP, CVXPY, PySCIPOpt, or MathOpt's result.
     form : str, optional

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 _TIME_OF_DAY = re.compile(r"([0-9]{1,2}):([0-5][0-9])(?::([0-5][0-9](?:\.[0-9]+)?))?")
 
-STEPS = (60_000_000_000, 1_000_000_000, 1_000_000, 1_000, 1)
-"""Nanoseconds of what moments may be rounded to: minutes, seconds, and parts of them."""
+STEPS = (60_000_000_000, 1_000_000_000, 1_000_000)
+FINEST = 1_000
+"""Nanoseconds of what moments may be rounded to: minutes, seconds, milliseconds, else microseconds, for pandas makes spans of seconds that
+are a nanosecond short."""
 
 
 def stated_times(clock: Clock | None, columns: Mapping[str, Sequence[Any]]) -> tuple[list[Moments], float]:
@@ -58,7 +60,7 @@ def stated_times(clock: Clock | None, columns: Mapping[str, Sequence[Any]]) -> t
     rows = max(map(len, listed.values()))
     digit = last_digit(numbers) if numbers else 0.0
     if spans and clock is not None:
-        step = next(step for step in STEPS if all(span % step == 0 for span in spans))
+        step = next((step for step in STEPS if all(span % step == 0 for span in spans)), FINEST)
         digit = max(digit, step / 1e9 / clock.seconds)
     return list(zip(*(listed.get(title, [None] * rows) for title in COLUMNS), strict=True)), digit
 

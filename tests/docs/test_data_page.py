@@ -23,7 +23,7 @@ def test_every_block_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.Monkey
     for number, block in enumerate(BLOCKS, start=1):
         exec(compile(block, f"{PAGE.name}, block {number}", "exec"), held)
     said = capsys.readouterr().out
-    assert len(BLOCKS) == 16
+    assert len(BLOCKS) == 17
     assert "column 'demands' is unknown; did you mean 'demand'?" in said and "Yard > " in said
     assert {path.suffix for path in tmp_path.iterdir()} == {".json", ".csv", ".xlsx", ".sol", ".vroom", ".geojson", ".mps"}
     assert held["one_way"].forbidden.sum() == 2  # type: ignore[attr-defined]
