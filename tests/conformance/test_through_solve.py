@@ -36,7 +36,7 @@ def solver(request: pytest.FixtureRequest) -> str:
 def test_all_solvers_find_the_optimum_of_small_problems(solver: str, feature: str, convention: str) -> None:
     problem = small(feature, 1, convention)
     work = {"iterations": 300} if solver in ROUTING else {}
-    solution = wb.solve(problem, solver, time_limit=20, bound_time=0, **work)
+    solution = wb.solve(problem, solver, time_limit=HANG, bound_time=0, **work)
     assert solution.certificate.feasible
     assert solution.objective == pytest.approx(best_values(problem)[0], abs=1e-6)
     assert solution.status in ("optimal", "feasible")
@@ -55,8 +55,8 @@ def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, progr
 def test_isolation_changes_nothing_but_the_process(solver: str) -> None:
     problem = small("capacity", 0, "round")
     work = {"iterations": 100} if solver in ROUTING else {}
-    apart = wb.solve(problem, solver, time_limit=20, bound_time=0, isolate=True, **work)
-    here = wb.solve(problem, solver, time_limit=20, bound_time=0, **work)
+    apart = wb.solve(problem, solver, time_limit=HANG, bound_time=0, isolate=True, **work)
+    here = wb.solve(problem, solver, time_limit=HANG, bound_time=0, **work)
     assert (apart.status, apart.objective) == (here.status, here.objective)
 
 
