@@ -58,8 +58,12 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
                     self.disable_compile()
 
     def kept(self) -> bool:
-        """Whether making it takes no compiler: it is made, or all of it is in the cache."""
-        return not self._can_compile or all(self._keeps(signature) for signature in self._signatures())
+        """Whether making it takes no compiler: it is made, or cached."""
+        return not self._can_compile or self.cached()
+
+    def cached(self) -> bool:
+        """Whether all of it is in the cache on disk."""
+        return all(self._keeps(signature) for signature in self._signatures())
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """For kernels that call it. It is not compiled anew for each constant or width of whole numbers."""

@@ -60,7 +60,7 @@ def find_bounds(
 
     Returns
     -------
-    list of Evidence, in the order found
+    list of Evidence, in the order of the methods
     """
     found: list[Evidence] = []
     failed: list[str] = [] if unable is None else unable
@@ -68,6 +68,7 @@ def find_bounds(
         return found
     control = control or Control()
     methods = able_methods(problem, failed, searching=searching)
+    places = {method.name: place for place, method in enumerate(methods)}
     late = _late(methods, failed)
     if uncompiled is not None:
         uncompiled.extend(method.name for method in late)
@@ -75,12 +76,13 @@ def find_bounds(
     methods = {"never": others, "last": others + late, "first": late + others}[compiling]
     stop, linear = Stop(bound_time), linear or LinearPrograms()  # from here on: listing imports them all
     control.on_stop(stop.ask)
+    by: dict[int, int] = {}
     share = stop.within(bound_time / 2.0) if compiling == "last" and late else stop
     for method in methods:
         within = stop if method in late else share
         if stop.reached():
             break
-        if within.reached():
+        if within.reached() or (method in late and stop.seconds_left < bound_time / 10.0):  # to compile it would be for nothing
             continue
         try:
             with off_the_clock():
@@ -93,6 +95,7 @@ def find_bounds(
             continue
         if evidence is None:
             continue
+        by[id(evidence)] = places[method.name]
         found.append(evidence)
         control.publish(list(found))
         if progress is not None:
@@ -100,7 +103,7 @@ def find_bounds(
             progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
         if evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target)):
             break
-    return found
+    return sorted(found, key=lambda evidence: by[id(evidence)])
 
 
 def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:
