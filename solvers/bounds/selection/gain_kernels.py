@@ -14,7 +14,6 @@ from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 
-
 OVER_ITEMS = "i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]), read(f4[:, ::1])"
 """Declared types of a function's arrays."""
 
