@@ -16,6 +16,7 @@ import numba
 from numba.core import sigutils, types
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+from numba.core.types.containers import BaseTuple
 from numba.core.types.misc import unliteral
 
 from .stop import off_the_clock
@@ -163,7 +164,7 @@ def _read(kind: Any) -> Any:
 
 
 def _named(cls: Any, *kinds: Any) -> Any:
-    return types.BaseTuple.from_types(kinds, cls)
+    return BaseTuple.from_types(kinds, cls)
 
 
 _WORDS = {"read": _read, "named": _named}
