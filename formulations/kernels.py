@@ -16,6 +16,7 @@ import numba
 from numba.core import sigutils, types
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+from numba.core.types.containers import BaseTuple
 from numba.core.types.misc import unliteral
 
 from .stop import off_the_clock
@@ -58,8 +59,12 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
                     self.disable_compile()
 
     def kept(self) -> bool:
-        """Whether making it takes no compiler: it is made, or all of it is in the cache."""
-        return not self._can_compile or all(self._keeps(signature) for signature in self._signatures())
+        """Whether making it takes no compiler: it is made, or cached."""
+        return not self._can_compile or self.cached()
+
+    def cached(self) -> bool:
+        """Whether all of it is in the cache on disk."""
+        return all(self._keeps(signature) for signature in self._signatures())
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """For kernels that call it. It is not compiled anew for each constant or width of whole numbers."""
@@ -159,7 +164,7 @@ def _read(kind: Any) -> Any:
 
 
 def _named(cls: Any, *kinds: Any) -> Any:
-    return types.BaseTuple.from_types(kinds, cls)
+    return BaseTuple.from_types(kinds, cls)
 
 
 _WORDS = {"read": _read, "named": _named}

@@ -1,9 +1,19 @@
+"""Kernels are compiled for the types that they declare, when they are first called, and off every clock."""
+
 from __future__ import annotations
 
+import importlib
+import importlib.util
+import pkgutil
+from pathlib import Path
+from typing import NamedTuple
+
 import numba
+import numpy as np
 import pytest
 
-from waybound.formulations.kernels import kernel
+from waybound.formulations.kernels import Kernel, inner, kernel, kernel_modules
+from waybound.formulations.stop import hearing
 
 
 def test_a_kernel_works_where_no_cache_can_be_kept(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -21,3 +31,89 @@ def test_a_kernel_works_where_no_cache_can_be_kept(monkeypatch: pytest.MonkeyPat
         return 2 * x
 
     assert twice(21) == 42
+
+
+def test_declared_types_are_compiled_once_and_take_what_converts_to_them() -> None:
+    @kernel("(read(f8[::1]), f8)")
+    def scaled(values, factor):  # type: ignore[no-untyped-def]
+        return values[0] * factor
+
+    frozen = np.array([3.0])
+    frozen.setflags(write=False)
+    assert [scaled(frozen, 2.0), scaled(np.array([3.0]), 2), scaled(frozen, np.int32(2))] == [6.0] * 3
+    assert len(scaled.signatures) == 1
+    with pytest.raises(TypeError, match="No matching definition"):
+        scaled(np.array([3]), 2.0)
+
+
+def test_of_several_declared_types_only_those_that_are_given_are_compiled() -> None:
+    @kernel("(f8[::1],)", "(i8[::1],)")
+    def first(values):  # type: ignore[no-untyped-def]
+        return values[0]
+
+    assert first(np.array([7])) == 7 and len(first.signatures) == 1
+    assert first(np.array([0.5])) == 0.5 and len(first.signatures) == 2
+    with pytest.raises(TypeError, match="is declared for"):
+        first(np.array([True]))
+
+
+class Pair(NamedTuple):
+    left: np.ndarray
+    right: np.ndarray
+
+
+def test_named_tuples_are_declared_by_name() -> None:
+    @kernel("(named(Pair, f8[::1], f8[::1]),)")
+    def both(pair):  # type: ignore[no-untyped-def]
+        return pair.left[0] + pair.right[0]
+
+    assert both(Pair(np.ones(1), np.ones(1))) == 2.0
+
+
+def test_what_is_compiled_is_told_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+
+    @inner
+    def less(x):  # type: ignore[no-untyped-def]
+        return x - 1
+
+    def made() -> Kernel:
+        @kernel("i8(i8)")
+        def lesser(x):  # type: ignore[no-untyped-def]
+            return less(x) - 1
+
+        return lesser
+
+    told: list[str] = []
+    with hearing(lambda what, seconds: told.append(what)):
+        one = made()
+        assert not one.kept()
+        assert one(5) == 3 and one.kept()
+    assert [what.rpartition(".")[2] for what in told if what] == ["lesser", "lesser"], "as it begins and as it ends, parts untold"
+    other = made()
+    assert other.kept()
+    with hearing(lambda what, seconds: told.append(what)):
+        assert other(5) == 3
+    assert len([what for what in told if what]) == 2, "loaded without a word"
+
+
+@pytest.mark.parametrize("module", list(kernel_modules()))
+def test_whatever_python_calls_declares_its_types(module: str) -> None:
+    """So that ``waybound warm`` compiles it; what only kernels call is ``inner``."""
+    held = [one for one in vars(importlib.import_module(module)).values() if isinstance(one, Kernel) and one.py_func.__module__ == module]
+    undeclared = [one.title for one in held if not one.declared and not one.targetoptions.get("no_cpython_wrapper")]
+    if module.rpartition(".")[2] in ("layer_kernels", "level_kernels"):  # ``bare`` ones are parts of others
+        undeclared = [title for title in undeclared if not title.rpartition(".")[2].startswith("_")]
+    assert not undeclared
+    for one in held:
+        one._signatures()
+
+
+def test_kernels_lie_in_modules_of_their_own() -> None:
+    import waybound
+
+    for module in pkgutil.walk_packages(waybound.__path__, "waybound."):
+        spec = importlib.util.find_spec(module.name)
+        assert spec is not None and spec.origin is not None
+        if not module.name.endswith(("_kernels", ".kernels")) and "notebooks" not in module.name:
+            assert "@kernel(" not in Path(spec.origin).read_text(encoding="utf-8"), module.name

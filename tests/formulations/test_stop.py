@@ -6,6 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import pytest
 from patience import HANG
@@ -130,3 +131,19 @@ def test_the_innermost_block_says_when_to_give_up() -> None:
         thread.join()
         assert elsewhere == [NEVER]  # a block is one thread's own
     assert current_stop() is NEVER
+
+
+def test_no_deadline_comes_nearer_off_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    seconds = [100.0]
+    monkeypatch.setattr(stopping, "time", SimpleNamespace(perf_counter=lambda: seconds[0]))
+    made, heard = Stop(5.0), list[tuple[str, float]]()
+    with stopping.hearing(lambda what, took: heard.append((what, took))):
+        with stopping.off_the_clock("a loop"), stopping.off_the_clock():
+            seconds[0] += 60.0
+            assert made.seconds_left == 5.0 and not made.reached()
+        seconds[0] += 4.0
+        assert made.seconds_left == 1.0 and not made.reached()
+        seconds[0] += 1.0
+        assert made.reached() == "time"
+    assert [what for what, _ in heard] == ["a loop", "", "", "a loop"]
+    assert heard[-1] == ("a loop", 60.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import threading
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,9 @@ import pytest
 import waybound as wb
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.instances.errors import InputError, UnsupportedError
+from waybound.solvers.backend import Control, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
+from waybound.solving import search as searching
 from waybound.solving.bounding import AT_ONCE, find_bounds, proved
 
 GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))
@@ -104,3 +107,45 @@ def test_what_searches_nothing_comes_before_anything_is_prepared_however_little_
 
 def test_what_is_to_be_prepared_is_no_method_that_is_asked_at_once() -> None:
     assert not [name for name in BOUNDS if (method := BOUNDS[name]).order <= AT_ONCE and method.prepare.__name__ != "<lambda>"]
+
+
+def test_what_takes_no_compiler_is_there_before_what_does(registered: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def noting(name: str) -> Any:
+        compute = BOUNDS[name].compute
+
+        def noted(*given: Any, **more: Any) -> Any:
+            asked.append(name)
+            return compute(*given, **more)
+
+        return noted
+
+    for name in ("marginal-gains", "linear-relaxation"):
+        instead(registered, name, noting(name))
+    monkeypatch.setattr(BoundMethod, "compiled", lambda self: self.name != "marginal-gains")
+    late: list[str] = []
+    control = Control()
+    orders = {how: find_bounds(PROBLEM, 60.0, compiling=how, uncompiled=late, control=control) for how in ("never", "last", "first")}
+    assert asked == ["linear-relaxation", "linear-relaxation", "marginal-gains", "marginal-gains", "linear-relaxation"]
+    assert late == ["marginal-gains"] * 3
+    assert "marginal-gains" not in [e.kind for e in orders["never"]]
+    kinds = [[e.kind for e in orders[how]] for how in ("last", "first")]
+    assert kinds[0] == kinds[1] and kinds[0][0] == "marginal-gains", "in the order of the methods, whenever they had their turn"
+
+
+def test_a_method_that_never_comes_back_costs_nothing_that_was_proved(registered: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As compiling may: what was published before stays."""
+    monkeypatch.setattr(BoundMethod, "compiled", lambda self: self.name != "marginal-gains")
+    hanging = threading.Event()
+    instead(registered, "marginal-gains", lambda *_: hanging.wait())
+    monkeypatch.setattr(searching, "GRACE", 0.1)
+    control = Control()
+
+    def find(control: Control) -> RawResult:
+        return RawResult("unknown", answer=find_bounds(PROBLEM, 0.2, control=control))
+
+    found = searching.search(find, control, 0.2, overtime=0.2)
+    hanging.set()
+    assert "did not stop when asked" in found.result.message
+    assert found.result.answer, "of the others"

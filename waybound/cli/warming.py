@@ -5,10 +5,12 @@ from __future__ import annotations
 import contextlib
 import sys
 import time
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
+from ..instances.errors import UsageError
 from .options import Quiet, Verbose
 from .output import print_text
 
@@ -21,29 +23,40 @@ def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -
 
     began = time.perf_counter()
     every = [one for module in kernel_modules() for one in kernels(module)]
+    for name in names or ():
+        if not any(name in one.title for one in every):
+            raise UsageError(f"no loop is named like {name!r}; without names all are compiled")
     asked = [one for one in every if not names or any(name in one.title for name in names)]
     left = [one for one in asked if not one.kept()]
     with contextlib.ExitStack() as stack:
-        told = None
-        if left and not quiet and sys.stderr.isatty():
-            from rich.console import Console
-            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-            columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
-            bar = stack.enter_context(Progress(*columns, console=Console(file=sys.stderr), transient=True))
-            told = (bar, bar.add_task("", total=len(left)))
+        tell = _bar(stack, len(left)) if left and not quiet and sys.stderr.isatty() else None
         for one in left:
-            if told is not None:
-                told[0].update(told[1], description=one.title)
+            if tell is not None:
+                tell(one.title)
             one.make()
-            if told is not None:
-                told[0].advance(told[1])
-    kept = [one for one in left if one.kept()] if left else []
-    seconds = time.perf_counter() - began
-    print_text(
-        f"{len(left)} loops compiled in {seconds:.1f} s, {len(asked) - len(left)} were ready"
-        if left
-        else f"all {len(asked)} loops are ready"
-    )
-    if len(kept) < len(left):
-        print_text("no folder for compiled loops can be written; NUMBA_CACHE_DIR names one")
+            if verbose:
+                print_text(one.title)
+    if left:
+        many = f"{len(left)} loop{'s' if len(left) != 1 else ''} compiled in {time.perf_counter() - began:.1f} s"
+        print_text(f"{many}, {len(asked) - len(left)} were ready")
+    else:
+        print_text(f"ready before: {len(asked)} loop{'s' if len(asked) != 1 else ''}, nothing to compile")
+    if not all(one.cached() for one in left):
+        print_text("they are not kept: no folder for them can be written, and NUMBA_CACHE_DIR names none")
+
+
+def _bar(stack: contextlib.ExitStack, count: int) -> Callable[[str], None]:
+    """A progress bar on standard error, told which loop comes next."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
+    bar = stack.enter_context(Progress(*columns, console=Console(file=sys.stderr), transient=True))
+    task, begun = bar.add_task("", total=count), 0
+
+    def tell(title: str) -> None:
+        nonlocal begun
+        bar.update(task, description=title, completed=begun)
+        begun += 1
+
+    return tell

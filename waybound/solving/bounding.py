@@ -67,7 +67,7 @@ def find_bounds(
 
     Returns
     -------
-    list of Evidence, in the order found
+    list of Evidence, in the order of the methods
     """
     found: list[Evidence] = []
     failed: list[str] = [] if unable is None else unable
@@ -78,6 +78,8 @@ def find_bounds(
     methods = able_methods(problem, failed, searching=searching)
     stop = Stop(bound_time)  # from here on: listing imports them all
     control.on_stop(stop.ask)
+    places = {method.name: place for place, method in enumerate(methods)}
+    by: dict[int, int] = {}
 
     def settled(method: BoundMethod, within: Stop) -> bool:
         """Whether what the method finds leaves nothing to look for."""
@@ -92,6 +94,7 @@ def find_bounds(
             return False
         if evidence is None:
             return False
+        by[id(evidence)] = places[method.name]
         found.append(evidence)
         control.publish(list(found))
         if progress is not None:
@@ -115,9 +118,11 @@ def find_bounds(
         within = stop if method in late else share
         if stop.reached():
             break
-        if not within.reached() and settled(method, within):
+        if within.reached() or (method in late and stop.seconds_left < bound_time / 10.0):  # to compile it would be for nothing
+            continue
+        if settled(method, within):
             break
-    return found
+    return sorted(found, key=lambda evidence: by[id(evidence)])
 
 
 def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:

@@ -6,10 +6,10 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
+from ....solvers.bounds.selection.gain_kernels import OVER_ITEMS, gain, take
 
 
-@kernel(over_items("i8[::1], i8[::1], i8[::1], i8[::1], f8[::1], f8[::1], f8, f8[::1], b1, i8"))
+@kernel(f"(i8[::1], i8[::1], i8[::1], i8[::1], f8[::1], f8[::1], f8, f8[::1], b1, i8, {OVER_ITEMS})")
 def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, slot_group, starts, members, rest, costs, budget, tail, optional, items, layout, indptr, indices, weights, matrix, single
 ):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
+from ....solvers.bounds.selection.gain_kernels import OVER_ITEMS, gain, take
 from .loops_kernels import sift
 
 
@@ -42,7 +42,7 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr
     return total, count
 
 
-@kernel(over_items("i8[::1], i8[::1], i8, i8, f8, f8[::1], f8[::1], f8"))
+@kernel(f"(i8[::1], i8[::1], i8, i8, f8, f8[::1], f8[::1], f8, {OVER_ITEMS})")
 def fill_after(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, begun, lo, hi, most_value, free_best, costs, budget, layout, indptr, indices, weights, matrix, single
 ):

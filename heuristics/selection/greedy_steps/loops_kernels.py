@@ -13,10 +13,10 @@ import numpy as np
 from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM
-from ....solvers.bounds.selection.gain_kernels import gain, over_items, take
+from ....solvers.bounds.selection.gain_kernels import OVER_ITEMS, gain, take
 
 
-@kernel(over_items("i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1]"))
+@kernel(f"(i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1], {OVER_ITEMS})")
 def plain(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Every gain afresh in every round."""
     n, count, evaluations = len(groups), 0, 0
@@ -61,7 +61,7 @@ def sift(keys, heap, size, at):  # type: ignore[no-untyped-def] # pragma: no cov
     keys[at], heap[at] = key, e
 
 
-@kernel(over_items("i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1]"))
+@kernel(f"(i8[::1], b1[::1], i4[::1], i8[::1], i8, f8, f8[::1], {OVER_ITEMS})")
 def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gains of earlier rounds, which can only have fallen since, on a heap; only what comes up is evaluated again."""
     n, count, size = len(groups), 0, 0
@@ -217,7 +217,7 @@ def incremental(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     return picks[:count], gains[:count], evaluations
 
 
-@kernel(over_items("i8[::1], i8[::1], i8[::1], i8[::1], i8[::1], f8[::1]"))
+@kernel(f"(i8[::1], i8[::1], i8[::1], i8[::1], i8[::1], f8[::1], {OVER_ITEMS})")
 def in_order(flag, order, starts, members, room, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """One group after the other picks its best elements, as many as it has room for."""
     most = 0

@@ -26,7 +26,7 @@ from .loops_kernels import sift
 _DATA = "Tuple((f8[::1], i8[::1], i8[::1], i4[::1], f8[::1], i8, read(i4[::1]), read(i4[::1]), read(f8[::1])))"
 
 
-@kernel()
+@kernel(f"(i8, i8[::1], i8, {_DATA})")
 def slope(e, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """dF/dx_e; for coverage only while element ``e`` is not full."""
     state, position, _, _, _, layout, indptr, indices, weights = data
@@ -40,7 +40,7 @@ def slope(e, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no c
     return total
 
 
-@kernel()
+@kernel(f"(i8, i8, i8[::1], i8, {_DATA})")
 def move(e, to, count, steps, data):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Set x_e to ``to`` steps, and bring the items of ``e`` up to date."""
     state, _, item_starts, item_elements, item_weights, layout, indptr, indices, _ = data

@@ -12,7 +12,7 @@ from ....formulations.kernels import inner, kernel
 FAR = np.int64(1) << 60
 
 
-@kernel()
+@kernel("(i8[:, ::1], i8[:, ::1])")
 def serial(first, second):  # type: ignore[no-untyped-def]
     """Each robot in turn takes the bin, of those left, that is least by ``first``, then by ``second``."""
     robots, bins = first.shape
@@ -29,7 +29,7 @@ def serial(first, second):  # type: ignore[no-untyped-def]
     return plan
 
 
-@kernel()
+@kernel("(i8[:, ::1],)")
 def deferred(costs):  # type: ignore[no-untyped-def]
     """What the deferred conflict auction ends with: the cheapest pair of a free robot and a free bin, again and again."""
     robots, bins = costs.shape
@@ -46,7 +46,7 @@ def deferred(costs):  # type: ignore[no-untyped-def]
     return plan
 
 
-@kernel()
+@kernel("(i8[:, ::1],)")
 def immediate(costs):  # type: ignore[no-untyped-def]
     """The conflict auction in which a winner is final: those without a bin bid for their cheapest of those left."""
     robots, bins = costs.shape
@@ -124,7 +124,7 @@ def _rows_assigned(costs):  # type: ignore[no-untyped-def]
     return plan
 
 
-@kernel()
+@kernel("(i8[:, ::1], i8[::1])")
 def beaten(costs, plan):  # type: ignore[no-untyped-def]
     """Whether another plan of as many pairs costs less. Sums of least entries, a bound, answer most of the time."""
     robots, bins = costs.shape

@@ -1,10 +1,9 @@
 """Marginal gains of coverage and facility location, compiled.
 
-A function is handed over as the ``arrays`` of its ``ItemWeights``: ``(layout, indptr, indices, weights, matrix,
-single)``. A set S is ``best``, the
-largest weight that one of its elements gives to each item, so that f(S) = sum(best). Sums are in float64 whatever the matrix holds, and in
-one order of additions, so that two loops that ask for the same gain get the same number to the bit. Loops over elements take a
-``Stop.flag`` first.
+A function is handed over as the ``arrays`` of its ``ItemWeights``: ``(layout, indptr, indices, weights, matrix, single)``, the last two
+for matrices of doubles and of single numbers. A set S is ``best``, the largest weight that one of its elements gives to each item, so that
+f(S) = sum(best). Sums are in float64 whatever the matrix holds, and in one order of additions, so that two loops that ask for the same gain
+get the same number to the bit. Loops over elements take a ``Stop.flag`` first.
 """
 
 from __future__ import annotations
@@ -15,10 +14,8 @@ from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
 from ....instances.selection.functions import AT_ITEM, IN_MATRIX
 
-
-def over_items(types: str) -> str:
-    """Declared types of a kernel that takes ``types`` and a function."""
-    return f"({types}, i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]), read(f4[:, ::1]))"
+OVER_ITEMS = "i8, read(i4[::1]), read(i4[::1]), read(f8[::1]), read(f8[:, ::1]), read(f4[:, ::1])"
+"""Declared types of a function's arrays."""
 
 
 @inner
@@ -52,7 +49,7 @@ def gain(e, best, layout, indptr, indices, weights, matrix, single):  # type: ig
     return total
 
 
-@kernel(over_items("i8, f8[::1]"))
+@kernel(f"(i8, f8[::1], {OVER_ITEMS})")
 def take(e, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Add element ``e`` to the set: raises ``best`` in place."""
     if layout == IN_MATRIX:
@@ -68,7 +65,7 @@ def take(e, best, layout, indptr, indices, weights, matrix, single):  # type: ig
             best[j] = max(best[j], weights[j] if layout == AT_ITEM else weights[p])
 
 
-@kernel(over_items("i8[::1], i8[::1], f8[::1]"))
+@kernel(f"(i8[::1], i8[::1], f8[::1], {OVER_ITEMS})")
 def gains_of(flag, elements, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Gain of each of ``elements``, shape (elements,); 0 where it was asked to stop before."""
     found = np.zeros(len(elements))
@@ -79,7 +76,7 @@ def gains_of(flag, elements, best, layout, indptr, indices, weights, matrix, sin
     return found
 
 
-@kernel(over_items("i8[::1], f8[::1], f8, i4[::1], i8[::1], i8, f8, f8[::1]"))
+@kernel(f"(i8[::1], f8[::1], f8, i4[::1], i8[::1], i8, f8, f8[::1], {OVER_ITEMS})")
 def sweep(flag, costs, budget, groups, room, most, floor, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """A set picked almost greedily: sweeps with a falling threshold on the gain per cost, each a tenth below the last.
 

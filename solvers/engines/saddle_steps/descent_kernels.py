@@ -6,7 +6,10 @@ import math
 
 from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
-from .game import Layout
+from .game import LAYOUT, Layout
+
+_NAMED = (Layout,)
+"""The named tuple that these types name."""
 
 MOVES = 4
 """Shifts between two actions that a robot makes in one visit; robots of two actions need one."""
@@ -110,7 +113,7 @@ def _shift(deficits, gains, count, most):  # type: ignore[no-untyped-def]
     return shift, steps
 
 
-@kernel(f"(i8[::1], {Layout.TYPES}, Tuple((i4[::1], f8[::1], f8[::1])), f8[::1], f8[::1], f8, f8, i4[::1], b1[::1], i8, i8, i8)")
+@kernel(f"(i8[::1], {LAYOUT}, Tuple((i4[::1], f8[::1], f8[::1])), f8[::1], f8[::1], f8, f8, i4[::1], b1[::1], i8, i8, i8)")
 def descend(flag, graph, scratch, shares, cover, level, negligible, queue, queued, head, size, most_work):  # type: ignore[no-untyped-def]
     """Visit the robots in the queue until it is empty, ``most_work`` edges were read, or the ``flag`` of a ``Stop`` is set.
 

@@ -47,14 +47,19 @@ class Layout(NamedTuple):
         """The layout of a graph."""
         first, order = graph.by_robot
         sight = graph.by_target
-        arrays = (first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
-        views = [array.view() for array in arrays]
-        for view in views:
-            view.setflags(write=False)  # kernels are compiled for one kind of arrays
-        return cls(*views)
+        made = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        return cls(*(_read_only(array) for array in made))
 
-    TYPES = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
-    """In the words of ``kernel``."""
+
+LAYOUT = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
+"""In the words of ``kernel``."""
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """A view: kernels are compiled for one kind of arrays."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
 
 
 class Limits:

@@ -6,10 +6,13 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from .game import Layout
+from .game import LAYOUT, Layout
+
+_NAMED = (Layout,)
+"""The named tuple that these types name."""
 
 
-@kernel(f"(i8[::1], {Layout.TYPES}, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], i8, i8)")
+@kernel(f"(i8[::1], {LAYOUT}, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], i8, i8)")
 def play(flag, graph, shares, prices, regrets, grudges, mean_shares, mean_prices, cover, first_step, count):  # type: ignore[no-untyped-def]
     """``count`` steps of the game, fewer where the ``flag`` of a ``Stop`` is set; all arrays change in place. Returns the steps made.
 
