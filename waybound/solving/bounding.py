@@ -118,7 +118,7 @@ def find_bounds(
         within = stop if method in late else share
         if stop.reached():
             break
-        if within.reached() or (method in late and stop.seconds_left < bound_time / 10.0):  # to compile it would be for nothing
+        if within.reached() or (method in late and stop.seconds_left < min(1.0, 0.4 * bound_time)):  # not worth a compiler
             continue
         if settled(method, within):
             break

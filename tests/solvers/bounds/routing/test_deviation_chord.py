@@ -27,7 +27,6 @@ def risky(limit: float, team_risk: float | None) -> RoutingProblem:
 
 @pytest.mark.slow
 def test_what_is_found_is_verified_and_more_than_the_means_prove() -> None:
-    assert METHOD.kernels  # compiled off every clock
     problem, found = risky(240.0, 0.05), deviation_chord_bound(risky(240.0, 0.05), Stop(60.0))
     assert found is not None and found.value == verified_bound(problem, found)
     certain = replace(problem, team_risk=None)
