@@ -272,12 +272,19 @@ def test_what_would_be_misread_is_refused_with_the_cure(frame: pd.DataFrame, opt
         ({"skills": ["", "cold", "cold"]}, {}),
     ],
 )
-@pytest.mark.parametrize(("solver", "iterations"), [("highs", None), ("pyvrp", 20), ("ortools", 20)])
+@pytest.mark.parametrize(
+    ("solver", "limits"),
+    [
+        ("highs", {}),
+        ("pyvrp", {"iterations": 20}),
+        pytest.param("ortools", {"time_limit": 5.0}, marks=pytest.mark.slow),
+    ],
+)
 def test_where_all_may_be_left_out_and_none_can_be_reached_nobody_drives(
-    columns: dict[str, Any], given: dict[str, Any], solver: str, iterations: int | None
+    columns: dict[str, Any], given: dict[str, Any], solver: str, limits: dict[str, Any]
 ) -> None:
     sites = pd.DataFrame({"x": [0, 30, 50], "y": [0, 40, -10], "required": False, "reward": [0, 500, 500], **columns})
-    solution = wb.solve(RoutingProblem.from_frame(sites, **given), solver, iterations=iterations, bound_time=0)
+    solution = wb.solve(RoutingProblem.from_frame(sites, **given), solver, bound_time=0, **limits)
     assert solution.answer is not None and solution.routes == [] and solution.objective == 0
 
 
