@@ -145,10 +145,10 @@ class _Child:
         return last
 
     def _step(self) -> RawResult | None:
-        """Wait for a moment; the result, once there is one."""
+        """Wait for a moment; the result, once there is one. A child that tells much is overdue like any other."""
         try:
-            if self.mine.poll(_TICK):
-                return self._take(pickle.loads(self.mine.recv_bytes()))
+            if self.mine.poll(_TICK) and (last := self._take(pickle.loads(self.mine.recv_bytes()))) is not None:
+                return last
         except (EOFError, ConnectionResetError):
             return self._obituary()
         if self._overdue():

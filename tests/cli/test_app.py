@@ -12,7 +12,7 @@ from waybound.cli.app import app
 
 COMMANDS = {
     "bound", "check", "compare", "convert", "explain", "export", "generate", "heuristics", "info", "instances", "ratio", "run", "solve",
-    "solvers",
+    "solvers", "warm",
 }  # fmt: skip
 
 

@@ -125,7 +125,7 @@ def generated(folder: Path, kind: str, settings: str) -> str:
 
 
 def check_settings(words: list[str], folder: Path) -> None:
-    """Settings of a problem, in a fragment that names no file: some problem of the recipes takes them all."""
+    """Settings of a problem, in a fragment that names no file: some problem of the recipes takes them all, or some format."""
     settings = values(words, "--set")
     if not settings and "--objective" not in words:
         return
@@ -138,6 +138,8 @@ def check_settings(words: list[str], folder: Path) -> None:
             return
         except WayboundError as fault:
             faults.append(f"{kind}: {fault}")
+    if "--objective" not in words and any(set(parse_pairs(settings, "--set")) <= set(FORMATS[name].settings) for name in FORMATS):
+        return
     for played in MISSIONS.values():
         try:
             setting_values("mission", played().settings, parse_pairs(settings, "--set"))

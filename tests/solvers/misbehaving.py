@@ -54,6 +54,17 @@ class SetsUp:
         return RawResult("unknown")
 
 
+@dataclass
+class Chatters:
+    """Work that tells its parent something all the time, and hears nothing."""
+
+    modules: ClassVar[tuple[str, ...]] = ()
+
+    def __call__(self, control: Control) -> RawResult:
+        while True:
+            control.publish("word")
+
+
 def _crash() -> None:
     os.kill(os.getpid(), signal.SIGSEGV)
 

@@ -132,6 +132,16 @@ def test_a_hanging_child_is_ended_at_its_time_limit(misbehaving, monkeypatch: py
     assert not children()
 
 
+def test_a_child_that_tells_much_is_ended_at_its_time_limit_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(HERE))
+    from misbehaving import Chatters
+
+    monkeypatch.setattr(isolation, "OVERTIME", 0.1)
+    monkeypatch.setattr(isolation, "GRACE", 0.1)
+    result = isolation.run_in_process(Chatters(), Options(time_limit=0.1), Control())
+    assert (result.status, result.limit, result.answer) == ("feasible", "time", "word")
+
+
 def test_what_is_prepared_takes_no_time_of_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(HERE))
     from misbehaving import SlowToBegin
@@ -139,7 +149,7 @@ def test_what_is_prepared_takes_no_time_of_the_search(monkeypatch: pytest.Monkey
     assert isolation.run_in_process(SlowToBegin(0.1), Options(time_limit=HANG), Control()).answer
     now, sent = [0.0], []
     child = SimpleNamespace(
-        asked=None, began=0.0, searching=None, late=False, options=Options(time_limit=0.5), control=Control(),
+        asked=None, began=0.0, searching=None, late=False, standing=0, options=Options(time_limit=0.5), control=Control(),
         mine=SimpleNamespace(send_bytes=sent.append),
     )  # fmt: skip
     monkeypatch.setattr(isolation, "time", SimpleNamespace(perf_counter=lambda: now[0]))

@@ -93,7 +93,8 @@ def test_what_searches_nothing_comes_before_anything_is_prepared_however_little_
             said.append(name)
             return Evidence("item-prices", name, 0.0, {})
 
-        registered(BOUNDS, name, BoundMethod(name, lambda problem: frozenset(), compute, order, lambda: said.append(f"{name} made ready")))
+        prepare = (lambda: said.append(f"{name} made ready")) if order > AT_ONCE else (lambda: None)
+        registered(BOUNDS, name, BoundMethod(name, lambda problem: frozenset(), compute, order, prepare))
 
     for name in list(BOUNDS):
         instead(registered, name, lambda *_: None)
@@ -106,7 +107,9 @@ def test_what_searches_nothing_comes_before_anything_is_prepared_however_little_
 
 
 def test_what_is_to_be_prepared_is_no_method_that_is_asked_at_once() -> None:
-    assert not [name for name in BOUNDS if (method := BOUNDS[name]).order <= AT_ONCE and method.prepare.__name__ != "<lambda>"]
+    assert not [
+        name for name in BOUNDS if (method := BOUNDS[name]).order <= AT_ONCE and (method.kernels or method.prepare.__name__ != "<lambda>")
+    ]
 
 
 def test_what_takes_no_compiler_is_there_before_what_does(registered: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -60,6 +60,6 @@ def test_what_one_thread_saw_reached_stays_so_whatever_another_sees() -> None:
 def test_large_problems_set_no_goal_but_have_the_bound_that_is_there_at_once(monkeypatch) -> None:
     monkeypatch.setattr(goal, "LARGEST", 3)
     problem = wb.generate("random", seed=1, customers=6)
-    monkeypatch.setattr("waybound.solving.bounding.prepared", lambda *_: pytest.fail("made ready"))
+    monkeypatch.setattr("waybound.solving.bounding._late", lambda *_: pytest.fail("made ready"))
     evidence, aim = goal.first_evidence(problem, 5.0)
     assert aim is None and {e.kind for e in evidence} == {"load-shares", "nearest-moves"}

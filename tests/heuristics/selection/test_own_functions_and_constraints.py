@@ -118,9 +118,9 @@ def test_nothing_is_promised_or_bounded_by_what_is_not_known() -> None:
         (ItemWeights.dense(np.ones((3, 1))), "there must be weights for each element; expected 2; found 3"),
         (
             ItemWeights.sparse(AT_ENTRY, *csr(1, 2, 1, 0), np.array([1.0, np.inf]), 2),
-            "the weight of entry 1 must be finite and not negative",
+            "the weight of entry 2 must be finite and not negative",
         ),
-        (ItemWeights.sparse(AT_ITEM, *csr(1, 2, 1, 2), np.ones(2), 2), "item of entry 1 does not exist; expected 0 to 1; found 2"),
+        (ItemWeights.sparse(AT_ITEM, *csr(1, 2, 1, 2), np.ones(2), 2), "item of entry 2 does not exist; expected 0 to 1; found 2"),
         (ItemWeights.sparse(AT_ITEM, *csr(2, 2, 1, 1), np.ones(2), 2), "the items of each element must ascend, none twice"),
         (ItemWeights.sparse(AT_ITEM, *csr(1, 2, 0, 0), np.ones(3), 2), r"one weight an item; expected 2; found \(3,\)"),
     ],
@@ -133,11 +133,11 @@ def test_weights_on_which_no_bound_can_rest_are_refused(own: ItemWeights, says: 
 @pytest.mark.parametrize(
     ("costs", "limits", "says"),
     [
-        ([[1.0, -1.0]], [1.0], "the coefficient of entry 1 of budget must be finite and not negative; found -1.0"),
-        ([[1.0, 1.0]], [np.inf], "the limit of row 0 of budget must be finite and not negative"),
-        ([[1.0, 1.0]], [-1.0], "the limit of row 0 of budget must be finite and not negative"),
-        ([[1.0, 1.0, 1.0]], [1.0], "the element of entry 2 of budget does not exist; expected 0 to 1; found 2"),
-        ([[1.0, 1.0], [1.0, 1.0]], [1.0], "the row of entry 2 of budget does not exist"),
+        ([[1.0, -1.0]], [1.0], "the coefficient of entry 2 of budget must be finite and not negative; found -1.0"),
+        ([[1.0, 1.0]], [np.inf], "the limit of row 1 of budget must be finite and not negative"),
+        ([[1.0, 1.0]], [-1.0], "the limit of row 1 of budget must be finite and not negative"),
+        ([[1.0, 1.0, 1.0]], [1.0], "the element of entry 3 of budget does not exist; expected 0 to 1; found 2"),
+        ([[1.0, 1.0], [1.0, 1.0]], [1.0], "the row of entry 3 of budget does not exist"),
     ],
 )
 def test_rows_on_which_no_bound_can_rest_are_refused(costs: list[list[float]], limits: list[float], says: str) -> None:

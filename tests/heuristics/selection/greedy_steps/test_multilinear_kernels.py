@@ -21,7 +21,7 @@ Function = Coverage | FacilityLocation
 
 def data_of(f: Function) -> tuple[object, ...]:
     """What the kernels take, at x = 0."""
-    layout, indptr, indices, weights, _ = f.as_item_weights().arrays
+    layout, indptr, indices, weights, *_ = f.as_item_weights().arrays
     of_entry = weights[indices] if layout == AT_ITEM else weights
     owner = np.repeat(np.arange(f.num_elements), np.diff(indptr))
     order = np.lexsort((owner, -of_entry, indices))
