@@ -326,7 +326,7 @@ def test_a_long_tree_is_not_told():
 
 @pytest.mark.slow
 def test_a_form_with_cones_is_told_by_an_answer_and_none_of_its_rows_is_named(monkeypatch) -> None:
-    made = wb.generate("random", customers=9, capacity=0, deviation=0.3, seed=1, **{"max-duration": 300.0})
+    made = wb.generate("random", customers=13, capacity=0, deviation=0.3, seed=1, **{"max-duration": 300.0})
     problem = replace(made, fleet=(replace(made.fleet[0], risk=0.05),))
     assert problem.forms()[0] == "three-index-cones"
     assert explain(problem, time_limit=120).verdict == "feasible"

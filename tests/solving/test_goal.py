@@ -32,7 +32,7 @@ def test_nothing_is_proved_before_a_run_that_shall_repeat_or_that_asks_for_no_bo
     if "bound_time" in given:
         monkeypatch.setattr(
             "waybound.solving.solve.first_evidence",
-            lambda problem, seconds, linear, gap: ([], None) if seconds == 0 else pytest.fail("asked"),
+            lambda problem, seconds, linear, gap, uncompiled: ([], None) if seconds == 0 else pytest.fail("asked"),
         )
     assert wb.solve(wb.read("demo-tiny"), "pyvrp", **given).answer is not None
 
