@@ -132,7 +132,7 @@ inner = kernel(no_cpython_wrapper=True)
 
 
 def kernels(module: str) -> list[Kernel]:
-    """Those of a module that declare their types."""
+    """The kernels of a module that declare their types."""
     held = vars(importlib.import_module(module)).values()
     return [one for one in held if isinstance(one, Kernel) and one.declared and one.py_func.__module__ == module]
 

@@ -95,7 +95,7 @@ class Problem(ABC):
         return {}
 
     def remarks(self) -> tuple[str, ...]:
-        """What its solutions tell of it: the notes, and what the data hold that counts for nothing."""
+        """Lines that every solution shows: the notes, and which parts of the data count for nothing."""
         return tuple(self.notes)
 
     def _repr_html_(self) -> str:

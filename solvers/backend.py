@@ -211,7 +211,7 @@ class Control:
 
     @property
     def left(self) -> str:
-        """What is left of an engine that did not come back, for people."""
+        """A phrase that says what remains of the work of an engine that did not come back."""
         when = " while it was still setting up" if self.setting_up else ""
         return f"{when}; its last published answer is used" if self.answer is not None else f"{when}, and had published no answer"
 

@@ -8,7 +8,7 @@ from ...instances.errors import UsageError
 from ...instances.memory import SHARE, available, fits, readable
 
 BYTES = {"column": 100.0, "row": 90.0, "entry": 80.0}
-"""Of what is built, joined to whole arrays, and handed to a solver, which keeps a copy of its own. Names are made apart."""
+"""Bytes of memory while a program is built, joined to whole arrays, and copied by a solver; names come on top."""
 
 
 @dataclass(frozen=True)

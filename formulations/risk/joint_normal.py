@@ -149,7 +149,7 @@ def _independent(correlation: Floats, constraint: Ints) -> list[Ints]:
 
 
 def _any_of(parts: list[Probability]) -> Probability:
-    """Of independent events, from what is known of each."""
+    """Probability that any of several independent events happens, from what is known of each."""
     if len(parts) == 1:
         return parts[0]
     with np.errstate(divide="ignore"):

@@ -192,7 +192,7 @@ def _latest(arrival: Floats, begin: Floats, last: Floats, due: Floats, busy: flo
 
 
 def _best(problem: RoutingProblem, vehicle: VehicleType, opens: float, found: Sequence[Departure]) -> Departure | None:
-    """Of the shortest routes for each choice of windows the one to be driven; None where none keeps all windows."""
+    """The schedule to be driven, among the shortest for each choice of windows; None where none keeps all windows."""
     longest, latest, energy = vehicle.max_duration, math.inf, vehicle.energy
     if energy is not None and energy.rate > 0.0:
         if energy.charge == "elapsed":

@@ -35,7 +35,7 @@ class Astray(NamedTuple):
 
 @dataclass(frozen=True)
 class Timetable:
-    """What is stated of one route; None where nothing is.
+    """The stated times of one route; None where none are stated.
 
     Parameters
     ----------

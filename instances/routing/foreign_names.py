@@ -82,7 +82,7 @@ OURS: dict[str, dict[str, str]] = {
         "required": "mandatory compulsory",
     },
 }  # fmt: skip
-"""By table and waybound's title: the names of others."""
+"""Names in other toolkits, by table and by our title."""
 
 _WAITING = "waybound has no release times: goods are at the depot when it opens"
 _ORDER = "a site before another one is an entry of shipments"
@@ -133,7 +133,7 @@ ELSEWHERE: dict[str, dict[str, str]] = {
     },
     "groups": {},
 }
-"""By table and what to say: names that stand for no column of it."""
+"""Names for which we have no column, by table and by what the error says."""
 
 UNITS = _words(
     "s sec secs second seconds min mins minute minutes h hr hrs hour hours d day days kg kgs g t ton tons tonne tonnes lb lbs "

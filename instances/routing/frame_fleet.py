@@ -28,7 +28,7 @@ FURTHER = tuple(f"capacity{k}" for k in range(2, 10))
 WORDS = ("skills", "reloads")
 ENDS = ("start", "end")
 MEANT = {"start": "the first depot", "end": "a return to the start"}
-"""Of a vehicle without such a key."""
+"""Values of a vehicle that has no such key."""
 
 
 def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:

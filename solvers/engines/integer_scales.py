@@ -32,7 +32,7 @@ class Strips:
     made: Callable[[], Iterable[Floats]]
 
     def finite(self) -> Iterator[Floats]:
-        """Those that are neither infinite nor NaN."""
+        """The numbers that are neither infinite nor NaN, a strip after the other."""
         for strip in self.made():
             known = np.isfinite(strip)
             yield strip if known.all() else strip[known]

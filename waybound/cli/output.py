@@ -118,7 +118,7 @@ class _Held(io.StringIO):
 
 
 UNASKED = (b"HighsMipSolverData::",)
-"""What lines begin with that a library prints whatever its options say."""
+"""Beginnings of the lines that a library prints whatever its options say."""
 
 
 @contextlib.contextmanager

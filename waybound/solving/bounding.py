@@ -126,7 +126,7 @@ def find_bounds(
 
 
 def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:
-    """Those whose loops were never compiled; ``methods`` loses those that cannot say."""
+    """The methods whose loops were never compiled; methods that fail to tell are taken out of ``methods``."""
     late: list[BoundMethod] = []
     for method in tuple(methods):
         try:

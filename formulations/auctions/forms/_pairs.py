@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 def pairs_size(problem: BinAssignment) -> ProgramSize:
-    """Of one binary a pair, with the rows that all forms have."""
+    """Size of a program with one binary for each pair, and the rows that all forms have."""
     pairs = float(len(problem.bins))
     return ProgramSize(pairs, problem.num_robots + problem.num_bins + 1.0, 3.0 * pairs)
 

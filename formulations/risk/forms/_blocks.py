@@ -31,7 +31,7 @@ def dense_rows(name: str, matrix: Floats, lower: Any, upper: Any, extra: Any = (
 
 
 def size_of(problem: RiskAllocation, pieces: int = 0) -> ProgramSize:
-    """Of a form with so many pieces a constraint, or with fixed margins."""
+    """Size of the program of a form with this many pieces for each constraint, or with fixed margins."""
     terms, cones = problem.terms, problem.cones
     values = float(sum(len(constant) for _, _, _, constant in terms))
     entries = float(np.count_nonzero(problem.rows) + np.count_nonzero(problem.chance))

@@ -64,7 +64,7 @@ def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
 
 
 def _walked(problem: RoutingProblem, terms: Terms, peak: bool) -> float:
-    """By every order of customers; each route may have all of a risk of the team."""
+    """The bound from every order of customers; each route may take all of the team's risk."""
     level, least = problem.objective.levels()[0].terms, problem.sense == "min"
     doubt, n = 0.0, len(problem.sites.customers)
     idle = min(departure(problem, v) for v in problem.fleet) if "latest-return" in terms.peaks else 0.0

@@ -71,7 +71,7 @@ def _work(problem: RoutingProblem, limited: int) -> float:
 
 
 def two_index(problem: RoutingProblem, flows: Callable[[str], bool], connected: bool = False) -> ProgramSize:
-    """Of the forms of ``two_index``, which write resources as arc flows where ``flows`` says so, and as node levels elsewhere."""
+    """Size of the programs of ``two_index``, which write resources as arc flows where ``flows`` says so, and as node levels elsewhere."""
     n, arcs, held = len(problem.customers), moves(problem), resources(problem)
     if connected or set(held) <= {"time"} or not held:
         held = [*held, "order"]
@@ -85,7 +85,7 @@ def two_index(problem: RoutingProblem, flows: Callable[[str], bool], connected: 
 
 
 def three_index(problem: RoutingProblem, further: float = 0.0) -> ProgramSize:
-    """Of the forms of ``three_index``; ``further`` entries a move and vehicle beside theirs."""
+    """Size of the programs of ``three_index``; ``further`` entries a move and vehicle beside theirs."""
     n, groups = float(len(problem.customers) + len(copies(problem))), len(problem.sites.groups)
     size, moved = ProgramSize(0.0, n + 1.0 + groups, 0.0), 0.0
     windows = 3.0 * sum(map(len, problem.sites.windows)) if problem.sites.windows else 0.0
@@ -105,7 +105,7 @@ def three_index(problem: RoutingProblem, further: float = 0.0) -> ProgramSize:
 
 
 def three_index_pieces(problem: RoutingProblem, pieces: float) -> ProgramSize:
-    """Of ``three_index`` with so many pieces a vehicle."""
+    """Size of the program of ``three_index`` with this many pieces for each vehicle."""
     n = float(len(problem.customers))
     vehicles = sum(float(v.count or n) for v in problem.fleet)
     own = ProgramSize(vehicles * 3.0 * pieces, vehicles * (4.0 * pieces + 4.0), vehicles * 17.0 * pieces)
@@ -113,7 +113,7 @@ def three_index_pieces(problem: RoutingProblem, pieces: float) -> ProgramSize:
 
 
 def circuit(problem: RoutingProblem, arcs_say_enough: bool) -> ProgramSize:
-    """Of one variable a move, or of one a move and vehicle; circuits count as entries."""
+    """Size of a program with one variable for each move, or for each move and vehicle; circuits count as entries."""
     if not arcs_say_enough:
         count = sum(float(v.count or len(problem.customers)) for v in problem.fleet)
         return three_index(problem, 2.0) + ProgramSize(count * (len(problem.customers) + len(copies(problem)) + 1.0), 0.0, 0.0)
@@ -121,7 +121,7 @@ def circuit(problem: RoutingProblem, arcs_say_enough: bool) -> ProgramSize:
 
 
 def set_partitioning(problem: RoutingProblem) -> ProgramSize:
-    """Of one variable a route: at least as many as there are sets of sites, and one for each order of some where all of them count."""
+    """Size of a program with one variable for each route: at least one for each set of sites, and more where their order counts."""
     n = len(problem.customers)
     sets = len(problem.fleet) * 2.0 ** min(n, 500) * (1.0 if problem.team_risk is None else 2.0)
     maxima = sum(name in problem.features() for name in ("objective:makespan", "objective:longest-route", "objective:latest-return"))

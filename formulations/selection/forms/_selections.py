@@ -120,7 +120,7 @@ def edges_of(problem: SubmodularSelection) -> Edges:
 
 
 def edges_size(problem: SubmodularSelection, each: tuple[float, float, float, float]) -> ProgramSize:
-    """Of a form with so many columns and rows an edge, rows an item, and entries an edge, beside the choice of elements."""
+    """Size of a program with this many columns and rows for each edge, rows an item, and entries an edge, beside the choice of elements."""
     weights = problem.function.as_item_weights()
     assert weights is not None
     edges = float(len(weights.indices) or np.count_nonzero(weights.matrix))
