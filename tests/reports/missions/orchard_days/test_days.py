@@ -100,7 +100,7 @@ def test_auctions_among_robots_at_one_place_are_never_beaten():
 
 
 def test_a_hundred_days_are_quickly_played():
-    """They take a third of a second of computing."""
+    """A compiled loop plays them; the guard is against one that is not."""
     rules = OrchardRules(OrchardGrid(10, 10), 20, 4)
     began = time.process_time()
     for seed in range(100):
