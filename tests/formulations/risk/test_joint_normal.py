@@ -83,7 +83,7 @@ def test_rare_failures_of_constraints_with_alternatives_are_met(z: float) -> Non
     each = norm.sf((z - f) / own) ** 3
     truth = float(np.trapezoid((1.0 - (1.0 - each) ** 3) * norm.pdf(f), f))
     found = any_fails(np.full(9, z), covariance, constraint)
-    assert found.low <= truth <= found.high <= truth + 0.02 * found.most
+    assert found.low <= truth <= found.high <= found.low + 0.05 * found.most
 
 
 def test_rows_without_variance_have_no_noise_among_alternatives() -> None:
