@@ -70,6 +70,18 @@ def test_what_fails_beside_a_search_costs_no_answer(waits, monkeypatch):
     assert solution.bound_kind == "verified"  # found after the search, as where no core is free
 
 
+def test_who_has_a_bound_does_not_wait_for_what_is_compiled_beside_the_search(waits, monkeypatch):
+    problem = wb.read("demo-tiny")
+    evidence = find_bounds(problem, HANG, at_once=True)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, heuristic="savings", bound_time=0).answer)
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
+    release = threading.Event()
+    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda work, options, control: release.wait(10 * HANG))
+    solution = wb.solve(problem, "waits", time_limit=0.1, bound_time=1.5)
+    assert not release.is_set() and solution.bound_kind == "verified" and solution.gap > 0.0
+    release.set()
+
+
 def test_no_bound_is_waited_for_once_the_answer_is_proved(waits, monkeypatch):
     problem = wb.generate("random", seed=1, customers=4)
     evidence = find_bounds(problem, HANG, target=wb.solve(problem, "highs", bound_time=0).objective)

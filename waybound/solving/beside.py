@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 import time
@@ -100,9 +101,14 @@ class Beside(Control):
             if self._goal.infeasible or (held is not None and self._goal(held, self._searched.objective)):
                 self._searched.stop()
 
-    def found(self, control: Control, best: float | None = None) -> list[Evidence]:
-        """All evidence, once the budget is spent, ``control`` asks for the end, or nothing is left to gain for an answer worth ``best``."""
+    def found(self, control: Control, best: float | None = None, patience: float = math.inf) -> list[Evidence]:
+        """All evidence, once the budget is spent, ``control`` asks for the end, or nothing is left to gain for an answer worth ``best``.
+
+        Who has a verified bound waits ``patience`` seconds at most, whatever is being compiled: the next run goes on where this one ended.
+        """
+        over = time.perf_counter() + patience
         while not (self._done.wait(_TICK) or control.stopped or self._goal.met(best)):
-            pass
+            if self._goal.first_level is not None and time.perf_counter() > over:
+                break
         self.stop()
         return list(self.answer or ())

@@ -236,7 +236,7 @@ def _gather(
         record.begin_phase("bound", budget)
 
     if beside is not None:  # it keeps the time itself, without what it compiles
-        seen = search(lambda control: RawResult("unknown", answer=beside.found(control, best)), Control(), math.inf)
+        seen = search(lambda control: RawResult("unknown", answer=beside.found(control, best, budget)), Control(), math.inf)
         evidence.extend(seen.result.answer or [])
         run.notes.extend(beside.unable)
         if seen.interrupted:
