@@ -200,7 +200,8 @@ class ProgramBackend(Backend):
             elif not message:
                 end = {"none": "", "interrupt": " before it was interrupted"}.get(limit, f" within the {limit} limit")
                 message = f"{self.title or self.label} found no feasible point{end}"
-            return replace(said, status="unknown", limit=limit, answer=None, message=message)
+            bound = None if status == "optimal" else bound  # an optimum that nobody can show says nothing of what is better
+            return replace(said, status="unknown", limit=limit, answer=None, bound=bound, message=message)
         value = program.value(x)
         if status == "optimal" and bound is None and not program.is_integer:
             bound = value

@@ -97,6 +97,11 @@ def test_the_last_word_is_taken_for_what_it_is_worth(said, status, limit, object
     assert (result.status, result.limit, result.objective, result.message) == (status, limit, objective, message)
 
 
+def test_an_optimum_that_no_point_shows_is_no_bound() -> None:
+    assert Says(RawResult("optimal", answer=BAD, bound=18.0)).run(knapsack(), Options(), Control()).bound is None
+    assert Says(RawResult("feasible", "time", answer=BAD, bound=18.0)).run(knapsack(), Options(), Control()).bound == 18.0
+
+
 def test_the_optimum_of_a_continuous_program_is_its_bound() -> None:
     linear = dense([5, 3], [[1, 1]], -math.inf, 1, 0, 1, sense="max")
     result = Says(RawResult("optimal", answer=GOOD)).run(linear, Options(), Control())
