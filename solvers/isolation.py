@@ -17,7 +17,7 @@ import sys
 import tempfile
 import threading
 import time
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, Pipe
 from pathlib import Path
@@ -76,7 +76,7 @@ def run_isolated(solver: str, target: Problem | Program, options: Options, contr
     return run_in_process(SolverWork(solver, target, options), options, control)
 
 
-def run_in_process(work: Any, options: Options, control: Control) -> RawResult:
+def run_in_process(work: Any, options: Options, control: Control, *, aside: bool = False) -> RawResult:
     """Run ``work(control)`` in a process of its own.
 
     Parameters
@@ -87,6 +87,8 @@ def run_in_process(work: Any, options: Options, control: Control) -> RawResult:
     options : Options
         ``memory_limit`` counts megabytes on top of an idle process that has loaded the modules; kept on Linux only.
     control : Control
+    aside : bool
+        Whether something else goes on meanwhile, whose deadlines come nearer while this process starts; else they do not.
 
     Returns
     -------
@@ -109,7 +111,7 @@ def run_in_process(work: Any, options: Options, control: Control) -> RawResult:
         env={**os.environ, "TMPDIR": str(folder)},
     ) as process:  # fmt: skip
         theirs.close()
-        return _Child(process, mine, payload, options, control, output).watch()
+        return _Child(process, mine, payload, options, control, output).watch(aside)
 
 
 def _payload(work: Any, options: Options) -> bytes:
@@ -134,10 +136,10 @@ class _Child:
         with suppress(BrokenPipeError, ConnectionResetError):  # it died at once; ``watch`` tells how
             self.mine.send_bytes(payload)
 
-    def watch(self) -> RawResult:
+    def watch(self, aside: bool = False) -> RawResult:
         """Take what comes until the child is done or dead."""
         last: RawResult | None = None
-        with off_the_clock():
+        with nullcontext() if aside else off_the_clock():
             while last is None and self.searching is None:
                 last = self._step()
         while last is None:

@@ -96,6 +96,8 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     # Programs add up all penalties, and take away those of the sites that are visited.
     added = {**terms, "penalties": math.fsum(sites.penalty)}
     sizes = tuple(math.fsum(abs(w * added[t.name]) for w, t in level.terms) for level in problem.objective.levels())
+    if 0.0 in sizes:
+        sizes = tuple(size or least for size, least in zip(sizes, _least_sizes(problem), strict=True))
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
     if held & {"duration-cost", "overtime", "objective:total-duration"}:
         quantities |= {"duration": terms["total-duration"], "overtime": math.fsum(overtime)}
@@ -106,6 +108,30 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))
     names += ("timetable",) if any(route.timetable is not None for route in answer) else ()
     return Evaluation(values, judge.checks(names), tuple(judge.violations), quantities, sizes)
+
+
+def _least_sizes(problem: RoutingProblem) -> tuple[float, ...]:
+    """Of each level the least that the first move of some route adds to a term, above 0: where an answer adds up nothing, a bound that
+    is off by rounding is off by a part of that."""
+    sites, customers = problem.sites, problem.customers
+    lengths, times, costs = [], [], []
+    for kind, vehicle in enumerate(problem.fleet):
+        travel = problem.travel_of(kind)
+        lengths.append(_least(travel.distance(vehicle.start, customers)))
+        times.append(_least(travel.duration(vehicle.start, customers)))
+        costs.append(vehicle.fixed_cost + vehicle.unit_cost * lengths[-1] + vehicle.unit_duration_cost * times[-1])
+    length, time, cost = (_least(np.array(amounts)) for amounts in (lengths, times, costs))
+    amounts = {
+        "total-cost": cost, "reward": _least(sites.reward), "vehicles": 1.0, "longest-route": length, "makespan": time,
+        "total-duration": time, "latest-return": time, "penalties": _least(sites.penalty),
+    }  # fmt: skip
+    return tuple(_least(np.array([abs(w * amounts[t.name]) for w, t in level.terms])) for level in problem.objective.levels())
+
+
+def _least(amounts: Floats) -> float:
+    """The least finite amount above 0, 0 without any."""
+    above = amounts[(amounts > 0.0) & np.isfinite(amounts)]
+    return float(above.min()) if len(above) else 0.0
 
 
 def check_route(problem: RoutingProblem, name: str, route: Route, judge: Checklist) -> Schedule:

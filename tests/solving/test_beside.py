@@ -64,7 +64,7 @@ def test_a_search_ends_when_it_is_proved_beside_it_that_there_is_no_answer(waits
 def test_what_fails_beside_a_search_costs_no_answer(waits, monkeypatch):
     problem = wb.read("demo-tiny")
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
-    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda *_: 1 / 0)
+    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda *_, **__: 1 / 0)
     solution = wb.solve(problem, "waits", time_limit=0.5, bound_time=HANG)
     assert solution.objective == pytest.approx(384.7341401)
     assert solution.bound_kind == "verified"  # found after the search, as where no core is free
@@ -76,7 +76,7 @@ def test_who_has_a_bound_does_not_wait_for_what_is_compiled_beside_the_search(wa
     monkeypatch.setattr(waits, "answer", wb.solve(problem, heuristic="savings", bound_time=0).answer)
     monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
     release = threading.Event()
-    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda work, options, control: release.wait(10 * HANG))
+    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda *_, **__: release.wait(10 * HANG))
     solution = wb.solve(problem, "waits", time_limit=0.1, bound_time=1.5)
     assert not release.is_set() and solution.bound_kind == "verified" and solution.gap > 0.0
     release.set()
@@ -88,7 +88,7 @@ def test_no_bound_is_waited_for_once_the_answer_is_proved(waits, monkeypatch):
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
     monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
     release = threading.Event()
-    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda work, options, control: release.wait(10 * HANG))
+    monkeypatch.setattr("waybound.solving.beside.run_in_process", lambda *_, **__: release.wait(10 * HANG))
     solution = wb.solve(problem, "waits", time_limit=100 * HANG)
     release.set()
     assert (solution.status, solution.limit) == ("optimal", "none")
@@ -99,7 +99,7 @@ def test_what_bounding_beside_a_search_finds_and_lacks_is_told(waits, monkeypatc
     problem = wb.read("demo-tiny")
     found = find_bounds(problem, HANG, target=384.7341400721996)
 
-    def bounds(work, options, control):
+    def bounds(work, options, control, **_):
         control.publish(found)
         return RawResult("unknown", answer=found, statistics={"unable": ["no bound by magic: there is none"]})
 

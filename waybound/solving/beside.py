@@ -76,7 +76,7 @@ class Beside(Control):
 
     def _run(self, work: BoundWork) -> None:
         try:
-            result = run_in_process(work, Options(time_limit=work.bound_time), self)
+            result = run_in_process(work, Options(time_limit=work.bound_time), self, aside=True)
             self.fault, self.unable = "" if self.answer is not None else result.message, result.statistics.get("unable", [])
             self.answer = self.answer if result.answer is None else result.answer
         except Exception as fault:  # costs no answer; what was published stands

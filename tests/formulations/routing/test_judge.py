@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from draws import draws
 from hypothesis import given, settings
@@ -298,3 +299,15 @@ def test_no_penalty_is_known_as_closely_as_all_penalties_of_which_programs_take_
     verdict = problem.evaluate(Routes.of([[1, 2, 3, 4]]))
     assert (verdict.values, verdict.sizes) == ((0.0,), (8.0,))
     assert same(7e-15, verdict.values[0], verdict.size) and not same(1e-4, verdict.values[0], verdict.size)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("objective", [None, "total-cost", "total-duration", "vehicles"])
+def test_an_answer_that_adds_up_nothing_is_compared_like_a_first_move(unit: float, objective: str | None) -> None:
+    """Bounds that rounding puts a little below 0 meet an optimum of 0, in any unit; others do not."""
+    sites = pd.DataFrame({"x": [0.0, 30.0 * unit, 50.0 * unit], "y": 0.0, "required": [True, False, False], "reward": [0.0, 5.0 * unit, 7.0 * unit]})
+    given = {} if objective is None else {"objective": objective}
+    empty = RoutingProblem.from_frame(sites, vehicles=1, **given).evaluate(Routes.of([]))
+    one = 1.0 if objective == "vehicles" else unit
+    assert empty.values == (0.0,)
+    assert empty.same_at(0, -1e-10 * one) and not empty.same_at(0, -1e-6 * one)
