@@ -263,6 +263,9 @@ def test_the_child_does_not_outlive_its_parent(tmp_path: Path) -> None:
     raise AssertionError("the child is still alive")
 
 
-def test_a_process_aside_makes_no_clock_stand_still_while_it_begins(monkeypatch: Any) -> None:
+def test_a_process_aside_makes_no_clock_stand_still_while_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(HERE))
+    from misbehaving import SlowToBegin
+
     monkeypatch.setattr(isolation, "off_the_clock", lambda: 1 / 0)
     assert isolation.run_in_process(SlowToBegin(0.0), Options(time_limit=HANG), Control(), aside=True).answer

@@ -305,7 +305,8 @@ def test_no_penalty_is_known_as_closely_as_all_penalties_of_which_programs_take_
 @pytest.mark.parametrize("objective", [None, "total-cost", "total-duration", "vehicles"])
 def test_an_answer_that_adds_up_nothing_is_compared_like_a_first_move(unit: float, objective: str | None) -> None:
     """Bounds that rounding puts a little below 0 meet an optimum of 0, in any unit; others do not."""
-    sites = pd.DataFrame({"x": [0.0, 30.0 * unit, 50.0 * unit], "y": 0.0, "required": [True, False, False], "reward": [0.0, 5.0 * unit, 7.0 * unit]})
+    places = {"x": [0.0, 30.0 * unit, 50.0 * unit], "y": 0.0, "required": [True, False, False]}
+    sites = pd.DataFrame({**places, "reward": [0.0, 5.0 * unit, 7.0 * unit]})
     given = {} if objective is None else {"objective": objective}
     empty = RoutingProblem.from_frame(sites, vehicles=1, **given).evaluate(Routes.of([]))
     one = 1.0 if objective == "vehicles" else unit
