@@ -82,9 +82,11 @@ class Clock:
         return pd.Timestamp(self.origin) if self.origin else None
 
     def moments(self, times: Iterable[float]) -> list[Any]:
-        """Timestamps of times, to the second; times themselves where there is no origin."""
+        """Timestamps of times, whole milliseconds; texts of times of day, hours counted on behind midnight; else times themselves."""
         import pandas as pd
 
+        if self.of_day:
+            return [_hours(t * self.seconds) if math.isfinite(t) else None for t in times]
         start = self.midnight
         if start is None:
             return list(times)
@@ -105,6 +107,14 @@ class Clock:
     def __str__(self) -> str:
         since = f" since {self.origin.replace('T', ' ')}" if self.origin else " since midnight" if self.of_day else ""
         return f"{self.unit}{since}"
+
+
+def _hours(seconds: float) -> str:
+    """``08:30:00``, with milliseconds where there are any."""
+    minutes, milliseconds = divmod(round(1000.0 * abs(seconds)), 60_000)
+    rest = f"{milliseconds // 1000:02d}.{milliseconds % 1000:03d}".removesuffix(".000")
+    sign = "-" if seconds < 0 and minutes + milliseconds else ""
+    return f"{sign}{minutes // 60:02d}:{minutes % 60:02d}:{rest}"
 
 
 _CENTURIES = 200 * 366 * 86400

@@ -46,8 +46,8 @@ def a_problem(seed: int, number: int) -> RoutingProblem:
     if rng.random() < 0.2 and made.sites.coordinates is not None:
         made = replace(made, sites=replace(made.sites, geographic=True))
     if rng.random() < 0.1:
-        zone = str(rng.choice(["", "+02:00"]))
-        made = replace(made, clock=Clock(str(rng.choice(["min", "s", "h"])), f"2026-05-04T00:00:00{zone}"))
+        unit, zone = str(rng.choice(["min", "s", "h"])), str(rng.choice(["", "+02:00", "of day"]))
+        made = replace(made, clock=Clock(unit, of_day=True) if zone == "of day" else Clock(unit, f"2026-05-04T00:00:00{zone}"))
     return made
 
 
@@ -66,8 +66,10 @@ def an_answer(problem: RoutingProblem, rng: Rng) -> Routes:
 
 
 def numbers(problem: RoutingProblem, column: Any) -> Any:
-    """Moments as times of the problem."""
+    """Moments and times of day as times of the problem."""
     clock = problem.clock
+    if clock is not None and clock.of_day:
+        return (pd.to_timedelta(pd.Series(list(column), dtype=str)) / pd.Timedelta(seconds=clock.seconds)).to_numpy(dtype=float)
     if clock is None or not clock.origin:
         return np.asarray(column, dtype=float)
     moments = pd.DatetimeIndex(list(column))
@@ -80,7 +82,8 @@ def numbers(problem: RoutingProblem, column: Any) -> Any:
 def slack(problem: RoutingProblem, *moments: Any) -> float:
     """By how much two tellings of these moments may differ: rounding, and where they are dates a millisecond."""
     most = max((float(np.abs(m).max()) for m in moments if np.size(m)), default=0.0)
-    return NEAR * max(most, 1.0) + (0.0011 / problem.clock.seconds if problem.clock is not None and problem.clock.origin else 0.0)
+    clock = problem.clock
+    return NEAR * max(most, 1.0) + (0.0011 / clock.seconds if clock is not None and (clock.origin or clock.of_day) else 0.0)
 
 
 def of_tables(problem: RoutingProblem, visits: Any, routes: Any) -> list[Told]:

@@ -91,8 +91,8 @@ def _title(title: str) -> str:
 
 
 def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
-    """The frame with moments in place of times, where the problem knows from when these count."""
-    if problem.clock is not None and problem.clock.origin:
+    """The frame with moments or times of day in place of times, where the problem knows from when these count."""
+    if problem.clock is not None and (problem.clock.origin or problem.clock.of_day):
         for title in columns:
             frame[title] = problem.clock.moments(frame[title].tolist())
     return frame

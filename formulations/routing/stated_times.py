@@ -17,7 +17,7 @@ from .timetable import COLUMNS, Moments, last_digit
 if TYPE_CHECKING:
     import pandas as pd
 
-_TIME_OF_DAY = re.compile(r"([0-9]{1,2}):([0-5][0-9])(?::([0-5][0-9](?:\.[0-9]+)?))?")
+_TIME_OF_DAY = re.compile(r"(-?)([0-9]{1,6}):([0-5][0-9])(?::([0-5][0-9](?:\.[0-9]+)?))?")
 
 STEPS = (60_000_000_000, 1_000_000_000, 1_000_000)
 FINEST = 1_000
@@ -88,8 +88,9 @@ def _read(clock: Clock | None, value: Any, title: str) -> float | int | None:
             pass
         if matched := _TIME_OF_DAY.fullmatch(text):
             _need(clock, value, title)
-            hours, minutes, seconds = matched.groups(default="0")
-            return (int(hours) * 3600 + int(minutes) * 60) * 1_000_000_000 + round(float(seconds) * 1e9)
+            sign, hours, minutes, seconds = matched.groups(default="0")
+            since = (int(hours) * 3600 + int(minutes) * 60) * 1_000_000_000 + round(float(seconds) * 1e9)
+            return -since if sign else since
     try:
         moment = pd.Timestamp(value)
     except (TypeError, ValueError):

@@ -140,7 +140,11 @@ def _time_axis(ax: Any, problem: RoutingProblem, span: float) -> None:
     if clock is not None:
         label = f"time ({clock.unit})"
         step = next((s for s in STEPS if span * clock.seconds <= 9 * s), None)
-        if step is not None and (start := clock.midnight) is not None:
+        if step is not None and clock.of_day:
+            ax.xaxis.set_major_locator(MultipleLocator(step / clock.seconds))
+            ax.xaxis.set_major_formatter(lambda at, _: str(clock.moments([at])[0]).removesuffix(":00"))
+            label = "time of day"
+        elif step is not None and (start := clock.midnight) is not None:
             shape = "%H:%M:%S" if step < 60 else "%H:%M" if span * clock.seconds <= 86400 else "%d %b %H:%M"
             ax.xaxis.set_major_locator(MultipleLocator(step / clock.seconds))
             ax.xaxis.set_major_formatter(lambda at, _: clock.moments([at])[0].strftime(shape))
