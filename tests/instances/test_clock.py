@@ -142,7 +142,8 @@ def test_times_of_day_make_a_clock_of_the_day_and_moments_one_of_the_calendar() 
 
 
 @pytest.mark.parametrize(
-    ("time", "text"), [(510.0, "08:30:00"), (510.61, "08:30:36.600"), (1590.0, "26:30:00"), (-30.0, "-00:30:00"), (0.0, "00:00:00"), (math.nan, None)]
-)  # fmt: skip
+    ("time", "text"),
+    [(510.0, "08:30:00"), (510.61, "08:30:36.600"), (1590.0, "26:30:00"), (-30.0, "-00:30:00"), (0.0, "00:00:00"), (math.nan, None)],
+)
 def test_times_of_day_are_told_as_times_of_day_with_hours_counted_on_behind_midnight(time: float, text: str | None) -> None:
     assert Clock("min", of_day=True).moments([time]) == [text]
