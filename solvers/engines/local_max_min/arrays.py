@@ -151,5 +151,7 @@ def shares_at_levels(
     stop.check()
     kernels.solve_layers(stop.flag, graph, layers, h, np.empty(actions), np.empty(targets), np.empty(targets), own, back, total)
     stop.check()
-    kernels.average(graph, total, h, normalise)
-    return total
+    total /= 2.0 * (h + 1)
+    robot = np.repeat(np.arange(cleaned.num_robots), np.diff(graph.first))
+    load = np.bincount(robot, total, cleaned.num_robots)
+    return np.asarray(total / np.where((load > 1.0) | (normalise & (load > 0.0)), load, 1.0)[robot])

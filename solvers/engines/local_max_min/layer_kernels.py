@@ -177,17 +177,3 @@ def solve_layers(flag, graph, layers, h, reds, sums, next_sums, blues, back, tot
         levels = layers[min(layer, layers.shape[0] - 1)]
         _solve_layer(first, starts, targets, weights, private, caps, levels, reds, sums, next_sums, blues, back, total, layer == 0)
         sums, next_sums = next_sums, sums
-
-
-@kernel(f"({GRAPH}, f8[::1], i8, b1)", _nrt=False)
-def average(graph, total, h, normalise):  # type: ignore[no-untyped-def]
-    """Turn sums of copies into shares, in place: no robot does more than 1, exactly 1 where ``normalise``."""
-    first, _, _, _, _, _ = graph
-    for i in range(len(first) - 1):
-        load = 0.0
-        for v in range(first[i], first[i + 1]):
-            total[v] /= 2.0 * (h + 1)
-            load += total[v]
-        if (normalise and load > 0.0) or load > 1.0:
-            for v in range(first[i], first[i + 1]):
-                total[v] /= load

@@ -24,7 +24,7 @@ from .lane_kernels import add, bare, inlined, larger, load, multiply, splat, sto
 from .layer_kernels import GRAPH, clear, least_of_others, note
 from .search import DEEPEST, Lists, Scratch, Sight
 
-_SIGHT = "named(Sight, i4[::1], i4[::1])"
+_SIGHT = "named(Sight, i8[::1], i4[::1])"
 _SCRATCH = "named(Scratch, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[::1])"
 _LISTS = "named(Lists, i4[::1], b1[::1], i4[::1], i4[::1])"
 _NAMED = (Layout, Lists, Scratch, Sight)
@@ -249,42 +249,6 @@ def sweep(flag, graph, scratch, robots, within, distance, h, levels, secant, sla
             room, near, noted, next_room, next_near, blues, below,
         )  # fmt: skip
         room, next_room, near, next_near = next_room, room, next_near, near
-
-
-@kernel(f"({GRAPH}, i8, i4[::1], i4[::1])")
-def transpose(graph, num_targets, target_starts, robots):  # type: ignore[no-untyped-def]
-    """Robots that see each target, one entry an edge."""
-    first, starts, targets, _, _, _ = graph
-    for e in range(len(targets)):
-        target_starts[targets[e] + 1] += 1
-    for k in range(num_targets):
-        target_starts[k + 1] += target_starts[k]
-    fill = np.empty(num_targets, np.int64)
-    for k in range(num_targets):
-        fill[k] = target_starts[k]
-    for i in range(len(first) - 1):
-        for e in range(starts[first[i]], starts[first[i + 1]]):
-            k = targets[e]
-            robots[fill[k]] = i
-            fill[k] += 1
-
-
-@kernel(f"({GRAPH}, f8[::1], f8[::1])", _nrt=False)
-def capacities(graph, sums, lowest):  # type: ignore[no-untyped-def]
-    """Per action the least, over its targets, of what all viewers at their caps give; returns the least and largest of these."""
-    first, starts, targets, weights, private, caps = graph
-    for i in range(len(caps)):
-        for e in range(starts[first[i]], starts[first[i + 1]]):
-            sums[targets[e]] += weights[e] * caps[i]
-    smallest, largest = INFINITE, 0.0
-    for i in range(len(caps)):
-        for v in range(first[i], first[i + 1]):
-            value = private[v] * caps[i] if private[v] > 0.0 else INFINITE
-            for e in range(starts[v], starts[v + 1]):
-                value = min(value, sums[targets[e]])
-            lowest[v] = value
-            smallest, largest = min(smallest, value), max(largest, value)
-    return smallest, largest
 
 
 @kernel(f"(i8[::1], {GRAPH}, {_SIGHT}, read(i4[::1]), {_SCRATCH}, {_LISTS}, i8, f8, f8, f8, i4[::1], f8[::1], f8[::1])")
