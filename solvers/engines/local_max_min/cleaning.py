@@ -132,15 +132,20 @@ def clean(graph: SensingGraph) -> CleanGraph:
         order = order[np.argsort(owner[order], kind="stable")]
     first = np.append(np.flatnonzero(np.diff(owner[order], prepend=-1)), len(order)).astype(np.int32)
     private = np.zeros(len(order))
-    if not whole or (viewers == 1).any():
-        at = np.repeat(np.arange(len(order)), sizes[order])  # the action of each edge, in the new order
-        edges = np.arange(len(at)) + np.repeat(starts[order] - np.cumsum(sizes[order]) + sizes[order], sizes[order])
-        shared = viewers[seen[edges]] > 1
-        alone = np.full(len(order), math.inf)
-        np.minimum.at(alone, at[~shared], weights[edges[~shared]])
-        private[alone < math.inf] = alone[alone < math.inf]
-        starts = np.append(0, np.cumsum(np.bincount(at[shared], minlength=len(order)))).astype(np.int32)
-        seen, weights = seen[edges[shared]], weights[edges[shared]]
+    if not whole:
+        sizes = sizes[order]
+        ends = np.cumsum(sizes, dtype=np.int32)
+        edges = np.arange(len(seen), dtype=np.int32) + np.repeat(starts[order] - ends + sizes, sizes)
+        starts, seen, weights = np.append(np.int32(0), ends), seen[edges], weights[edges]
+    lone = (viewers == 1)[seen]
+    alone = np.flatnonzero(lone)
+    if len(alone):
+        at = np.searchsorted(starts, alone, side="right") - 1
+        least = np.full(len(order), math.inf)
+        np.minimum.at(least, at, weights[alone])
+        private = np.where(least < math.inf, least, 0.0)
+        starts = starts - np.searchsorted(alone, starts).astype(np.int32)
+        seen, weights = seen[~lone], weights[~lone]
     layout = Layout(first, starts, seen, weights, private, 2.0 / np.diff(first))
     for array in layout:  # as the graph's own arrays are: kernels are then compiled for one kind only
         array.setflags(write=False)

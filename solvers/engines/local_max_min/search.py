@@ -80,14 +80,43 @@ def _scratch(clean: CleanGraph) -> Scratch:
     )  # fmt: skip
 
 
+def tree_minima(clean: CleanGraph, start: Floats, floor: Floats, rows: int, h: int, stop: Stop) -> Floats:
+    """Minima over trees: row l gets, per blue copy B(v, l), the least of ``start`` over the roots above it.
+
+    Parameters
+    ----------
+    start : array of shape (actions,)
+        One value a root.
+    floor : array of shape (actions,) or (0,)
+        Joined in at every layer.
+    rows : int
+        ``h``; or 1 for the last layer alone, l = h - 1.
+    """
+    from .layer_kernels import minima_layer
+
+    near, next_near = aligned_rows(clean.num_targets, 4), aligned_rows(clean.num_targets, 4)
+    own, back, layers = np.empty(clean.delta_r), np.empty(clean.delta_r), np.empty((rows, clean.num_actions))
+    for layer in range(h):
+        stop.check()
+        above, out = layers[min(max(layer - 1, 0), rows - 1)], layers[min(layer, rows - 1)]
+        minima_layer(clean.layout, start, floor, above, near, next_near, own, back, out, layer == 0, layer == h - 1)
+        near, next_near = next_near, near
+    return layers
+
+
+def sums_at_caps(clean: CleanGraph) -> Floats:
+    """What all viewers at their caps give each target."""
+    first, starts, targets, weights, _, caps = clean.layout
+    given = weights * np.repeat(caps, np.diff(starts[first]))
+    return np.bincount(targets, given, clean.num_targets).astype(np.float64)  # of nothing, numpy counts in whole numbers
+
+
 def _capacities(clean: CleanGraph) -> Floats:
     """Of each action the least, over its targets, of what all viewers at their caps give."""
-    first, starts, targets, weights, private, caps = clean.layout
-    caps = np.repeat(caps, np.diff(first))
-    sizes = np.diff(starts)
-    sums = np.bincount(targets, weights * np.repeat(caps, sizes), clean.num_targets)
-    lowest = np.where(private > 0.0, private * caps, math.inf)
-    seeing = np.flatnonzero(sizes)
+    first, starts, targets, _, private, caps = clean.layout
+    sums = sums_at_caps(clean)
+    lowest = np.where(private > 0.0, private * np.repeat(caps, np.diff(first)), math.inf)
+    seeing = np.flatnonzero(np.diff(starts))
     if len(seeing):
         lowest[seeing] = np.minimum(lowest[seeing], np.minimum.reduceat(sums[targets], starts[seeing]))
     return lowest
@@ -249,26 +278,21 @@ def step_search(clean: CleanGraph, h: int, step: float, stop: Stop = NEVER) -> t
     This is the search whose output the thesis tabulates (Sung 2019, Table 3.1, step 0.1). Its relative error is step / (t* - step)
     at most, which is no (1 + eps) for weights of another size.
     """
-    from . import layer_kernels, level_kernels
+    from .level_kernels import step_groups
 
-    graph, actions, targets = clean.layout, clean.num_actions, clean.num_targets
-    lowest, ceilings = _capacities(clean), np.empty((1, actions))
-    near, next_near = aligned_rows(targets, 4), aligned_rows(targets, 4)
-    own, back = np.empty(clean.delta_r), np.empty(clean.delta_r)
-    layer_kernels.tree_minima(stop.flag, graph, lowest, lowest, near, next_near, own, back, ceilings, h)
-    stop.check()
-    ceiling = ceilings[0]
+    lowest = _capacities(clean)
+    ceiling = tree_minima(clean, lowest, lowest, 1, h, stop)[0]
     steps = float(ceiling.max()) / (2 * step) + 2
     if steps > _MOST_STEPS:
         raise UsageError(f"step must be at least {float(ceiling.max()) / _MOST_STEPS:.3g} for these weights, not {step!r}")
-    base = np.zeros(actions)
+    base = np.zeros(clean.num_actions)
     scratch, (sight, lists, owner) = _scratch(clean), _reachable(clean, stop)
     stride = 1
     while 8 * stride < steps:
         stride *= 8
     while stride >= 1:
         order = np.lexsort((base, ceiling)).astype(np.int32)
-        level_kernels.step_groups(stop.flag, graph, sight, owner, scratch, lists, h, step, float(stride), SLACK, order, ceiling, base)
+        step_groups(stop.flag, clean.layout, sight, owner, scratch, lists, h, step, float(stride), SLACK, order, ceiling, base)
         stop.check()
         stride //= 8
     levels = np.maximum(ceiling - base * step, ceiling / 2)
