@@ -21,10 +21,6 @@ WIDTH = 8
 inlined = kernel(forceinline=True, no_cpython_wrapper=True)
 """For the small functions that kernels are made of: calls would cost more than what they do."""
 
-bare = kernel(_nrt=False, no_cpython_wrapper=True)
-"""For what only kernels call, and neither makes nor returns arrays: numba then counts no references, which in inner loops would cost more
-than the work."""
-
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
