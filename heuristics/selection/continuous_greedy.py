@@ -102,10 +102,10 @@ def _by_item(
     weights: ItemWeights, stop: Stop
 ) -> tuple[NDArray[np.int64], tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]]:
     """The place of each entry in the transpose, and this with the elements of an item by falling weight; as far as the time goes."""
-    from .greedy_steps.loops_kernels import transpose
+    from ...formulations.transpose_kernels import transpose
 
     items, everything = weights.num_items, np.arange(weights.entries, dtype=np.float64)
-    starts, elements, entries = transpose(stop.flag, items, AT_ENTRY, weights.indptr, weights.indices, everything)
+    starts, elements, entries = transpose(stop.flag, items, weights.indptr, weights.indices, everything)
     with np.errstate(invalid="ignore"):  # not filled where the time was up
         entries = entries.astype(np.int64)
     sorted_weights, position = np.empty(len(entries)), np.zeros(len(entries), np.int64)

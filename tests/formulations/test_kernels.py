@@ -102,8 +102,6 @@ def test_whatever_python_calls_declares_its_types(module: str) -> None:
     """So that ``waybound warm`` compiles it; what only kernels call is ``inner``."""
     held = [one for one in vars(importlib.import_module(module)).values() if isinstance(one, Kernel) and one.py_func.__module__ == module]
     undeclared = [one.title for one in held if not one.declared and not one.targetoptions.get("no_cpython_wrapper")]
-    if module.rpartition(".")[2] in ("layer_kernels", "level_kernels"):  # ``bare`` ones are parts of others
-        undeclared = [title for title in undeclared if not title.rpartition(".")[2].startswith("_")]
     assert not undeclared
     for one in held:
         one._signatures()

@@ -47,9 +47,9 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
         Whether it was done, stopped, or had no room; the least cost, infinite if there is no such walk.
     """
     nodes, words, resources = len(cost), memory.shape[1], len(start)
-    size = min(room, 1024)  # of what follows, which grows
-    node, behind, dropped = np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.bool_)
-    value, level, seen = np.empty(size), np.empty((size, resources)), np.empty((size, words), np.uint64)
+    # What is never written takes no memory.
+    node, behind, dropped = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.bool_)
+    value, level, seen = np.empty(room), np.empty((room, resources)), np.empty((room, words), np.uint64)
     front = np.empty(nodes, np.int32)  # labels of a node in order of their values
     for j in range(nodes):
         front[j] = -1
@@ -103,17 +103,6 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                     continue
                 if count == room:
                     return FULL, -math.inf
-                if count == size:
-                    size = min(room, 2 * size)
-                    nodes_, behind_, dropped_ = np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.bool_)
-                    value_, level_, seen_ = np.empty(size), np.empty((size, resources)), np.empty((size, words), np.uint64)
-                    for c in range(count):
-                        nodes_[c], behind_[c], dropped_[c], value_[c] = node[c], behind[c], dropped[c], value[c]
-                        for r in range(resources):
-                            level_[c, r] = level[c, r]
-                        for w in range(words):
-                            seen_[c, w] = seen[c, w]
-                    node, behind, dropped, value, level, seen = nodes_, behind_, dropped_, value_, level_, seen_
                 new = count
                 count += 1
                 node[new], value[new], behind[new], dropped[new] = head, price, k, False

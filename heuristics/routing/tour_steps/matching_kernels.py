@@ -9,6 +9,7 @@ the same one.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....formulations.kernels import inner, kernel
 from ....formulations.stop_kernel import asked
@@ -16,9 +17,11 @@ from ....formulations.stop_kernel import asked
 NONE, OUTER, INNER = -1, 0, 1
 FAR = 1 << 62
 
+PRICE, MATE, TOP, LABEL, NEAR, PARENT, MEMBER, SEEN, LENGTH, QUEUE, SPAN, SURFACE, OWN, OTHER = range(14)
+"""Rows of ``table``: numbers of each vertex and blossom, what waits in the queue and how far it is, and a stack of edges in three rows."""
 
-@kernel("(i8[::1], i8[:, ::1])")
-def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-def]
+
+def minimum_weight_perfect_matching(flag: NDArray[np.int64], weights: NDArray[np.int64]) -> NDArray[np.int64]:
     """Partner of each vertex; -1 for some where it was asked to stop.
 
     Parameters
@@ -29,34 +32,27 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
         Symmetric, at most 2^57 in size.
     """
     n = len(weights)
-    doubled = np.empty((n, n), np.int64)  # then all prices of outer vertices stay of one parity
-    for u in range(n):
-        for v in range(n):
-            doubled[u, v] = 2 * weights[u, v]
-    size = n + n // 2 + 1
-    price = np.zeros(size, np.int64)
-    mate = np.full(size, -1)
-    top = np.full(size, -1)
-    label = np.full(size, NONE)
-    near = np.full(size, -1)
-    parent = np.full(size, -1)
-    member = np.full(size, -1)
-    seen = np.zeros(size, np.int64)
+    size = n + n // 2 + 2
+    doubled = 2 * weights  # then all prices of outer vertices stay of one parity
+    table = np.full((14, size), -1)
+    table[SEEN] = 0
+    table[PRICE, n:] = 0
+    table[PRICE, :n] = np.where(np.eye(n, dtype=np.bool_), FAR, doubled).min(axis=1, initial=FAR)
+    table[[TOP, MEMBER], :n] = np.arange(n)
     end = np.full((size, size), -1)
-    inside = np.full((size - n, n), -1)
-    cycle = np.zeros((size - n, n), np.int64)
-    length = np.zeros(size - n, np.int64)
-    queue = np.zeros(n + 1, np.int64)
-    span = np.zeros(2, np.int64)  # of what waits in the queue
+    end[:n, :n] = np.arange(n)[:, None]
+    inside, cycle = np.full((size - n, n), -1), np.zeros((size - n, n), np.int64)  # child of each vertex, and children in their order
+    raise_prices(doubled, table[PRICE], table[MATE])
+    while augmented(flag, (doubled, table, end, inside, cycle)):
+        pass
+    return table[MATE, :n]
+
+
+@kernel("(i8[:, ::1], i8[::1], i8[::1])")
+def raise_prices(doubled, price, mate):  # type: ignore[no-untyped-def]
+    """As high as the others' prices allow, with a partner where one is free."""
+    n = len(doubled)
     for u in range(n):
-        top[u] = member[u] = u
-        least = FAR
-        for v in range(n):
-            end[u, v] = u
-            if v != u:
-                least = min(least, doubled[u, v])
-        price[u] = least
-    for u in range(n):  # as high as the others' prices allow, with a partner where one is free
         if mate[u] >= 0:
             continue
         least, best = FAR, -1
@@ -68,17 +64,15 @@ def minimum_weight_perfect_matching(flag, weights):  # type: ignore[no-untyped-d
         price[u] = least
         if best >= 0 and mate[best] < 0:
             mate[u], mate[best] = best, u
-    state = (doubled, price, mate, top, label, near, parent, member, seen, end, inside, cycle, length, queue, span)
-    while _augmented(flag, state, n):
-        pass
-    return mate[:n]
 
 
-@inner
-def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
+@kernel("(i8[::1], UniTuple(i8[:, ::1], 5))")
+def augmented(flag, state):  # type: ignore[no-untyped-def]
     """Grow trees of alternating paths from all free surfaces until two of them meet; False without any, or where it was asked to stop."""
-    _, price, mate, top, label, near, parent, _, _, end, _, _, _, queue, span = state
-    size = len(top)
+    doubled, table, end, _, _ = state
+    price, mate, top, label = table[PRICE], table[MATE], table[TOP], table[LABEL]
+    near, parent, queue, span = table[NEAR], table[PARENT], table[QUEUE], table[SPAN]
+    n, size = len(doubled), len(top)
     span[0] = span[1] = 0
     for x in range(size):
         label[x], near[x] = NONE, -1
@@ -137,14 +131,14 @@ def _augmented(flag, state, n):  # type: ignore[no-untyped-def]
 @inner
 def _slack(state, x, y):  # type: ignore[no-untyped-def]
     """Of the edge of least slack between ``x`` and ``y``."""
-    doubled, price, end = state[0], state[1], state[9]
-    u, v = end[x, y], end[y, x]
+    doubled, table, end, _, _ = state
+    price, u, v = table[PRICE], end[x, y], end[y, x]
     return 2 * doubled[u, v] - price[u] - price[v]
 
 
 @inner
 def _note(state, u, x):  # type: ignore[no-untyped-def]
-    near = state[5]
+    near = state[1][NEAR]
     if near[x] < 0 or _slack(state, u, x) < _slack(state, near[x], x):
         near[x] = u
 
@@ -152,7 +146,8 @@ def _note(state, u, x):  # type: ignore[no-untyped-def]
 @inner
 def _look(state, n, x):  # type: ignore[no-untyped-def]
     """The outer vertex nearest to surface ``x``, from scratch."""
-    top, label, near = state[3], state[4], state[5]
+    table = state[1]
+    top, label, near = table[TOP], table[LABEL], table[NEAR]
     near[x] = -1
     for u in range(n):
         if top[u] != x and label[top[u]] == OUTER:
@@ -161,7 +156,8 @@ def _look(state, n, x):  # type: ignore[no-untyped-def]
 
 @inner
 def _push(state, n, x):  # type: ignore[no-untyped-def]
-    inside, queue, span = state[10], state[13], state[14]
+    _, table, _, inside, _ = state
+    queue, span = table[QUEUE], table[SPAN]
     if x < n:
         queue[span[1]] = x
         span[1] += 1
@@ -175,7 +171,8 @@ def _push(state, n, x):  # type: ignore[no-untyped-def]
 @inner
 def _met(state, n, u, v):  # type: ignore[no-untyped-def]
     """Outer vertex ``u`` has a tight edge to ``v``: the tree grows, contracts, or meets another one (True)."""
-    _, _, mate, top, label, near, parent, _, seen, _, _, _, _, _, _ = state
+    table = state[1]
+    mate, top, label, near, parent, seen = table[MATE], table[TOP], table[LABEL], table[NEAR], table[PARENT], table[SEEN]
     x, y = top[u], top[v]
     if label[y] == NONE:
         parent[y] = u
@@ -198,8 +195,9 @@ def _met(state, n, u, v):  # type: ignore[no-untyped-def]
                 a = top[parent[top[mate[a]]]] if mate[a] >= 0 else -1
             a, b = b, a
         if base < 0:
-            _flip(state, n, x, u, v)
-            _flip(state, n, y, v, u)
+            for _ in range(2):
+                _flip(state, n, x, u, v)
+                x, u, v = y, v, u
             return True
         _contract(state, n, x, base, y)
     return False
@@ -218,8 +216,8 @@ def _reverse(row, first, last):  # type: ignore[no-untyped-def]
 @inner
 def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
     """Where ``child`` stands in the cycle of ``b``, whose direction is such that this is an even number."""
-    cycle, length = state[11], state[12]
-    k, at = length[b - n], 0
+    _, table, _, _, cycle = state
+    k, at = table[LENGTH, b], 0
     while cycle[b - n, at] != child:
         at += 1
     if at % 2 == 1:
@@ -231,70 +229,69 @@ def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
 @inner
 def _flip(state, n, x, u, v):  # type: ignore[no-untyped-def]
     """Match surface ``x`` along the edge from its vertex ``u`` to ``v``, and all that follows on the way to the root."""
-    mate, top, parent, end = state[2], state[3], state[6], state[9]
+    _, table, end, _, _ = state
+    mate, top, parent = table[MATE], table[TOP], table[PARENT]
+    outer = True
     while True:
         old = mate[x]
         _match(state, n, x, u, v)
-        if old < 0:
+        if not outer:
+            x, u, v = top[v], v, u
+        elif old < 0:
             return
-        y = top[old]
-        u = parent[y]
-        v = end[y, u]
-        _match(state, n, y, v, u)
-        x = top[u]
+        else:
+            x = top[old]
+            v = parent[x]
+            u = end[x, v]
+        outer = not outer
 
 
 @inner
 def _match(state, n, x, u, v):  # type: ignore[no-untyped-def]
     """Match ``x`` along the edge from its vertex ``u`` to ``v``, with all blossoms within it."""
-    _, _, mate, _, _, _, _, _, _, end, inside, cycle, length, _, _ = state
-    waiting, depth = np.empty((len(mate), 3), np.int64), 1
-    waiting[0, 0], waiting[0, 1], waiting[0, 2] = x, u, v
+    _, table, end, inside, cycle = state
+    mate, surface, own, other, depth = table[MATE], table[SURFACE], table[OWN], table[OTHER], 1
+    surface[0], own[0], other[0] = x, u, v
     while depth > 0:
         depth -= 1
-        x, u, v = waiting[depth, 0], waiting[depth, 1], waiting[depth, 2]
+        x, u, v = surface[depth], own[depth], other[depth]
         mate[x] = v
         if x < n:
             continue
         child = inside[x - n, u]
         at, row = _turn(state, n, x, child), cycle[x - n]
-        for i in range(0, at, 2):
-            a, b = row[i], row[i + 1]
-            waiting[depth, 0], waiting[depth, 1], waiting[depth, 2] = a, end[a, b], end[b, a]
-            waiting[depth + 1, 0], waiting[depth + 1, 1], waiting[depth + 1, 2] = b, end[b, a], end[a, b]
-            depth += 2
-        waiting[depth, 0], waiting[depth, 1], waiting[depth, 2] = child, u, v
+        for i in range(at):
+            a, b = row[i], row[i ^ 1]
+            surface[depth], own[depth], other[depth] = a, end[a, b], end[b, a]
+            depth += 1
+        surface[depth], own[depth], other[depth] = child, u, v
         depth += 1
-        k = length[x - n]
-        _reverse(row, 0, at)  # three turns rotate
-        _reverse(row, at, k)
-        _reverse(row, 0, k)
+        k = table[LENGTH, x]
+        for first, last in ((0, at), (at, k), (0, k)):  # three turns rotate
+            _reverse(row, first, last)
 
 
 @inner
 def _contract(state, n, x, base, y):  # type: ignore[no-untyped-def]
     """A blossom of the cycle through ``base``, ``x`` and ``y``."""
-    _, price, mate, top, label, _, parent, member, _, end, inside, cycle, length, _, _ = state
+    _, table, end, inside, cycle = state
+    price, mate, top, label, parent, member = table[PRICE], table[MATE], table[TOP], table[LABEL], table[PARENT], table[MEMBER]
     size, b = len(top), n
     while top[b] >= 0:
         b += 1
     row = cycle[b - n]
     row[0] = base
     k = 1
-    while x != base:
-        row[k] = x
-        row[k + 1] = inner = top[mate[x]]
-        k += 2
-        _push(state, n, inner)
-        x = top[parent[inner]]
-    _reverse(row, 1, k)
-    while y != base:
-        row[k] = y
-        row[k + 1] = inner = top[mate[y]]
-        k += 2
-        _push(state, n, inner)
-        y = top[parent[inner]]
-    length[b - n], member[b], mate[b] = k, member[base], mate[base]
+    for _ in range(2):
+        _reverse(row, 1, k)
+        while x != base:
+            row[k] = x
+            row[k + 1] = inner = top[mate[x]]
+            k += 2
+            _push(state, n, inner)
+            x = top[parent[inner]]
+        x = y
+    table[LENGTH, b], member[b], mate[b] = k, member[base], mate[base]
     price[b], label[b], top[b] = 0, OUTER, b
     for i in range(k):
         child = row[i]
@@ -321,8 +318,9 @@ def _contract(state, n, x, base, y):  # type: ignore[no-untyped-def]
 @inner
 def _open(state, n, b):  # type: ignore[no-untyped-def]
     """Inner blossom ``b`` has no price left: its children are surfaces again, those between its two tree edges part of the tree."""
-    _, _, _, top, label, near, parent, _, _, end, inside, cycle, length, _, _ = state
-    k = length[b - n]
+    _, table, end, inside, cycle = state
+    top, label, near, parent = table[TOP], table[LABEL], table[NEAR], table[PARENT]
+    k = table[LENGTH, b]
     entry = inside[b - n, end[b, parent[b]]]
     at, row = _turn(state, n, b, entry), cycle[b - n]
     for i in range(k):

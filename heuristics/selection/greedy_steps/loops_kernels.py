@@ -100,30 +100,6 @@ def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, wei
     return picks[:count], gains[:count], evaluations
 
 
-@kernel("(i8[::1], i8, i8, read(i4[::1]), read(i4[::1]), read(f8[::1]))")
-def transpose(flag, items, layout, indptr, indices, weights):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """The elements of each item, and (but for coverage) the weights that they give it."""
-    starts = np.zeros(items + 1, np.int64)
-    for p in range(len(indices)):
-        starts[indices[p] + 1] += 1
-    for j in range(items):
-        starts[j + 1] += starts[j]
-    at = np.empty(items, np.int64)
-    for j in range(items):
-        at[j] = starts[j]
-    elements, given = np.empty(len(indices), np.int32), np.empty(0 if layout == AT_ITEM else len(indices))
-    for e in range(len(indptr) - 1):
-        if asked(flag):
-            break
-        for p in range(indptr[e], indptr[e + 1]):
-            j = indices[p]
-            elements[at[j]] = e
-            if layout != AT_ITEM:
-                given[at[j]] = weights[p]
-            at[j] += 1
-    return starts, elements, given
-
-
 BLOCK = 256
 EPSILON = float(np.finfo(np.float64).eps)
 

@@ -99,6 +99,7 @@ def _chosen_evaluation(f: SetFunction, compiled: ItemWeights | None, evaluation:
 
 
 def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequence[int]) -> tuple[NDArray[np.int64], Floats, int]:
+    from ....formulations.transpose_kernels import transpose
     from . import loops_kernels as loops
 
     chosen = WeightedSet(weights)
@@ -107,7 +108,8 @@ def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequ
         return getattr(loops, how)(*state, chosen.best, *weights.arrays)  # type: ignore[no-any-return]
     # How often a gain can change: an item of a coverage once, one of a facility location with each pick.
     changes = int(np.diff(weights.indptr).max(initial=0)) * (1 if weights.layout == AT_ITEM else state[4])
-    items = loops.transpose(state[0], weights.num_items, *weights.arrays[:4])
+    given = weights.weights[:0] if weights.layout == AT_ITEM else weights.weights
+    items = transpose(state[0], weights.num_items, weights.indptr, weights.indices, given)
     return loops.incremental(*state, chosen.best, *items, changes, *weights.arrays)  # type: ignore[no-any-return]
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....formulations.kernels import inner, kernel
+from ....formulations.kernels import kernel
 
 FAR = np.int64(1) << 60
 
@@ -72,23 +72,15 @@ def immediate(costs):  # type: ignore[no-untyped-def]
 @kernel("(i8[:, ::1],)")
 def assignment(costs):  # type: ignore[no-untyped-def]
     """An assignment of as many pairs as there can be of the least sum, by shortest augmenting paths (Jonker and Volgenant 1987)."""
-    if costs.shape[0] > costs.shape[1]:
-        plan = np.full(costs.shape[0], -1)
-        other = np.empty((costs.shape[1], costs.shape[0]), np.int64)
-        for i in range(costs.shape[0]):
-            for j in range(costs.shape[1]):
-                other[j, i] = costs[i, j]
-        turned = _rows_assigned(other)
-        for j in range(len(turned)):
-            plan[turned[j]] = j
-        return plan
-    return _rows_assigned(costs)
-
-
-@inner
-def _rows_assigned(costs):  # type: ignore[no-untyped-def]
-    """A column for each row, where there are no more rows than columns."""
-    n, m = costs.shape
+    robots, bins = costs.shape
+    n, m = min(robots, bins), max(robots, bins)  # each of the fewer gets one of the others
+    turned = robots > bins
+    if turned:
+        other = np.empty((n, m), np.int64)
+        for i in range(n):
+            for j in range(m):
+                other[i, j] = costs[j, i]
+        costs = other
     u, v = np.zeros(n + 1, np.int64), np.zeros(m + 1, np.int64)
     row, way = np.zeros(m + 1, np.int64), np.zeros(m + 1, np.int64)  # rows and columns count from 1 here; 0 is none
     least, done = np.empty(m + 1, np.int64), np.empty(m + 1, np.bool_)
@@ -117,10 +109,11 @@ def _rows_assigned(costs):  # type: ignore[no-untyped-def]
         while at != 0:
             row[at] = row[way[at]]
             at = way[at]
-    plan = np.full(n, -1)
+    plan = np.full(robots, -1)
     for j in range(1, m + 1):
         if row[j] > 0:
-            plan[row[j] - 1] = j - 1
+            i, to = (j, row[j]) if turned else (row[j], j)
+            plan[i - 1] = to - 1
     return plan
 
 

@@ -42,6 +42,7 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     distance, empty, loaded, home = grid
     begin, orders, fruit = start
     robots, fill = sizes
+    choice, delivery, added = rules
     stood, full, returned = times
     groups, bins = len(begin), len(stood)
     group_cell, group_bin, since = np.empty(groups, np.int64), np.empty(groups, np.int64), np.zeros(groups, np.int64)
@@ -51,36 +52,44 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
     cell_of, free, left = np.full(bins, -1), np.zeros(bins, np.bool_), np.full(bins, -1)  # left: steps until full
     state, place, until = np.zeros(robots, np.int64), np.full(robots, home), np.zeros(robots, np.int64)
     brings, target = np.full(robots, -1), np.full(robots, -1)
-    told = np.zeros(4, np.int64)
+    idle, offered, told = np.empty(robots, np.int64), np.empty(bins, np.int64), np.zeros(4, np.int64)
     for g in range(groups):
         group_at[begin[g]], cell_of[g], stood[g], free[g], left[g] = g, begin[g], 0, True, fill
     made, t, out = groups, 0, 0
     while t < limit and out < bins and not asked(flag):
         # robots decide
-        count = 0
+        n, m = 0, 0
         for r in range(robots):
-            count += state[r] == 0
-        if count > 0:
-            idle, count = np.empty(count, np.int64), 0
-            for r in range(robots):
-                if state[r] == 0:
-                    idle[count] = r
-                    count += 1
-            count = 0
-            for b in range(bins):
-                count += free[b]
-            offered, count = np.empty(count, np.int64), 0
-            for b in range(bins):
-                if free[b]:
-                    offered[count] = b
-                    count += 1
-            plan = _choice(rules, idle, offered, place, cell_of, left, distance, empty, told)
-            for k in range(len(idle)):
+            if state[r] == 0:
+                idle[n] = r
+                n += 1
+        for b in range(bins):
+            if free[b]:
+                offered[m] = b
+                m += 1
+        if n > 0:
+            costs, ready, near = np.empty((n, m), np.int64), np.empty((n, m), np.int64), np.empty((n, m), np.int64)
+            for i in range(n):
+                at = place[idle[i]]
+                for j in range(m):
+                    b = offered[j]
+                    travel, ready[i, j], near[i, j] = empty[at, cell_of[b]], left[b], distance[at, cell_of[b]]
+                    costs[i, j] = travel + left[b] if added == 1 else max(travel, left[b])
+            if choice == 0:
+                plan = serial(ready, near)
+            elif choice == 3:
+                plan = assignment(costs)
+            else:
+                plan = deferred(costs) if choice == 1 else immediate(costs)
+                if n > 1 and m > 0:
+                    told[2] += 1
+                    told[3] += beaten(costs, plan)
+            for k in range(n):
                 r = idle[k]
                 b = offered[plan[k]] if plan[k] >= 0 else -1
                 to = -1
                 if place[r] == home:
-                    to = _delivery(rules[1], b, home, cell_of, group_cell, group_bin, since, group_at, fruit, coming, reserve, empty)
+                    to = _delivery(delivery, b, home, cell_of, group_cell, group_bin, since, group_at, fruit, coming, reserve, empty)
                 target[r] = b
                 if b >= 0:
                     free[b] = False
@@ -123,30 +132,6 @@ def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyp
                     state[r] = 0
     told[0] = t
     return told
-
-
-@inner
-def _choice(rules, idle, offered, place, cell_of, left, distance, empty, told):  # type: ignore[no-untyped-def]
-    """Columns of ``offered`` for ``idle``, by the rule of the day."""
-    n, m = len(idle), len(offered)
-    if m == 0:
-        return np.full(n, -1)
-    costs, ready, near = np.empty((n, m), np.int64), np.empty((n, m), np.int64), np.empty((n, m), np.int64)
-    for i in range(n):
-        for j in range(m):
-            b = offered[j]
-            travel = empty[place[idle[i]], cell_of[b]]
-            costs[i, j] = travel + left[b] if rules[2] == 1 else max(travel, left[b])
-            ready[i, j], near[i, j] = left[b], distance[place[idle[i]], cell_of[b]]
-    if rules[0] == 0:
-        return serial(ready, near)
-    if rules[0] == 3:
-        return assignment(costs)
-    plan = deferred(costs) if rules[0] == 1 else immediate(costs)
-    if n > 1:
-        told[2] += 1
-        told[3] += beaten(costs, plan)
-    return plan
 
 
 @inner

@@ -53,13 +53,10 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
     Source: Feillet, Dejax, Gendreau, Gueguen (2004), with customers out of reach; Baldacci, Mingozzi, Roberti (2011) for memories.
     """
     n, words, kinds = len(cost), memory.shape[1], len(start)
-    size = min(room, 1024)  # of what follows, which grows
-    at, parent, after, heap, found = (
-        np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32)
-    )  # fmt: skip
-    value, totals, level, seen, gone = (
-        np.empty(size), np.empty(size), np.empty((size, kinds)), np.empty((size, words), np.uint64), np.empty(size, np.bool_)
-    )  # fmt: skip
+    # What is never written takes no memory.
+    at, parent, after = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.int32)
+    heap, found, gone = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.bool_)
+    value, totals, level, seen = np.empty(room), np.empty(room), np.empty((room, kinds)), np.empty((room, words), np.uint64)
     first = np.empty(n, np.int32)
     for j in range(n):
         first[j] = -1
@@ -115,24 +112,6 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
                 continue
             if count == room:
                 return FULL, -math.inf, totals[:0], found[:0], at[:0], parent[:0]
-            if count == size:
-                size = min(room, 2 * size)
-                at_, parent_, after_, heap_, found_ = (
-                    np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32),
-                    np.empty(size, np.int32),
-                )  # fmt: skip
-                value_, totals_, level_, seen_, gone_ = (
-                    np.empty(size), np.empty(size), np.empty((size, kinds)), np.empty((size, words), np.uint64), np.empty(size, np.bool_)
-                )  # fmt: skip
-                for c in range(count):
-                    at_[c], parent_[c], after_[c], heap_[c], found_[c] = at[c], parent[c], after[c], heap[c], found[c]
-                    value_[c], totals_[c], gone_[c] = value[c], totals[c], gone[c]
-                    for r in range(kinds):
-                        level_[c, r] = level[c, r]
-                    for w in range(words):
-                        seen_[c, w] = seen[c, w]
-                at, parent, after, heap, found = at_, parent_, after_, heap_, found_
-                value, totals, level, seen, gone = value_, totals_, level_, seen_, gone_
             new = count
             count += 1
             at[new], parent[new], value[new], after[new], gone[new] = head, label, v, k, False

@@ -12,7 +12,7 @@ from ....formulations.stop import NEVER, Stop
 from ....instances.errors import UsageError
 from ....instances.sensing.graph import SensingGraph
 from .cleaning import CleanGraph, Floats, clean
-from .search import MARGIN, SecantSearch, aligned_rows, step_search
+from .search import MARGIN, SecantSearch, step_search, sums_at_caps, tree_minima
 
 SEARCHES = ("secant", "step")
 SMOOTHINGS = ("layers", "ball")
@@ -137,19 +137,22 @@ def shares_at_levels(
     -------
     array of shape (actions,)
     """
-    from . import layer_kernels as kernels
+    from .layer_kernels import ball_minima, solve_layer
 
-    graph, targets, actions, most = cleaned.layout, cleaned.num_targets, cleaned.num_actions, cleaned.delta_r
-    own, back = np.empty(most), np.empty(most)
-    layers = np.empty((h if smoothing == "layers" else 1, actions))
+    graph, targets, most = cleaned.layout, cleaned.num_targets, cleaned.delta_r
     if smoothing == "layers":
-        near, next_near = aligned_rows(targets, 4), aligned_rows(targets, 4)
-        kernels.tree_minima(stop.flag, graph, levels, np.empty(0), near, next_near, own, back, layers, h)
+        layers = tree_minima(cleaned, levels, np.empty(0), h, h, stop)
     else:
-        kernels.ball_minima(stop.flag, graph, levels, np.empty(targets), np.empty(cleaned.num_robots), h - 1, layers[0])
-    total = np.empty(actions)
+        layers = np.empty((1, cleaned.num_actions))
+        ball_minima(stop.flag, graph, levels, np.empty(targets), np.empty(cleaned.num_robots), h - 1, layers[0])
+    robot = np.repeat(np.arange(cleaned.num_robots), np.diff(graph.first))
+    reds, blues, back = graph.caps[robot], np.empty(most), np.empty(most)
+    total, sums, next_sums = reds.copy(), sums_at_caps(cleaned), np.empty(targets)
+    for layer in range(h - 1, -1, -1):
+        stop.check()
+        solve_layer(graph, layers[min(layer, len(layers) - 1)], reds, sums, next_sums, blues, back, total, layer == 0)
+        sums, next_sums = next_sums, sums
     stop.check()
-    kernels.solve_layers(stop.flag, graph, layers, h, np.empty(actions), np.empty(targets), np.empty(targets), own, back, total)
-    stop.check()
-    kernels.average(graph, total, h, normalise)
-    return total
+    total /= 2.0 * (h + 1)
+    load = np.bincount(robot, total, cleaned.num_robots)
+    return np.asarray(total / np.where((load > 1.0) | (normalise & (load > 0.0)), load, 1.0)[robot])

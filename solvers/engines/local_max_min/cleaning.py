@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -114,31 +115,39 @@ def clean(graph: SensingGraph) -> CleanGraph:
     what a robot knows of its own actions and of who else sees their targets. Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and
     Suomela (2011); Sung (2019), section 3.4.1; docs/formulations/bottleneck.md#cleaning.
     """
-    from . import cleaning_kernels as kernels
-
     owner, starts, seen = (np.ascontiguousarray(a, dtype=np.int32) for a in (graph.robot_of_action, graph.indptr, graph.indices))
     weights = np.ascontiguousarray(graph.weights, dtype=np.float64)
-    viewers = np.zeros(graph.num_targets, dtype=np.int32)
-    ascending, live, num_private, delta_t, lightest, heaviest = kernels.survey(owner, starts, seen, weights, viewers)
-    if live and (lightest < LIGHTEST or heaviest > HEAVIEST):
+    viewers = np.bincount(seen, minlength=graph.num_targets)
+    lightest, heaviest = weights.min(initial=math.inf), weights.max(initial=0.0)
+    if len(seen) and (lightest < LIGHTEST or heaviest > HEAVIEST):
         raise InputError(
             "the local algorithm needs weights of ordinary size",
             expected=f"{LIGHTEST:g} to {HEAVIEST:g}",
             found=f"{lightest:g} to {heaviest:g}",
         )
-    whole = bool(ascending and live == len(owner))
-    order = np.arange(live, dtype=np.int32) if whole else kernels.by_robot(owner, starts, graph.num_robots)
-    first = np.empty(min(live, graph.num_robots) + 1, dtype=np.int32)
-    robots, delta_r = kernels.group(owner, order, first)
-    first = first[: robots + 1]
-    private = np.zeros(live)
-    if not whole or num_private:
-        size = graph.num_edges - num_private
-        old, starts = (starts, seen, weights), np.empty(live + 1, dtype=np.int32)
-        seen, weights = np.empty(size, dtype=np.int32), np.empty(size)
-        kernels.condense(order, *old, viewers, starts, seen, weights, private)
+    sizes = np.diff(starts)
+    order = np.flatnonzero(sizes).astype(np.int32)
+    whole = len(order) == len(owner) and not (owner[1:] < owner[:-1]).any()
+    if not whole:
+        order = order[np.argsort(owner[order], kind="stable")]
+    first = np.append(np.flatnonzero(np.diff(owner[order], prepend=-1)), len(order)).astype(np.int32)
+    private = np.zeros(len(order))
+    if not whole:
+        sizes = sizes[order]
+        ends = np.cumsum(sizes, dtype=np.int32)
+        edges = np.arange(len(seen), dtype=np.int32) + np.repeat(starts[order] - ends + sizes, sizes)
+        starts, seen, weights = np.append(np.int32(0), ends), seen[edges], weights[edges]
+    lone = (viewers == 1)[seen]
+    alone = np.flatnonzero(lone)
+    if len(alone):
+        at = np.searchsorted(starts, alone, side="right") - 1
+        least = np.full(len(order), math.inf)
+        np.minimum.at(least, at, weights[alone])
+        private = np.where(least < math.inf, least, 0.0)
+        starts = starts - np.searchsorted(alone, starts).astype(np.int32)
+        seen, weights = seen[~lone], weights[~lone]
     layout = Layout(first, starts, seen, weights, private, 2.0 / np.diff(first))
     for array in layout:  # as the graph's own arrays are: kernels are then compiled for one kind only
         array.setflags(write=False)
-    unseen = graph.num_targets - int(np.count_nonzero(viewers))
-    return CleanGraph(layout, order, graph.num_targets, max(2, delta_r), max(2, delta_t), unseen, len(owner), whole)
+    delta_r, delta_t = int(np.diff(first).max(initial=2)), int(viewers.max(initial=2))
+    return CleanGraph(layout, order, graph.num_targets, delta_r, delta_t, int((viewers == 0).sum()), len(owner), whole)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numba
 from llvmlite import ir
 from numba.core import types
 from numba.core.datamodel import models, register_default
@@ -19,11 +18,8 @@ from ....formulations.kernels import kernel
 WIDTH = 8
 """Lanes of a value: one cache line."""
 
-inlined = numba.njit(forceinline=True)
+inlined = kernel(forceinline=True, no_cpython_wrapper=True)
 """For the small functions that kernels are made of: calls would cost more than what they do."""
-
-bare = kernel(_nrt=False)
-"""For kernels that neither make nor return arrays: numba then counts no references, which in inner loops would cost more than the work."""
 
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 

@@ -7,7 +7,7 @@ import math
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
 from .cleaning import Layout
-from .lane_kernels import bare, inlined
+from .lane_kernels import inlined
 
 INFINITE = math.inf
 
@@ -46,10 +46,10 @@ def least_of_others(starts, targets, v, near):  # type: ignore[no-untyped-def]
     return value
 
 
-@bare
-def _minima_layer(  # type: ignore[no-untyped-def]
-    first, starts, targets, private, start, floor, above, near, next_near, own, back, out, top, bottom
-):  # fmt: skip
+@kernel(f"({GRAPH}, f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], b1, b1)", _nrt=False)
+def minima_layer(graph, start, floor, above, near, next_near, own, back, out, top, bottom):  # type: ignore[no-untyped-def]
+    """A layer of ``arrays.tree_minima``: ``out`` from what is noted at the targets in ``near`` and from the layer ``above``."""
+    first, starts, targets, _, private, _ = graph
     for k in range(next_near.shape[0]):
         clear(next_near, k)
     for i in range(len(first) - 1):
@@ -80,25 +80,6 @@ def _minima_layer(  # type: ignore[no-untyped-def]
                     note(next_near, targets[e], v, out[v])
 
 
-@kernel(f"(i8[::1], {GRAPH}, f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1], f8[::1], f8[:, ::1], i8)")
-def tree_minima(flag, graph, start, floor, near, next_near, own, back, layers, h):  # type: ignore[no-untyped-def]
-    """Minima over trees: row l of ``layers`` gets, per blue copy B(v, l), the least of ``start`` over the roots above it.
-
-    ``start`` has one value a root; ``floor`` (or an empty array) is joined in at every layer. Where ``layers`` has a single row,
-    it holds the last layer, l = h - 1.
-    """
-    first, starts, targets, _, private, _ = graph
-    rows = layers.shape[0]
-    for layer in range(h):
-        if asked(flag):
-            break
-        above, out = layers[min(max(layer - 1, 0), rows - 1)], layers[min(layer, rows - 1)]
-        _minima_layer(
-            first, starts, targets, private, start, floor, above, near, next_near, own, back, out, layer == 0, layer == h - 1
-        )  # fmt: skip
-        near, next_near = next_near, near
-
-
 @kernel(f"(i8[::1], {GRAPH}, f8[::1], f8[::1], f8[::1], i8, f8[::1])", _nrt=False)
 def ball_minima(flag, graph, start, near, lowest, hops, out):  # type: ignore[no-untyped-def]
     """``out`` of each action: the least of ``start`` over all actions of robots within ``hops`` hops of its robot."""
@@ -122,10 +103,10 @@ def ball_minima(flag, graph, start, near, lowest, hops, out):  # type: ignore[no
             out[v] = lowest[i]
 
 
-@bare
-def _solve_layer(  # type: ignore[no-untyped-def]
-    first, starts, targets, weights, private, caps, levels, reds, sums, next_sums, blues, back, total, top
-):  # fmt: skip
+@kernel(f"({GRAPH}, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], b1)", _nrt=False)
+def solve_layer(graph, levels, reds, sums, next_sums, blues, back, total, top):  # type: ignore[no-untyped-def]
+    """The recursion at the next layer, with a level of its own for each blue copy; adds all copies of each action to ``total``."""
+    first, starts, targets, weights, private, caps = graph
     next_sums[:] = 0.0
     for i in range(len(caps)):
         begin, end, cap = first[i], first[i + 1], caps[i]
@@ -156,38 +137,3 @@ def _solve_layer(  # type: ignore[no-untyped-def]
             if not top:
                 for e in range(starts[v], starts[v + 1]):
                     next_sums[targets[e]] += weights[e] * reds[v]
-
-
-@kernel(f"(i8[::1], {GRAPH}, f8[:, ::1], i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1])")
-def solve_layers(flag, graph, layers, h, reds, sums, next_sums, blues, back, total):  # type: ignore[no-untyped-def]
-    """The recursion with a level of its own for each blue copy; ``total`` gets the sum of all copies of each action.
-
-    Row l of ``layers`` has the levels of layer l; a single row holds for all layers.
-    """
-    first, starts, targets, weights, private, caps = graph
-    sums[:] = 0.0
-    for i in range(len(caps)):
-        for v in range(first[i], first[i + 1]):
-            reds[v] = total[v] = caps[i]
-            for e in range(starts[v], starts[v + 1]):
-                sums[targets[e]] += weights[e] * caps[i]
-    for layer in range(h - 1, -1, -1):
-        if asked(flag):
-            break
-        levels = layers[min(layer, layers.shape[0] - 1)]
-        _solve_layer(first, starts, targets, weights, private, caps, levels, reds, sums, next_sums, blues, back, total, layer == 0)
-        sums, next_sums = next_sums, sums
-
-
-@kernel(f"({GRAPH}, f8[::1], i8, b1)", _nrt=False)
-def average(graph, total, h, normalise):  # type: ignore[no-untyped-def]
-    """Turn sums of copies into shares, in place: no robot does more than 1, exactly 1 where ``normalise``."""
-    first, _, _, _, _, _ = graph
-    for i in range(len(first) - 1):
-        load = 0.0
-        for v in range(first[i], first[i + 1]):
-            total[v] /= 2.0 * (h + 1)
-            load += total[v]
-        if (normalise and load > 0.0) or load > 1.0:
-            for v in range(first[i], first[i + 1]):
-                total[v] /= load

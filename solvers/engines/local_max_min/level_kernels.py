@@ -20,15 +20,17 @@ import numpy as np
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
 from .cleaning import Layout
-from .lane_kernels import add, bare, inlined, larger, load, multiply, splat, store, subtract
+from .lane_kernels import add, inlined, larger, load, multiply, splat, store, subtract
 from .layer_kernels import GRAPH, clear, least_of_others, note
 from .search import DEEPEST, Lists, Scratch, Sight
 
-_SIGHT = "named(Sight, i4[::1], i4[::1])"
+_SIGHT = "named(Sight, i8[::1], i4[::1])"
 _SCRATCH = "named(Scratch, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[::1])"
 _LISTS = "named(Lists, i4[::1], b1[::1], i4[::1], i4[::1])"
 _NAMED = (Layout, Lists, Scratch, Sight)
 """The named tuples that these types name."""
+
+# Without ``_nrt`` numba counts no references: kernels that make no arrays need none, and in inner loops they would cost more than the work.
 
 INFINITE = math.inf
 BELOW = -1.0
@@ -70,7 +72,15 @@ def place(flag, graph, sight, robot_of, roots, h, distance, marked, robots, targ
                     robots[reached] = j
                     reached += 1
     if 16 * reached < len(distance):
-        robots[:reached].sort()
+        gap = reached
+        while gap > 1:  # Shell's sort: numba takes a second to compile its own
+            gap = max(1, gap * 5 // 11)
+            for p in range(gap, reached):
+                i, q = robots[p], p
+                while q >= gap and robots[q - gap] > i:
+                    robots[q] = robots[q - gap]
+                    q -= gap
+                robots[q] = i
     else:
         reached = 0
         for i in range(len(distance)):
@@ -147,9 +157,15 @@ def _pass_down(starts, targets, weights, v, reds, value, room, near, noted, with
     return True
 
 
-@bare
-def _bottom(first, starts, targets, weights, caps, robots, within, levels, reds, least, room):  # type: ignore[no-untyped-def]
-    """Depth 0: every red copy at its cap."""
+@kernel(f"(i8[::1], {GRAPH}, {_SCRATCH}, i4[::1], i4[::1], i4[::1], i8, f8[:, ::1], b1, f8)", _nrt=False)
+def sweep(flag, graph, scratch, robots, within, distance, h, levels, secant, slack):  # type: ignore[no-untyped-def]
+    """Test eight levels for the roots in ``robots`` of distance 0; ``scratch.least`` gets what limits each action's root.
+
+    That is the least of all crossings (see ``_crossing``) in the root's tree: ``BELOW`` where the first level is not valid already,
+    infinite where all are valid. ``robots`` must hold all within h hops in ascending order, and ``distance`` tell how far they are.
+    """
+    first, starts, targets, weights, private, caps = graph
+    reds, least, room, next_room, near, next_near, blues, below = scratch
     q = load(levels, 0)
     for p in range(len(within)):
         store(room, within[p], q)
@@ -162,121 +178,60 @@ def _bottom(first, starts, targets, weights, caps, robots, within, levels, reds,
             for e in range(starts[v], starts[v + 1]):
                 k = targets[e]
                 store(room, k, subtract(load(room, k), multiply(red, splat(weights[e]))))
-
-
-@bare
-def _step(  # type: ignore[no-untyped-def]
-    flag, first, starts, targets, weights, private, caps, robots, within, distance, reach, levels, secant, slack, reds, least,
-    room, near, noted, next_room, next_near, blues, below,
-):  # fmt: skip
-    """One depth more, for robots of distance at most ``reach``; returns whether any crossing was noted for the next."""
-    q = load(levels, 0)
-    for p in range(len(within)):
-        store(next_room, within[p], q)
-    next_noted = False
-    for p in range(len(robots)):
-        i = robots[p]
-        if asked(flag):
-            break
-        if distance[i] > reach:
-            continue
-        cap, start, end = splat(caps[i]), first[i], first[i + 1]
-        tolerance = slack * caps[i]
-        if end - start == 2:
-            a, b = start, start + 1
-            blue_a = _blue(starts, targets, weights, private, a, q, reds, room)
-            blue_b = _blue(starts, targets, weights, private, b, q, reds, room)
-            below_a = _least_below(starts, targets, private, a, least, near, noted)
-            below_b = _least_below(starts, targets, private, b, least, near, noted)
-            store(reds, a, subtract(cap, blue_b))
-            store(reds, b, subtract(cap, blue_a))
-            least[a] = min(below_b, _crossing(reds, a, levels, secant, tolerance, caps[i]))
-            least[b] = min(below_a, _crossing(reds, b, levels, secant, tolerance, caps[i]))
-        elif end - start == 1:
-            value = _least_below(starts, targets, private, start, least, near, noted)
-            store(reds, start, subtract(cap, _blue(starts, targets, weights, private, start, q, reds, room)))
-            least[start] = min(value, _crossing(reds, start, levels, secant, tolerance, caps[i]))
-        else:
-            # Largest of all others: running extremes from the front wait in place, those from the back join them.
-            most, lowest = splat(0.0), INFINITE
-            for v in range(start, end):
-                blue = _blue(starts, targets, weights, private, v, q, reds, room)
-                value = _least_below(starts, targets, private, v, least, near, noted)
-                store(blues, v - start, blue)
-                below[v - start] = value
-                store(reds, v, most)
-                least[v] = lowest
-                most = larger(most, blue)
-                lowest = min(lowest, value)
-            most, lowest = splat(0.0), INFINITE
-            for v in range(end - 1, start - 1, -1):
-                store(reds, v, subtract(cap, larger(load(reds, v), most)))
-                value = min(least[v], lowest)
-                least[v] = min(value, _crossing(reds, v, levels, secant, tolerance, caps[i]))
-                most = larger(most, load(blues, v - start))
-                lowest = min(lowest, below[v - start])
-        if reach > 0:
-            for v in range(start, end):
-                next_noted = _pass_down(starts, targets, weights, v, reds, least[v], next_room, next_near, next_noted, within)
-    return next_noted
-
-
-@kernel(f"(i8[::1], {GRAPH}, {_SCRATCH}, i4[::1], i4[::1], i4[::1], i8, f8[:, ::1], b1, f8)")
-def sweep(flag, graph, scratch, robots, within, distance, h, levels, secant, slack):  # type: ignore[no-untyped-def]
-    """Test eight levels for the roots in ``robots`` of distance 0; ``scratch.least`` gets what limits each action's root.
-
-    That is the least of all crossings (see ``_crossing``) in the root's tree: ``BELOW`` where the first level is not valid already,
-    infinite where all are valid. ``robots`` must hold all within h hops in ascending order, and ``distance`` tell how far they are.
-    """
-    # Taken apart here: inside the loops, every look at a member would count references.
-    first, starts, targets, weights, private, caps = graph
-    reds, least, room, next_room, near, next_near, blues, below = scratch
-    _bottom(first, starts, targets, weights, caps, robots, within, levels, reds, least, room)
     noted = False
-    for d in range(1, h + 1):
+    for d in range(1, h + 1):  # one depth more, for robots that are not too far
         if asked(flag):
             break
-        noted = _step(
-            flag, first, starts, targets, weights, private, caps, robots, within, distance, h - d, levels, secant, slack, reds, least,
-            room, near, noted, next_room, next_near, blues, below,
-        )  # fmt: skip
+        reach = h - d
+        for p in range(len(within)):
+            store(next_room, within[p], q)
+        next_noted = False
+        for p in range(len(robots)):
+            i = robots[p]
+            if asked(flag):
+                break
+            if distance[i] > reach:
+                continue
+            cap, start, end = splat(caps[i]), first[i], first[i + 1]
+            tolerance = slack * caps[i]
+            if end - start == 2:
+                a, b = start, start + 1
+                blue_a = _blue(starts, targets, weights, private, a, q, reds, room)
+                blue_b = _blue(starts, targets, weights, private, b, q, reds, room)
+                below_a = _least_below(starts, targets, private, a, least, near, noted)
+                below_b = _least_below(starts, targets, private, b, least, near, noted)
+                store(reds, a, subtract(cap, blue_b))
+                store(reds, b, subtract(cap, blue_a))
+                least[a] = min(below_b, _crossing(reds, a, levels, secant, tolerance, caps[i]))
+                least[b] = min(below_a, _crossing(reds, b, levels, secant, tolerance, caps[i]))
+            elif end - start == 1:
+                value = _least_below(starts, targets, private, start, least, near, noted)
+                store(reds, start, subtract(cap, _blue(starts, targets, weights, private, start, q, reds, room)))
+                least[start] = min(value, _crossing(reds, start, levels, secant, tolerance, caps[i]))
+            else:
+                # Largest of all others: running extremes from the front wait in place, those from the back join them.
+                most, lowest = splat(0.0), INFINITE
+                for v in range(start, end):
+                    blue = _blue(starts, targets, weights, private, v, q, reds, room)
+                    value = _least_below(starts, targets, private, v, least, near, noted)
+                    store(blues, v - start, blue)
+                    below[v - start] = value
+                    store(reds, v, most)
+                    least[v] = lowest
+                    most = larger(most, blue)
+                    lowest = min(lowest, value)
+                most, lowest = splat(0.0), INFINITE
+                for v in range(end - 1, start - 1, -1):
+                    store(reds, v, subtract(cap, larger(load(reds, v), most)))
+                    value = min(least[v], lowest)
+                    least[v] = min(value, _crossing(reds, v, levels, secant, tolerance, caps[i]))
+                    most = larger(most, load(blues, v - start))
+                    lowest = min(lowest, below[v - start])
+            if reach > 0:
+                for v in range(start, end):
+                    next_noted = _pass_down(starts, targets, weights, v, reds, least[v], next_room, next_near, next_noted, within)
+        noted = next_noted
         room, next_room, near, next_near = next_room, room, next_near, near
-
-
-@kernel(f"({GRAPH}, i8, i4[::1], i4[::1])")
-def transpose(graph, num_targets, target_starts, robots):  # type: ignore[no-untyped-def]
-    """Robots that see each target, one entry an edge."""
-    first, starts, targets, _, _, _ = graph
-    for e in range(len(targets)):
-        target_starts[targets[e] + 1] += 1
-    for k in range(num_targets):
-        target_starts[k + 1] += target_starts[k]
-    fill = np.empty(num_targets, np.int64)
-    for k in range(num_targets):
-        fill[k] = target_starts[k]
-    for i in range(len(first) - 1):
-        for e in range(starts[first[i]], starts[first[i + 1]]):
-            k = targets[e]
-            robots[fill[k]] = i
-            fill[k] += 1
-
-
-@kernel(f"({GRAPH}, f8[::1], f8[::1])", _nrt=False)
-def capacities(graph, sums, lowest):  # type: ignore[no-untyped-def]
-    """Per action the least, over its targets, of what all viewers at their caps give; returns the least and largest of these."""
-    first, starts, targets, weights, private, caps = graph
-    for i in range(len(caps)):
-        for e in range(starts[first[i]], starts[first[i + 1]]):
-            sums[targets[e]] += weights[e] * caps[i]
-    smallest, largest = INFINITE, 0.0
-    for i in range(len(caps)):
-        for v in range(first[i], first[i + 1]):
-            value = private[v] * caps[i] if private[v] > 0.0 else INFINITE
-            for e in range(starts[v], starts[v + 1]):
-                value = min(value, sums[targets[e]])
-            lowest[v] = value
-            smallest, largest = min(smallest, value), max(largest, value)
-    return smallest, largest
 
 
 @kernel(f"(i8[::1], {GRAPH}, {_SIGHT}, read(i4[::1]), {_SCRATCH}, {_LISTS}, i8, f8, f8, f8, i4[::1], f8[::1], f8[::1])")

@@ -52,7 +52,7 @@ class Scratch(NamedTuple):
 class Sight(NamedTuple):
     """Robots that see each target, one entry an edge."""
 
-    starts: Indices
+    starts: NDArray[np.int64]
     robots: Indices
 
 
@@ -80,13 +80,56 @@ def _scratch(clean: CleanGraph) -> Scratch:
     )  # fmt: skip
 
 
-def _reachable(clean: CleanGraph) -> tuple[Sight, Lists, Indices]:
+def tree_minima(clean: CleanGraph, start: Floats, floor: Floats, rows: int, h: int, stop: Stop) -> Floats:
+    """Minima over trees: row l gets, per blue copy B(v, l), the least of ``start`` over the roots above it.
+
+    Parameters
+    ----------
+    start : array of shape (actions,)
+        One value a root.
+    floor : array of shape (actions,) or (0,)
+        Joined in at every layer.
+    rows : int
+        ``h``; or 1 for the last layer alone, l = h - 1.
+    """
+    from .layer_kernels import minima_layer
+
+    near, next_near = aligned_rows(clean.num_targets, 4), aligned_rows(clean.num_targets, 4)
+    own, back, layers = np.empty(clean.delta_r), np.empty(clean.delta_r), np.empty((rows, clean.num_actions))
+    for layer in range(h):
+        stop.check()
+        above, out = layers[min(max(layer - 1, 0), rows - 1)], layers[min(layer, rows - 1)]
+        minima_layer(clean.layout, start, floor, above, near, next_near, own, back, out, layer == 0, layer == h - 1)
+        near, next_near = next_near, near
+    return layers
+
+
+def sums_at_caps(clean: CleanGraph) -> Floats:
+    """What all viewers at their caps give each target."""
+    first, starts, targets, weights, _, caps = clean.layout
+    given = weights * np.repeat(caps, np.diff(starts[first]))
+    return np.bincount(targets, given, clean.num_targets).astype(np.float64)  # of nothing, numpy counts in whole numbers
+
+
+def _capacities(clean: CleanGraph) -> Floats:
+    """Of each action the least, over its targets, of what all viewers at their caps give."""
+    first, starts, targets, _, private, caps = clean.layout
+    sums = sums_at_caps(clean)
+    lowest = np.where(private > 0.0, private * np.repeat(caps, np.diff(first)), math.inf)
+    seeing = np.flatnonzero(np.diff(starts))
+    if len(seeing):
+        lowest[seeing] = np.minimum(lowest[seeing], np.minimum.reduceat(sums[targets], starts[seeing]))
+    return lowest
+
+
+def _reachable(clean: CleanGraph, stop: Stop) -> tuple[Sight, Lists, Indices]:
     """What is needed to look at a part of the graph only: robots of a target, lists to fill, and the robot of each action."""
-    from . import level_kernels as kernels
+    from ....formulations.transpose_kernels import transpose
 
     graph = clean.layout
-    sight = Sight(np.zeros(clean.num_targets + 1, dtype=np.int32), np.empty(len(graph.targets), dtype=np.int32))
-    kernels.transpose(graph, clean.num_targets, sight.starts, sight.robots)
+    starts, robots, _ = transpose(stop.flag, clean.num_targets, graph.starts[graph.first], graph.targets, graph.weights[:0])
+    stop.check()
+    sight = Sight(starts, robots)
     lists = Lists(
         np.full(clean.num_robots, -1, dtype=np.int32), np.zeros(clean.num_targets, dtype=np.bool_),
         np.empty(clean.num_robots, dtype=np.int32), np.empty(clean.num_targets, dtype=np.int32),
@@ -123,10 +166,9 @@ class SecantSearch:
 
     def run(self) -> Floats:
         """The level of each action's root, shape (actions,); raises Stopped where it has to end before."""
-        from . import level_kernels as kernels
-
         clean = self._clean
-        smallest, largest = kernels.capacities(clean.layout, np.zeros(clean.num_targets), np.empty(clean.num_actions))
+        capacities = _capacities(clean)
+        smallest, largest = float(capacities.min()), float(capacities.max())
         # Half the capacity is always valid, more than the capacity never; one more level each way for rounding.
         low = math.floor(self._grid.number(smallest / 2)) - 1
         high = math.ceil(self._grid.number(largest)) + 1
@@ -166,7 +208,7 @@ class SecantSearch:
         from . import level_kernels as kernels
 
         if self._part is None:
-            self._part = _reachable(self._clean)
+            self._part = _reachable(self._clean, self._stop)
         sight, lists, owner = self._part
         reached, seen = kernels.place(
             self._stop.flag, self._clean.layout, sight, owner, roots, self._h, lists.distance, lists.marked, lists.robots, lists.targets
@@ -207,7 +249,7 @@ class SecantSearch:
         graph, flag = clean.layout, self._stop.flag
         if 3 * len(roots) < clean.num_actions:
             if self._part is None:
-                self._part = _reachable(clean)
+                self._part = _reachable(clean, self._stop)
             sight, lists, owner = self._part
             reached, seen = kernels.place(flag, graph, sight, owner, roots, h, lists.distance, lists.marked, lists.robots, lists.targets)
             robots, targets = lists.robots[:reached], lists.targets[:seen]
@@ -236,27 +278,21 @@ def step_search(clean: CleanGraph, h: int, step: float, stop: Stop = NEVER) -> t
     This is the search whose output the thesis tabulates (Sung 2019, Table 3.1, step 0.1). Its relative error is step / (t* - step)
     at most, which is no (1 + eps) for weights of another size.
     """
-    from . import layer_kernels, level_kernels
+    from .level_kernels import step_groups
 
-    graph, actions, targets = clean.layout, clean.num_actions, clean.num_targets
-    lowest, ceilings = np.empty(actions), np.empty((1, actions))
-    level_kernels.capacities(graph, np.zeros(targets), lowest)
-    near, next_near = aligned_rows(targets, 4), aligned_rows(targets, 4)
-    own, back = np.empty(clean.delta_r), np.empty(clean.delta_r)
-    layer_kernels.tree_minima(stop.flag, graph, lowest, lowest, near, next_near, own, back, ceilings, h)
-    stop.check()
-    ceiling = ceilings[0]
+    lowest = _capacities(clean)
+    ceiling = tree_minima(clean, lowest, lowest, 1, h, stop)[0]
     steps = float(ceiling.max()) / (2 * step) + 2
     if steps > _MOST_STEPS:
         raise UsageError(f"step must be at least {float(ceiling.max()) / _MOST_STEPS:.3g} for these weights, not {step!r}")
-    base = np.zeros(actions)
-    scratch, (sight, lists, owner) = _scratch(clean), _reachable(clean)
+    base = np.zeros(clean.num_actions)
+    scratch, (sight, lists, owner) = _scratch(clean), _reachable(clean, stop)
     stride = 1
     while 8 * stride < steps:
         stride *= 8
     while stride >= 1:
         order = np.lexsort((base, ceiling)).astype(np.int32)
-        level_kernels.step_groups(stop.flag, graph, sight, owner, scratch, lists, h, step, float(stride), SLACK, order, ceiling, base)
+        step_groups(stop.flag, clean.layout, sight, owner, scratch, lists, h, step, float(stride), SLACK, order, ceiling, base)
         stop.check()
         stride //= 8
     levels = np.maximum(ceiling - base * step, ceiling / 2)

@@ -1,0 +1,31 @@
+"""The transpose of a sparse matrix, compiled. Imports numba: import it inside functions only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .kernels import kernel
+from .stop_kernel import asked
+
+
+@kernel("(i8[::1], i8, read(i4[::1]), read(i4[::1]), read(f8[::1]))")
+def transpose(flag, columns, indptr, indices, values):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Where the entries of each column start, their rows, ascending, and their values, if there are any; as far as the flag lets it."""
+    starts = np.zeros(columns + 1, np.int64)
+    for p in range(len(indices)):
+        starts[indices[p] + 1] += 1
+    at = np.empty(columns, np.int64)
+    for j in range(columns):
+        at[j] = starts[j]
+        starts[j + 1] += starts[j]
+    rows, given = np.empty(len(indices), np.int32), np.empty(len(values))
+    for i in range(len(indptr) - 1):
+        if asked(flag):
+            break
+        for p in range(indptr[i], indptr[i + 1]):
+            j = indices[p]
+            rows[at[j]] = i
+            if len(values) > 0:
+                given[at[j]] = values[p]
+            at[j] += 1
+    return starts, rows, given
