@@ -192,8 +192,9 @@ class AssignmentInstance:
         for key, values in (("indptr", indptr), ("bins", bins), ("cost", cost)):
             object.__setattr__(self, key, arrays.frozen(values))
         for what, count in (("robot", n), ("bin", m)):
-            object.__setattr__(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
-            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count))
+            known = arrays.names(what, getattr(self, f"{what}_names"), count)
+            object.__setattr__(self, f"{what}_names", known)
+            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count, known))
         object.__setattr__(self, "name", label(self.name))
         if not (cost.min(initial=0.0) >= -LARGEST and cost.max(initial=0.0) <= LARGEST):  # NaN is neither
             k = int(np.argmax(~(np.abs(cost) <= LARGEST)))
