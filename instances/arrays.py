@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -159,8 +159,8 @@ def _several(thing: str) -> str:
     return "vertices" if thing == "vertex" else f"{thing}s"
 
 
-def positions(what: str, points: ArrayLike | None, count: int) -> Floats | None:
-    """Points of the plane, one each, as an array of shape (count, 2); None stays None."""
+def positions(what: str, points: ArrayLike | None, count: int, known: Sequence[str] | None = None) -> Floats | None:
+    """Points of the plane, one each, as an array of shape (count, 2); None stays None. ``known`` are names for messages."""
     if points is None:
         return None
     made = reals(f"{what} positions", points)
@@ -169,7 +169,7 @@ def positions(what: str, points: ArrayLike | None, count: int) -> Floats | None:
     wrong = ~np.isfinite(made).all(axis=1)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"the position of {what} {k} must be finite", found=str(made[k]))
+        raise InputError(f"the position of {what} {k + 1 if known is None else known[k]} must be finite", found=str(made[k]))
     copy = made.copy()
     copy.setflags(write=False)
     return copy

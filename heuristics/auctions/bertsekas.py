@@ -24,8 +24,8 @@ def bertsekas(
     context : Context
     epsilon : float, optional
         Above 0, in the unit of the costs: the answer costs at most n epsilon more than the optimum, n being the larger of the numbers of
-        robots and bins. No more is used than the range of the costs, and no less than the finest step. By default below one n-th of the
-        step in which costs are counted: optimal for whole costs, and to about 10 digits for others.
+        robots and bins. No more is used than the range of the costs, and a whole number of the finest steps, at least one. By default
+        below one n-th of the step in which costs are counted: optimal for whole costs, and to about 10 digits for others.
     scaling : bool
         Whether epsilon falls to that value from a part of the largest cost. Without, prices may rise in very many bids.
     factor : float
@@ -59,19 +59,19 @@ def bertsekas(
         why = "prices grew beyond all bounds" if not stop.reached() else "cut short"
         message = f"{why}: the answer is any of the most pairs"
         return Outcome(problem.answer_at_hand(), statistics=statistics, message=message, limit=stop.reached() or "none")
-    message = _other(epsilon, found.epsilon)
+    message = _other(epsilon, found)
     if problem.pairs > int((problem.largest >= 0).sum()):
         return Outcome(found.answer, statistics=statistics, message=message)
     value, evidence = problem.evaluate(found.answer).quantities["sum"], found.evidence(problem, "auction prices")
     return Outcome(found.answer, _guarantee(problem, value, evidence.value, found), (evidence,), statistics, message)
 
 
-def _other(asked: float | None, used: float) -> str:
-    """That another epsilon was used than was asked for."""
-    if asked is None or math.isclose(asked, used, rel_tol=1e-6):
+def _other(asked: float | None, found: Auction) -> str:
+    """That another epsilon was used than was asked for, and why."""
+    if asked is None or math.isclose(asked, found.epsilon, rel_tol=1e-6):
         return ""
-    why = "the range of the costs" if used < asked else "the finest step in which costs are counted"
-    return f"epsilon {asked:g} is run as {used:.6g}, {why}"
+    why = "the range of the costs" if found.capped else "a whole number of the finest steps in which costs are counted"
+    return f"epsilon {asked:g} is run as {found.epsilon:.6g}, {why}"
 
 
 def _guarantee(problem: BinAssignment, value: float, proved: float, found: Auction) -> Guarantee | None:

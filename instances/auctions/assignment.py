@@ -144,7 +144,10 @@ class AssignmentInstance:
         twice = (np.diff(i[order]) == 0) & (np.diff(j[order]) == 0)
         if twice.any():
             k = order[int(np.argmax(twice))]
-            raise InputError(f"the pair of robot {i[k] + 1} and bin {j[k] + 1} stands twice")
+            ends = (("robot", i, n), ("bin", j, m))
+            named = [(what, int(at[k]), arrays.names(what, further.get(f"{what}_names"), count)) for what, at, count in ends]
+            told = " and ".join(f"{what} {number + 1 if names is None else names[number]}" for what, number, names in named)
+            raise InputError(f"the pair of {told} stands twice")
         kept = order[~(c[order] == math.inf)]
         indptr = np.zeros(n + 1, dtype=np.int64)
         np.cumsum(np.bincount(i[kept], minlength=n), out=indptr[1:])
@@ -152,25 +155,27 @@ class AssignmentInstance:
 
     @classmethod
     def from_frame(cls, costs: pd.DataFrame, **further: Any) -> AssignmentInstance:
-        """From a pandas frame: columns ``robot``, ``bin`` and ``cost``, one row a pair, or one row a robot and one column a bin.
+        """From a pandas frame: one row a pair, or one row a robot and one column a bin.
 
-        Infinite costs forbid a pair. Names are those of the frame.
+        Parameters
+        ----------
+        costs : DataFrame
+            Pairs have the columns ``robot``, ``bin`` and ``cost``, in any order and case, and perhaps those of the CSV format: ``filled``,
+            ``robot-x``, ``robot-y``, ``bin-x``, ``bin-y``. A row with a robot or a bin alone tells that there is one. Of a matrix a
+            column ``robot``, or else a first column of text, names the robots, or else the index does. Infinity, and in a matrix a cell
+            without a number, forbids a pair.
+        **further
+            As of ``from_matrix``; it goes before what the frame says.
+
+        Raises
+        ------
+        InputError
+            For other columns beside pairs, and cells that hold no number; names column and row, counted from 1.
         """
-        if not hasattr(costs, "columns") or not hasattr(costs, "iloc"):
-            raise InputError("costs must be a pandas frame", found=type(costs).__name__)
-        if [str(title) for title in costs.columns] == ["robot", "bin", "cost"]:
-            robots, bins = (dict.fromkeys(costs[title].astype(str)) for title in ("robot", "bin"))
-            numbers = [{name: k for k, name in enumerate(names)} for names in (robots, bins)]
-            ends = [costs[title].astype(str).map(number).to_numpy() for title, number in zip(("robot", "bin"), numbers, strict=True)]
-            values = arrays.reals("column cost", costs["cost"])
-            if np.isnan(values).any():
-                row = int(np.argmax(np.isnan(values)))
-                raise InputError(f"the cost in row {row + 1} is not a number", expected="a number, or infinity for a forbidden pair")
-            return cls.from_pairs(
-                len(robots), len(bins), ends[0], ends[1], values, robot_names=tuple(robots), bin_names=tuple(bins), **further
-            )
-        names = {"robot_names": tuple(map(str, costs.index)), "bin_names": tuple(map(str, costs.columns))}
-        return cls.from_matrix(costs.to_numpy(), **{**names, **further})
+        from .assignment_frame import arguments_of
+
+        pairs, found = arguments_of(costs)
+        return (cls.from_pairs if pairs else cls.from_matrix)(**{**found, **further})
 
     def __post_init__(self) -> None:
         n, m = arrays.size("num_robots", self.num_robots), arrays.size("num_bins", self.num_bins)
@@ -187,8 +192,9 @@ class AssignmentInstance:
         for key, values in (("indptr", indptr), ("bins", bins), ("cost", cost)):
             object.__setattr__(self, key, arrays.frozen(values))
         for what, count in (("robot", n), ("bin", m)):
-            object.__setattr__(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
-            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count))
+            known = arrays.names(what, getattr(self, f"{what}_names"), count)
+            object.__setattr__(self, f"{what}_names", known)
+            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count, known))
         object.__setattr__(self, "name", label(self.name))
         if not (cost.min(initial=0.0) >= -LARGEST and cost.max(initial=0.0) <= LARGEST):  # NaN is neither
             k = int(np.argmax(~(np.abs(cost) <= LARGEST)))

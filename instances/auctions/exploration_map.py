@@ -110,7 +110,7 @@ class ExplorationMap:
                 raise InputError(f"{key} must be a whole number from {least} to {most}", found=str(value)[:40])
             put(self, key, int(value))
         put(self, "room_names", arrays.names("room", self.room_names, rooms))
-        put(self, "positions", arrays.positions("room", self.positions, rooms))
+        put(self, "positions", arrays.positions("room", self.positions, rooms, self.room_names))
         self._refuse_walls()
 
     def _refuse_walls(self) -> None:

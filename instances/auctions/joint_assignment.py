@@ -69,24 +69,36 @@ class JointAssignmentInstance:
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "name", label(self.name))
-        to_bin = _times("to_bin", self.to_bin, None, True)
+        to_bin = _matrix("to_bin", self.to_bin, None)
         n, m = to_bin.shape
         for what, count in (("robots", n), ("bins", m)):
             if not count:
                 raise InputError(f"there are no {what}", expected="one at least")
-        to_request = _times("to_request", self.to_request, (n, None), True)
+        to_request = _matrix("to_request", self.to_request, (n, None))
         q = to_request.shape[1]
         if n * (m + 1) * (q + 1) > MOST_TRIPLES:
             raise InputError(f"{n} robots, {m} bins and {q} requests make more than {MOST_TRIPLES:,} triples")
-        between = _times("between", np.zeros((0, m)) if q == 0 else self.between, (q, m), False)
+        between = _matrix("between", np.zeros((0, m)) if q == 0 else self.between, (q, m))
         filled = np.zeros(m) if self.filled is None else arrays.reals("filled", self.filled)
         if filled.shape != (m,):
             raise InputError("there must be one time of being filled a bin", expected=str(m), found=str(filled.shape))
-        filled = _times("filled", filled[None, :], (1, m), True)[0]
-        for key, values in (("to_bin", to_bin), ("to_request", to_request), ("between", between), ("filled", filled)):
-            put(self, key, arrays.frozen(values))
         for what, count in (("robot", n), ("bin", m), ("request", q)):
             put(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
+        self._refuse("to_bin", to_bin, ("robot", "bin"), True)
+        self._refuse("to_request", to_request, ("robot", "request"), True)
+        self._refuse("between", between, ("request", "bin"), False)
+        self._refuse("filled", filled, ("bin",), True)
+        for key, values in (("to_bin", to_bin), ("to_request", to_request), ("between", between), ("filled", filled)):
+            put(self, key, arrays.frozen(values))
+
+    def _refuse(self, key: str, times: Floats, ends: tuple[str, ...], endless: bool) -> None:
+        """Raise InputError for the first of ``times`` that is none, by the names of what it belongs to."""
+        wrong = ~((times >= 0) & ((times <= LARGEST) | (endless & (times == math.inf))))
+        if wrong.any():
+            at = np.argwhere(wrong)[0].tolist()
+            owner = " and ".join(f"{what} {self.name_of(what, k)}" for what, k in zip(ends, at, strict=True))
+            told = ", or infinite" if endless else ""
+            raise InputError(f"{key} of {owner} must be from 0 to {LARGEST:g}{told}", found=str(times[tuple(at)]))
 
     # -- lookups -----------------------------------------------------------------------------------------------------
 
@@ -123,7 +135,7 @@ class JointAssignmentInstance:
         return f"<JointAssignmentInstance {self.name}: {self.num_robots} robots, {self.num_bins} bins, {self.num_requests} requests>"
 
 
-def _times(what: str, given: ArrayLike, shape: tuple[int | None, int | None] | None, endless: bool) -> Floats:
+def _matrix(what: str, given: ArrayLike, shape: tuple[int | None, int | None] | None) -> Floats:
     try:
         made = np.array(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -131,9 +143,4 @@ def _times(what: str, given: ArrayLike, shape: tuple[int | None, int | None] | N
     if made.ndim != 2 or (shape is not None and any(s is not None and s != k for s, k in zip(shape, made.shape, strict=True))):
         told = "a matrix" if shape is None else " x ".join("any" if s is None else str(s) for s in shape)
         raise InputError(f"{what} has another shape", expected=told, found=str(made.shape))
-    wrong = ~((made >= 0) & ((made <= LARGEST) | (endless & (made == math.inf))))
-    if wrong.any():
-        i, j = np.argwhere(wrong)[0].tolist()
-        told = ", or infinite" if endless else ""
-        raise InputError(f"{what} in row {i + 1}, column {j + 1} must be from 0 to {LARGEST:g}{told}", found=str(made[i, j]))
     return made

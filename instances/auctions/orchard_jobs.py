@@ -126,7 +126,7 @@ class OrchardJobs:
         harvested = np.isin(self.bin_cells, self.grid.harvested)
         if not harvested.all():
             k = int(np.argmin(harvested))
-            raise InputError(f"bin {k} does not stand in a harvest cell", found=f"cell {self.bin_cells[k]}")
+            raise InputError(f"bin {k + 1} does not stand in a harvest cell", found=f"cell {self.bin_cells[k]}")
         for key in ("robot_free", "work"):
             wrong = (getattr(self, key) < 0) | (getattr(self, key) > LONGEST)
             if wrong.any():
@@ -134,10 +134,10 @@ class OrchardJobs:
         wrong = (self.after < NONE) | (self.after >= np.arange(len(self.after)))
         if wrong.any():
             k = int(np.argmax(wrong))
-            raise InputError(f"bin {k} is filled after one that has no lower number", found=str(self.after[k]))
+            raise InputError(f"bin {k + 1} is filled after one that has no lower number", found=f"{self.after[k]}, counted from 0")
         twice = np.sort(self.after[self.after >= 0])
         if (np.diff(twice) == 0).any():
-            raise InputError(f"two bins are filled next after bin {twice[int(np.argmax(np.diff(twice) == 0))]}")
+            raise InputError(f"two bins are filled next after bin {twice[int(np.argmax(np.diff(twice) == 0))] + 1}")
         for key in ("robot_cells", "robot_free", "bin_cells", "after", "standing", "work"):
             object.__setattr__(self, key, arrays.frozen(getattr(self, key)))
 

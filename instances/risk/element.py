@@ -93,7 +93,8 @@ def probabilities(what: str, values: ArrayLike) -> Floats:
     wrong = ~((made >= 0.0) & (made <= 1.0))
     if wrong.any():
         at = np.argwhere(wrong)[0].tolist()
-        raise InputError(f"{what} must lie in [0, 1]", found=f"{made[tuple(at)]:g} at {', '.join(map(str, at))}")
+        where = ", ".join(f"{axis} {k + 1}" for axis, k in zip(("row", "column"), at, strict=False))
+        raise InputError(f"{what} must lie in [0, 1]", found=f"{made[tuple(at)]:g} in {where}" if where else f"{made:g}")
     return made
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,24 +120,31 @@ class Quantities:
         if self.covariance.shape != (q, q):
             raise InputError("quantities: covariance has the wrong shape", expected=str((q, q)), found=str(self.covariance.shape))
         if not self.checked:
-            check_covariance("quantities: covariance", self.covariance)
+            check_covariance("quantities: covariance", self.covariance, self.names)
 
 
-def check_covariance(what: str, matrix: ArrayLike) -> None:
-    """Raise InputError unless ``matrix`` is symmetric and positive semidefinite but for rounding; says by how much it is not."""
+def check_covariance(what: str, matrix: ArrayLike, names: Sequence[str] | None = None) -> None:
+    """Raise InputError unless ``matrix`` is symmetric and positive semidefinite but for rounding; says by how much it is not, and where:
+    by ``names`` of the rows, or by their numbers from 1."""
     given = np.asarray(matrix, dtype=np.float64)
     if not np.isfinite(given).all():
         raise InputError(f"{what} must be finite")
     variance = np.diag(given)
     if (variance < 0).any():
         k = int(np.argmin(variance))
-        raise InputError(f"{what} has a negative variance", expected="0 or more", found=f"{variance[k]:g} at {k}")
+        raise InputError(f"{what} has a negative variance", expected="0 or more", found=f"{variance[k]:g} {_row(k, names)}")
     largest = float(np.abs(given).max(initial=0.0))
-    apart = float(np.abs(given - given.T).max(initial=0.0))
-    if apart > SEMIDEFINITE * largest:
-        raise InputError(f"{what} is not symmetric", found=f"entries that differ by {apart:g}")
+    apart = np.abs(given - given.T)
+    if apart.max(initial=0.0) > SEMIDEFINITE * largest:
+        i, j = (int(k) for k in np.unravel_index(int(np.argmax(apart)), apart.shape))
+        where = f"rows {i + 1} and {j + 1}" if names is None else f"{names[i]} and {names[j]}"
+        raise InputError(f"{what} is not symmetric", found=f"entries of {where} that differ by {apart[i, j]:g}")
     if not (given - np.diag(variance)).any():
         return
     values = np.linalg.eigvalsh(given)
     if values[0] < -SEMIDEFINITE * max(float(values[-1]), largest):
         raise InputError(f"{what} is not positive semidefinite", found=f"the least eigenvalue {values[0]:.6g}")
+
+
+def _row(k: int, names: Sequence[str] | None) -> str:
+    return f"in row {k + 1}" if names is None else f"of {names[k]}"

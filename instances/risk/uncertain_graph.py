@@ -119,7 +119,7 @@ class UncertainGraph:
         arrays.refuse_outside("the tail of edge {}", tails, n, "vertex")
         arrays.refuse_outside("the head of edge {}", heads, n, "vertex")
         object.__setattr__(self, "vertex_names", arrays.names("vertex", self.vertex_names, n))
-        object.__setattr__(self, "positions", arrays.positions("vertex", self.positions, n))
+        object.__setattr__(self, "positions", arrays.positions("vertex", self.positions, n, self.vertex_names))
         object.__setattr__(self, "name", label(self.name))
         for what in ("start", "goal"):
             vertex = arrays.whole_numbers(what, [getattr(self, what)], "the number of a vertex")

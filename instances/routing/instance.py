@@ -25,6 +25,9 @@ from .vehicle_type import checked_risk
 
 Floats = NDArray[np.float64]
 
+SHOWN = 5
+"""Depots that a message names."""
+
 LARGEST = 1e150
 """Largest coordinate, distance, time, demand and cost: squares, products and sums of millions of them are finite."""
 
@@ -144,8 +147,13 @@ def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel, clock: Cl
     name = vehicle.name
     for stops, what in (((vehicle.start, vehicle.end), "starts or ends"), (vehicle.reloads, "reloads"), (vehicle.stations, "recharges")):
         for site in stops:
-            if not 0 <= site < len(sites) or not sites.depot[site]:
-                raise InputError(f"{name} {what} at site {site}, which is no depot")
+            if not 0 <= site < len(sites):
+                raise InputError(f"{name} {what} at site {site}, which does not exist", expected=f"0 to {len(sites) - 1}")
+            if not sites.depot[site]:
+                depots = [sites.ids[k] for k in sites.depots[:SHOWN].tolist()]
+                more = ", ..." if len(sites.depots) > SHOWN else ""
+                expected = f"{', '.join(depots)}{more}"
+                raise InputError(f"{name} {what} at site {sites.ids[site]}, which is no depot", expected=expected)
     if len(vehicle.further_capacity) not in (0, sites.dimensions - 1):
         raise InputError(f"capacity of {name} has another number of load dimensions than the sites", expected=str(sites.dimensions),
                          found=str(1 + len(vehicle.further_capacity)))  # fmt: skip

@@ -276,7 +276,7 @@ class Travel:
         np.fill_diagonal(times, np.inf)
         if np.isnan(times).any():
             i, j = np.argwhere(np.isnan(times))[0].tolist()
-            raise InputError(f"closing time of the move from site {i} to site {j} must be a number", found="nan")
+            raise InputError(f"closing time of the move in row {i + 1}, column {j + 1} must be a number", found="nan")
         times.setflags(write=False)
         return times
 
@@ -356,7 +356,7 @@ def _square(values: ArrayLike, what: str) -> Floats:
     if bad.any():
         i, j = (int(v[0]) for v in np.nonzero(bad))
         cure = "forbidden=array of the problem for moves that cannot be made" if matrix[i, j] == np.inf else None
-        raise InputError(f"{what} from site {i} to site {j} must be finite and not negative", expected=cure, found=str(matrix[i, j]))
+        raise InputError(f"{what} in row {i + 1}, column {j + 1} must be finite and not negative", expected=cure, found=str(matrix[i, j]))
     np.fill_diagonal(matrix, 0.0)
     matrix.setflags(write=False)
     return matrix

@@ -202,7 +202,8 @@ class SensingGraph:
         for what, count in (("robot", self.num_robots), ("action", n), ("target", self.num_targets)):
             object.__setattr__(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
         for what, count in (("action", n), ("target", self.num_targets)):
-            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count))
+            points = arrays.positions(what, getattr(self, f"{what}_positions"), count, getattr(self, f"{what}_names"))
+            object.__setattr__(self, f"{what}_positions", points)
         object.__setattr__(self, "notes", (*self.notes, *(note for note in self.findings if note not in self.notes)))
 
     @property

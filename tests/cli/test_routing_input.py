@@ -39,7 +39,7 @@ FILES = {
     "a reward that is none": (document(reward=[0, 1, None, 1]), "sites.reward[2] must be a number"),
     "a negative reward": (document(reward=[0, 1, -2, 1]), "reward of site b must be finite and not negative"),
     "a negative distance": (
-        document(travel={"metric": "EXPLICIT", "matrix": bent(-1)}), "distance from site 1 to site 2 must be finite and not negative"
+        document(travel={"metric": "EXPLICIT", "matrix": bent(-1)}), "distance in row 2, column 3 must be finite and not negative"
     ),
     "an infinite distance": (document(travel={"metric": "EXPLICIT", "matrix": bent(None)}), "travel.matrix[1][2] must be a number"),
     "an infinite duration": (document(travel={"metric": "euclidean", "durations": bent(math.inf)}), "JSON has no such number"),

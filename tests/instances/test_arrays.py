@@ -61,11 +61,13 @@ def test_positions_are_copied_and_checked() -> None:
     assert made[0, 0] == 0
     for wrong, says in (
         (np.zeros((3, 2)), "expected (2, 2); found (3, 2)"),
-        ([[0, 1], [np.nan, 0]], "position of target 1 must be finite"),
+        ([[0, 1], [np.nan, 0]], "position of target 2 must be finite"),
     ):
         with pytest.raises(InputError) as caught:
             arrays.positions("target", wrong, 2)
         assert says in str(caught.value)
+    with pytest.raises(InputError, match="position of target q must be finite"):
+        arrays.positions("target", [[0, 1], [np.nan, 0]], 2, ("p", "q"))
 
 
 @st.composite

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,7 @@ from ...formats import FORMATS, Format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
 from ...text import label, number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
-
-COLUMNS = ("robot", "bin", "cost")
-FURTHER = {"filled": "bin", "robot-x": "robot", "robot-y": "robot", "bin-x": "bin", "bin-y": "bin"}
-"""Columns that may be there, and of what they tell something: the same in every row of it."""
+from ..assignment_frame import COLUMNS, FURTHER
 
 KEYS = ("name",)
 
@@ -28,7 +26,7 @@ def recognises(text: str) -> bool:
 
 
 def read(text: str, path: Path) -> AssignmentInstance:
-    """The instance; see ``Format.read``. Robots and bins are numbered as they first appear."""
+    """The instance; see ``Format.read``. Robots and bins are numbered as they first appear, alone in a row where no pair names them."""
     settings, start = settings_of(text, KEYS, COLUMNS)
     table = table_of(text, start, (*COLUMNS, *FURTHER), "pairs")
     for title in COLUMNS:
@@ -36,19 +34,23 @@ def read(text: str, path: Path) -> AssignmentInstance:
             raise InputError(f"column {title} is missing", line=start + 1, expected=", ".join(COLUMNS), found=", ".join(table.titles))
     cells = {title: table.column(title) or [] for title in COLUMNS}
     seen: dict[tuple[str, str], int] = {}
-    for robot, name, line in zip(cells["robot"], cells["bin"], table.at, strict=True):
-        for what, given in (("robot", robot), ("bin", name)):
-            if not given or not given.isprintable():
+    costs = []
+    for robot, name, cost, line in zip(cells["robot"], cells["bin"], cells["cost"], table.at, strict=True):
+        for what, given, other in (("robot", robot, name), ("bin", name, robot)):
+            if not given.isprintable() or (not given and (cost or not other)):
                 raise InputError(f"{what} must have a name", line=line, expected="a printable name", found=ascii(given)[:40])
+        if not robot or not name:
+            continue  # a robot or a bin that has no pair, perhaps
         if (robot, name) in seen:
             raise InputError(f"the pair stands twice, first in line {seen[robot, name]}", line=line, found=f"{shown(robot)}, {shown(name)}")
         seen[robot, name] = line
-    costs = np.array([number(cell, at, "cost") for cell, at in zip(cells["cost"], table.at, strict=True)])
-    names = [list(dict.fromkeys(cells[title])) for title in COLUMNS[:2]]
+        costs.append(number(cost, line, "cost"))
+    names = [[name for name in dict.fromkeys(cells[title]) if name] for title in COLUMNS[:2]]
     numbers = [{name: k for k, name in enumerate(own)} for own in names]
-    ends = [[own[cell] for cell in cells[title]] for own, title in zip(numbers, COLUMNS[:2], strict=True)]
+    ends = [[own[pair[k]] for pair in seen] for k, own in enumerate(numbers)]
     return AssignmentInstance.from_pairs(
-        len(names[0]), len(names[1]), ends[0], ends[1], costs, robot_names=tuple(names[0]), bin_names=tuple(names[1]),
+        len(names[0]), len(names[1]), ends[0], ends[1], np.array(costs),
+        robot_names=tuple(names[0]), bin_names=tuple(names[1]),
         name=label(settings["name"][1] if "name" in settings else path.stem), format="assignment-pairs",
         **_further(table, {"robot": cells["robot"], "bin": cells["bin"]}),
     )  # fmt: skip
@@ -60,6 +62,10 @@ def _further(table: Table, owners: dict[str, list[str]]) -> dict[str, NDArray[np
     for title, what in FURTHER.items():
         told: dict[str, tuple[float, int]] = {}
         for name, cell, line in zip(owners[what], table.column(title) or [], table.at, strict=title in table.titles):
+            if not name:
+                if cell:
+                    raise InputError(f"{title} stands in a row without a {what}", line=line, expected="an empty cell", found=shown(cell))
+                continue
             value = math.inf if title == "filled" and cell.lower() == "inf" else number(cell, line, title)
             if told.setdefault(name, (value, line))[0] != value:
                 raise InputError(
@@ -84,22 +90,36 @@ def write(instance: Any) -> str:
         raise UsageError(
             f"{getattr(instance, 'name', 'this')} has no costs of robots and bins and cannot be written as assignment-pairs; use json"
         )
-    used = np.bincount(instance.bins, minlength=instance.num_bins) > 0
-    if not (np.diff(instance.indptr) > 0).all() or not used.all():
-        raise UsageError(f"{instance.name} cannot be written as assignment-pairs: a robot or bin has no pair; use json")
-    names = [instance.robot_name(k) for k in instance.robots.tolist()], [instance.bin_name(k) for k in instance.bins.tolist()]
-    columns = [*names, [plain(cost) for cost in instance.cost.tolist()]]
-    titles = list(COLUMNS)
-    held: dict[str, NDArray[np.float64] | None] = {"filled": instance.filled}
+    further: dict[str, NDArray[np.float64] | None] = {"filled": instance.filled}
     for what in ("robot", "bin"):
         places = getattr(instance, f"{what}_positions")
-        held |= {f"{what}-{axis}": None if places is None else places[:, k] for k, axis in enumerate("xy")}
-    at: dict[str, NDArray[Any]] = {"robot": instance.robots, "bin": instance.bins}
-    for title, values in held.items():
-        if values is not None:
-            titles.append(title)
-            columns.append(["inf" if math.isinf(v) else plain(v) for v in values[at[FURTHER[title]]].tolist()])
-    return written([("name", instance.name)], titles, zip(*columns, strict=True))
+        further |= {f"{what}-{axis}": None if places is None else places[:, k] for k, axis in enumerate("xy")}
+    held = {title: values.tolist() for title, values in further.items() if values is not None}
+    return written([("name", instance.name)], (*COLUMNS, *held), (_cells(instance, held, *row) for row in _rows(instance)))
+
+
+def _rows(instance: AssignmentInstance) -> Iterator[tuple[int, int, float]]:
+    """Robot, bin and cost of each row, -1 and NaN where it names one of them alone, such that each is first met in its place."""
+    met = 0  # bins below it have been named
+    bounds, bins, costs = instance.indptr.tolist(), instance.bins.tolist(), instance.cost.tolist()
+    for robot in range(instance.num_robots):
+        if bounds[robot] == bounds[robot + 1]:
+            yield robot, -1, math.nan
+        for k in range(bounds[robot], bounds[robot + 1]):
+            for lone in range(met, bins[k]):
+                yield -1, lone, math.nan
+            met = max(met, bins[k] + 1)
+            yield robot, bins[k], costs[k]
+    for lone in range(met, instance.num_bins):
+        yield -1, lone, math.nan
+
+
+def _cells(instance: AssignmentInstance, held: Mapping[str, list[float]], robot: int, number: int, cost: float) -> list[str]:
+    row = [instance.robot_name(robot) if robot >= 0 else "", instance.bin_name(number) if number >= 0 else ""]
+    row.append("" if math.isnan(cost) else plain(cost))
+    of = {"robot": robot, "bin": number}
+    values = [(values, of[FURTHER[title]]) for title, values in held.items()]
+    return [*row, *("" if k < 0 else "inf" if math.isinf(own[k]) else plain(own[k]) for own, k in values)]
 
 
 FORMATS.add(

@@ -57,6 +57,8 @@ class Auction:
         Bids, phases of epsilon scaling, and rows that were looked at whole.
     epsilon : float
         The least, in the unit of the costs.
+    capped : bool
+        Whether that is the range of the costs, a larger one having been asked for.
     exact : bool
         Whether the whole numbers stand for the costs exactly.
     optimal : bool
@@ -69,6 +71,7 @@ class Auction:
     phases: int = 0
     looks: int = 0
     epsilon: float = 0.0
+    capped: bool = False
     exact: bool = True
     optimal: bool = True
     parts: list[Side] = field(default_factory=list)
@@ -138,7 +141,8 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
     while True:
         cost, unit, exact = whole_costs(part, bits, finest=epsilon > 0.0)
         span = int(cost.max(initial=0))
-        least = max(1, round(epsilon * unit) if epsilon * unit < span else span)
+        capped = epsilon * unit > span
+        least = max(1, span if capped else round(epsilon * unit))
         ended, column, price = 3, np.zeros(0, np.int64), np.zeros(0, np.int64)
         if not scaling or part.num_columns > part.num_rows:  # rows seldom meet: prices from 0 need no repair
             ended, column, price = _phases(part, cost, stop, least, least, factor, made, FEW * part.num_rows if scaling else MANY)
@@ -152,7 +156,8 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
     made.complete &= whole
     made.exact &= exact
     made.optimal &= whole and exact and least * part.num_columns < unit * _step(part, unit)
-    made.epsilon = max(made.epsilon, least / unit)
+    if least / unit > made.epsilon:
+        made.epsilon, made.capped = least / unit, capped
     if not whole:
         return column, np.zeros(part.num_columns)
     if least == 1:

@@ -148,7 +148,7 @@ def test_homes_of_recharging_vehicles_are_counted():
     sites = Sites.of("oabc", depot=[True, True, False, False])
     problem = members.recharging_vrp(sites, TRAVEL, energy=9, homes=[1, 0, 1], rate=2)
     assert [(v.start, v.end, v.count, v.stations) for v in problem.fleet] == [(1, 1, 2, (0, 1)), (0, 0, 1, (0, 1))]
-    with pytest.raises(InputError, match="starts or ends at site 3, which is no depot"):
+    with pytest.raises(InputError, match="starts or ends at site c, which is no depot; expected o, a"):
         members.recharging_vrp(sites, TRAVEL, energy=9, homes=[3])
 
 

@@ -119,7 +119,7 @@ def test_energy_for_travel_may_be_uncertain_where_vehicles_wait() -> None:
 
 @pytest.mark.parametrize(
     ("variances", "why"),
-    [(-VARIANCES, "variance from site 0 to site 1 must be finite and not negative"), (np.ones((2, 2)), "variance matrix has another size")],
+    [(-VARIANCES, "variance in row 1, column 2 must be finite and not negative"), (np.ones((2, 2)), "variance matrix has another size")],
 )
 def test_variances_are_not_negative_and_one_a_move(variances: np.ndarray, why: str) -> None:
     with pytest.raises(InputError, match=why):

@@ -112,7 +112,18 @@ def test_options_out_of_range_are_refused(options: dict[str, object], message: s
         run(worked("O"), **options)
 
 
-@pytest.mark.parametrize(("epsilon", "said"), [(5.0, "epsilon 5 is run as 4, the range"), (1e-30, "is run as"), (4.0, ""), (0.1, "")])
+@pytest.mark.parametrize(
+    ("epsilon", "said"), [(5.0, "epsilon 5 is run as 4, the range"), (1e-30, "a whole number of the finest steps"), (4.0, ""), (0.1, "")]
+)
 def test_another_epsilon_than_was_asked_for_is_told(epsilon: float, said: str) -> None:
     found = wb.solve(wb.BinAssignment.from_matrix([[1, 2], [2, 5]]), heuristic="bertsekas", epsilon=epsilon)
     assert said in found.message and ("is run as" in found.message) == bool(said)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_epsilon_near_the_finest_step_is_rounded_for_the_steps_and_not_for_the_range(seed: int) -> None:
+    problem = BinAssignment.from_matrix(np.random.default_rng(seed).random((10, 10)))
+    for epsilon in (1e-16, 1e-15, 1e-14, 3e-14):
+        message = run(problem, epsilon=epsilon).message
+        assert not message or "a whole number of the finest steps" in message
+    assert "the range of the costs" in run(problem, epsilon=3.0).message

@@ -60,6 +60,8 @@ def test_wrong_pairs_are_refused() -> None:
     ):
         with pytest.raises(InputError, match=message):
             AssignmentInstance.from_pairs(2, 2, robots, bins, costs)
+    with pytest.raises(InputError, match="the pair of robot r1 and bin b stands twice"):
+        AssignmentInstance.from_pairs(2, 2, [0, 0], [1, 1], [1, 2], robot_names=("r1", "r2"), bin_names=("a", "b"))
     with pytest.raises(InputError, match="stands twice"):
         AssignmentInstance.from_matrix(sp.csr_matrix(([1.0, 2.0], [0, 0], [0, 2]), shape=(1, 1)))
     with pytest.raises(InputError, match="must be a pandas frame"):

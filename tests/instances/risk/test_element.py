@@ -65,7 +65,11 @@ def test_probabilities_keep_their_shape_and_both_ends():
 
 @pytest.mark.parametrize(
     ("values", "found"),
-    [([0.5, -1e-9, 2.0], "-1e-09 at 1"), ([0.0, math.nextafter(1.0, 2.0)], "1 at 1"), ([[0.0, 0.1], [0.2, 3.0]], "3 at 1, 1")],
+    [
+        ([0.5, -1e-9, 2.0], "-1e-09 in row 2"),
+        ([0.0, math.nextafter(1.0, 2.0)], "1 in row 2"),
+        ([[0.0, 0.1], [0.2, 3.0]], "3 in row 2, column 2"),
+    ],
 )
 def test_the_first_number_that_is_no_probability_is_named_with_its_place(values, found):
     with pytest.raises(InputError, match=rf"^risks must lie in \[0, 1\]; found {found}$"):

@@ -66,7 +66,7 @@ def test_a_table_keeps_small_risks():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: LocaleRisk([0.1, 1.2]), r"risks of locale must lie in \[0, 1\]; found 1.2 at 1"),
+        (lambda: LocaleRisk([0.1, 1.2]), r"risks of locale must lie in \[0, 1\]; found 1.2 in row 2"),
         (lambda: LocaleRisk([0.1, float("nan")]), "must lie in"),
         (lambda: LengthRisk(-1.0), "the rate of length must be a number of at least 0"),
         (lambda: LengthRisk(1.0, "square"), "the growth of length is unknown; expected linear, exponential"),

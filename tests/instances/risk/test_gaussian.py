@@ -34,8 +34,8 @@ def test_states_have_the_mean_and_covariance_of_a_simulation() -> None:
     ("matrix", "said"),
     [
         ([[1.0, 2.0], [2.0, 1.0]], "not positive semidefinite; found the least eigenvalue -1"),
-        ([[1.0, 0.1], [0.2, 1.0]], "not symmetric; found entries that differ by 0.1"),
-        ([[1.0, 0.0], [0.0, -0.3]], "negative variance; expected 0 or more; found -0.3 at 1"),
+        ([[1.0, 0.1], [0.2, 1.0]], "not symmetric; found entries of rows 1 and 2 that differ by 0.1"),
+        ([[1.0, 0.0], [0.0, -0.3]], "negative variance; expected 0 or more; found -0.3 in row 2"),
         ([[np.nan]], "must be finite"),
     ],
 )
@@ -61,3 +61,12 @@ def test_shapes_are_checked() -> None:
         Dynamics(np.diag([1e200, 1.0]), np.ones((2, 1)), np.eye(2), np.zeros(2), np.eye(2), 3, ("p", "v"), ("u",)).quantities()
     with pytest.raises(InputError, match="at least one step"):
         oscillator(0)
+
+
+@pytest.mark.parametrize(
+    ("covariance", "said"),
+    [([[1.0, 0.0], [0.0, -1.0]], "negative variance; expected 0 or more; found -1 of b"), ([[1.0, 0.5], [0.0, 1.0]], "entries of a and b")],
+)
+def test_quantities_that_are_no_covariance_are_named(covariance: list[list[float]], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Quantities(np.zeros((2, 1)), np.zeros(2), np.array(covariance), ("a", "b"))

@@ -159,7 +159,7 @@ def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
     [
         ({"fleet": [{"wheels": 4}]}, "fleet[0] has an unknown key 'wheels'"),
         ({"fleet": [{}], "vehicles": 3}, "fleet tells the vehicles already"),
-        ({"fleet": [{"start": "a"}]}, "starts or ends at site 2, which is no depot"),
+        ({"fleet": [{"start": "a"}]}, "starts or ends at site a, which is no depot; expected "),
         ({"fleet": [{"name": "v"}, {"name": "v"}]}, "vehicle types must have different names"),
         ({"fleet": ["v"]}, "fleet[0] must be a mapping or a VehicleType"),
         ({"fleet": []}, "the fleet is empty"),
@@ -172,7 +172,7 @@ def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
         ({"windows": {"z": [(0, 1)]}}, "windows name the unknown site 'z'"),
         ({"closing": np.full((5, 5), "x")}, "closing times must be a number or a moment"),
         ({"closing": np.full((4, 4), 1.0)}, "closing times must have one entry a move"),
-        ({"closing": np.full((5, 5), np.nan)}, "closing time of the move from site 0 to site 1 must be a number"),
+        ({"closing": np.full((5, 5), np.nan)}, "closing time of the move in row 1, column 2 must be a number"),
         ({"fleet": [{"energy": {"capacity": 1.5}}]}, "the energy of no vehicle lasts to any site and back; expected at least 2; found 1.5"),
         ({"travel": np.full((5, 5), -1.0)}, "distance from site yard to site port must be a number and not negative"),
         ({"travel": np.full((5, 5), np.inf)}, "all distances between sites are infinite, so that no move can be made"),

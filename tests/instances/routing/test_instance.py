@@ -102,8 +102,8 @@ def test_an_energy_store_refuses_what_makes_no_sense(changes: dict[str, Any]) ->
     [
         ({"travel": Travel("euclidean", coordinates=XY[:2])}, "different sizes; expected 4; found 2"),
         ({"fleet": ()}, "the fleet is empty"),
-        ({"fleet": (VehicleType(start=1),)}, "site 1, which is no depot"),
-        ({"fleet": (VehicleType(end=9),)}, "site 9, which is no depot"),
+        ({"fleet": (VehicleType(start=1),)}, "site a, which is no depot; expected d"),
+        ({"fleet": (VehicleType(end=9),)}, "site 9, which does not exist; expected 0 to 3"),
         ({"min_vehicles": -1}, "must not be negative"),
         ({"min_vehicles": 3}, "at least 3 vehicles are asked for, but the fleet has 2"),
         (

@@ -49,8 +49,8 @@ def test_a_store_has_its_own_errors() -> None:
 @pytest.mark.parametrize(
     ("vehicle", "sites", "message"),
     [
-        (VehicleType(reloads=(1,)), {}, "vehicle reloads at site 1, which is no depot"),
-        (VehicleType(energy=Energy(5, stations=(7,))), {}, "vehicle recharges at site 7, which is no depot"),
+        (VehicleType(reloads=(1,)), {}, "vehicle reloads at site a, which is no depot; expected o"),
+        (VehicleType(energy=Energy(5, stations=(7,))), {}, "vehicle recharges at site 7, which does not exist; expected 0 to"),
         (
             VehicleType(further_capacity=(5,)),
             {},

@@ -141,7 +141,7 @@ def test_duplicates_are_an_error_unless_they_are_to_be_added() -> None:
         ({"action_names": ["p", "q"]}, "there must be one name for each action; expected 3; found 2"),
         ({"action_names": "pqr"}, "the names of actions must be a list"),
         ({"action_positions": [[0, 0], [1, 1]]}, "action positions must be two numbers each; expected (3, 2); found (2, 2)"),
-        ({"target_positions": [[0, 0], [1, 1], [0, np.inf]]}, "the position of target 2 must be finite"),
+        ({"target_positions": [[0, 0], [1, 1], [0, np.inf]]}, "the position of target 3 must be finite"),
         ({"robot_of_action": [], "action": [], "target": [], "weight": []}, "there is no robot"),
         ({"robot_of_action": [], "robots": 2}, "the action of edge 1 does not exist; expected none, for there is no action; found 0"),
     ],

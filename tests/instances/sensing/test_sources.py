@@ -140,7 +140,7 @@ def spoilt(**changes: Any) -> Any:
         ({"of": nx.DiGraph, "edges": [("x", "p", 1)]}, "two edges join action 'p' and target 'x'"),
         ({"pos": {"x": (0, 1)}}, "target 'y' has no position pos; expected one for every target, or for none"),
         ({"pos": {"x": (0, 1, 2), "y": (0, 1, 2)}}, "the position pos of target 'x' must be two numbers"),
-        ({"pos": {"p": (0, 1), "q": (0, float("inf"))}}, "the position of action 1 must be finite"),
+        ({"pos": {"p": (0, 1), "q": (0, float("inf"))}}, "the position of action q must be finite"),
     ],
 )  # fmt: skip
 def test_a_bad_graph_is_refused_by_node_or_edge(changes: dict[str, Any], says: str) -> None:
@@ -237,7 +237,7 @@ def test_nothing_to_see_is_legal() -> None:
         ({"weight": "distance"}, UsageError, "weight must be one of binary, inverse-distance, not 'distance'"),
         ({"robot_of_action": [0, 0, 1]}, InputError, "action positions must be two numbers each; expected (3, 2); found (4, 2)"),
         ({"target_positions": [(1, 0, 0)]}, InputError, "target positions must be two numbers each"),
-        ({"target_positions": [(1, float("nan"))]}, InputError, "the position of target 0 must be finite"),
+        ({"target_positions": [(1, float("nan"))]}, InputError, "the position of target 1 must be finite"),
         ({"targets": ["a"]}, InputError, "does not exist"),
     ],
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from waybound.instances.auctions.assignment import AssignmentInstance
@@ -29,6 +30,10 @@ def test_what_is_read_is_written_and_read_again() -> None:
         ("robot,bin,cost\na,b\n", 2, "wrong length"),
         ("robot,bin,cost\na,b,1\na,b,2\n", 3, "stands twice, first in line 2"),
         ("robot,bin,cost\n,b,1\n", 2, "robot must have a name"),
+        ("robot,bin,cost\na,,1\n", 2, "bin must have a name"),
+        ("robot,bin,cost,filled\n,,,2\n", 2, "robot must have a name"),
+        ("robot,bin,cost\na,b,\n", 2, "cost must be a finite number"),
+        ("robot,bin,cost,filled\na,b,1,2\na,,,2\n", 3, "filled stands in a row without a bin"),
         ("robot,bin,cost\n", 1, "holds no pairs"),
     ],
 )
@@ -67,6 +72,31 @@ def test_what_does_not_belong_together_is_refused(text: str, line: int | None, m
     assert caught.value.line == line
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_robots_and_bins_without_a_pair_have_a_row_of_their_own_and_all_keep_their_numbers(seed: int) -> None:
+    inf, rng = float("inf"), np.random.default_rng(seed)
+    costs = np.where(rng.random((5, 6)) < 0.3, rng.random((5, 6)), inf)
+    places = {"robot_positions": rng.random((5, 2)), "bin_positions": rng.random((6, 2)), "filled": rng.integers(0, 3, 6).astype(float)}
+    for made in (
+        AssignmentInstance.from_matrix(costs, **places),
+        AssignmentInstance.from_matrix(costs),
+        AssignmentInstance.from_matrix(np.full((2, 3), inf)),
+        AssignmentInstance.from_matrix([[inf, 1.0], [2.0, inf]]),
+        generate("assignment", seed, robots=4, bins=5, arcs=2),
+    ):
+        again = read(write(made), Path("x.csv"))
+        assert again.digest() == made.digest() and recognises(write(made))
+        assert again.bin_names == tuple(map(made.bin_name, range(made.num_bins)))
+        for key in ("robot_positions", "bin_positions"):
+            np.testing.assert_array_equal(getattr(again, key), getattr(made, key))
+
+
+def test_only_what_has_no_pair_has_a_row_of_its_own() -> None:
+    made = read("robot,bin,cost\nr1,,\n,a,\nr2,b,3\n", Path("x.csv"))
+    assert made.matrix().tolist() == [[float("inf")] * 2, [float("inf"), 3.0]]
+    assert write(made).splitlines()[1:] == ["robot,bin,cost", "r1,,", ",a,", "r2,b,3"]
+
+
 def test_what_the_format_has_no_place_for_is_refused() -> None:
-    with pytest.raises(UsageError, match="has no pair"):
-        write(AssignmentInstance.from_matrix([[1.0, float("inf")]]))
+    with pytest.raises(UsageError, match="cannot be written as assignment-pairs"):
+        write(generate("generalised-assignment", 1))

@@ -70,7 +70,7 @@ def element(**given):
         (element(kind=["locale"]), r"elements\[0\] is no risk element; expected locale, length, .*; found a list"),
         (changed(elements=[3]), r"elements\[0\] is no risk element"),
         (element(kind="locale"), r"elements\[0\] is incomplete: missing 1 required positional argument: 'risk'"),
-        (element(kind="locale", risk=[0.1, 0.2, 3]), r"risks of locale must lie in \[0, 1\]; found 3 at 2"),
+        (element(kind="locale", risk=[0.1, 0.2, 3]), r"risks of locale must lie in \[0, 1\]; found 3 in row 3"),
         (element(kind="locale", risk=[0.1]), r"elements\[0\].risk has a wrong length; expected 3; found 1"),
         (element(kind="turn", rate=0.1, speed=2), r"elements\[0\] has an unknown key 'speed'"),
         (element(kind="moves", before=["a"], state=[0], after=[1], risk=[0.1]), r"elements\[0\].before\[0\] must be a whole number"),
