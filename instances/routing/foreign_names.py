@@ -1,4 +1,4 @@
-"""What other toolkits call the columns of sites, vehicles, windows, shipments and groups: dropping such a column would change the problem.
+"""What other toolkits call columns of sites, vehicles, windows, shipments, groups and moves: dropping such a one would change the problem.
 
 Source: the fields of PyVRP 0.14 (``Client, Depot, VehicleType``), VROOM 1.14 (API, and pyvroom), OR-Tools (data of the routing guides),
 VRPSolverEasy 0.1, vrplib and VRPLIB's sections, and the titles of the tables of Solomon, Cordeau, and Li and Lim.
@@ -81,6 +81,14 @@ OURS: dict[str, dict[str, str]] = {
         "site": "id site_id customer client node job stop location",
         "required": "mandatory compulsory",
     },
+    "moves": {
+        "from": "from_id from_site from_node origin origin_id source source_id start start_id tail u i from_index orig o",
+        "to": "to_id to_site to_node destination destination_id target target_id end end_id head v j to_index dest d",
+        "distance": "distances dist length len km kms kilometers kilometres miles meters metres weight travel_distance road_distance "
+        "driving_distance distance_meters",
+        "duration": "durations time times travel_time travel_duration drive_time driving_time trip_time transit_time journey_time hours h "
+        "minutes mins min seconds secs sec tt duration_seconds static_duration",
+    },
 }  # fmt: skip
 """Names in other toolkits, by table and by our title."""
 
@@ -132,6 +140,14 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         "delivery_tw_late delivery_service_duration",
     },
     "groups": {},
+    "moves": {
+        "costs come of distances (unit_cost) and durations (unit_duration_cost)": "cost costs price toll",
+        "variances are the argument variances, a matrix": "variance variances var std sigma standard_deviation",
+        "latest times of moves are the argument closing, a matrix": "closing closes",
+        "waybound takes durations, no speeds of moves": "speed maxspeed velocity",
+        "moves between two sites go one way: one row for each way": "oneway directed bidirectional",
+        "a move that cannot be made has no row": "forbidden allowed closed blocked",
+    },
 }
 """Names for which we have no column, by table and by what the error says."""
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
+from .frame_moves import is_list, listed_moves
 from .routing_service import table_from_file, table_of
 
 Floats = NDArray[np.float64]
@@ -68,9 +69,10 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
             held = None if durations is None else _along_roads(travel, nodes, sites, durations, "duration")
         else:
             held = matrix_of(durations, sites, "duration", times)
-    elif _is_list(travel):
-        distance = _listed(travel, sites, "distance", None)
-        held = _listed(travel, sites, "duration", times) if "duration" in travel.columns else None
+    elif is_list(travel, sites):
+        distance, held, notes = listed_moves(travel, sites, times)
+        if held is not None and durations is not None:
+            raise InputError("durations are told twice", expected="durations, or the column duration of the moves")
         held = held if durations is None else matrix_of(durations, sites, "duration", times)
     else:
         distance = matrix_of(travel, sites, "distance", None)
@@ -151,32 +153,6 @@ def in_order(frame: Any, ids: Ids, what: str) -> Any:
         raise InputError(f"the labels of the {what} frame are not the ids of the sites", expected=", ".join(ids[:5]),
                          found=", ".join(rows[:5]))  # fmt: skip
     return frame.to_numpy()
-
-
-def _is_list(travel: Any) -> bool:
-    return hasattr(travel, "columns") and {"from", "to", "distance"} <= {str(title) for title in travel.columns}
-
-
-def _listed(frame: Any, ids: Ids, what: str, times: Times | None) -> Floats:
-    """A matrix of a frame with one row a move; a pair that does not stand there is no move."""
-    index = {site: k for k, site in enumerate(ids)}
-    ends = []
-    for title in ("from", "to"):
-        names = [str(v) for v in frame[title].tolist()]
-        strange = next((name for name in names if name not in index), None)
-        if strange is not None:
-            raise InputError(f"the list of moves names the unknown site {strange!r}", expected="an id of the sites")
-        ends.append(np.array([index[name] for name in names], dtype=np.int64))
-    place = ends[0] * len(ids) + ends[1]
-    if len(np.unique(place)) < len(place):
-        order = np.argsort(place, kind="stable")
-        k = int(order[1:][np.diff(place[order]) == 0][0])
-        raise InputError(f"the move from {ids[ends[0][k]]} to {ids[ends[1][k]]} stands twice in the list of moves")
-    made = np.full(len(ids) ** 2, math.inf)
-    made[place] = np.asarray(frame[what], dtype=np.float64) if times is None else times.spans(frame[what], f"column {what}")
-    matrix = made.reshape(len(ids), len(ids))
-    np.fill_diagonal(matrix, 0.0)
-    return matrix
 
 
 def _along_roads(graph: Any, nodes: Ids, ids: Ids, weight: str, what: str) -> Floats:

@@ -375,14 +375,19 @@ UNUSED = "columns kept and not used: "
 
 
 def unused(attributes: Iterable[str]) -> tuple[str, ...]:
-    """Notes on columns that are kept and count for nothing, each short enough to be shown whole."""
+    """Notes on columns that are kept and count for nothing."""
+    return in_lines(UNUSED, attributes)
+
+
+def in_lines(beginning: str, names: Iterable[str]) -> tuple[str, ...]:
+    """Notes that list names, each short enough to be shown whole."""
     notes: list[str] = []
-    for title in attributes:
+    for title in names:
         name = printable(title, 60)
         if notes and len(notes[-1]) + len(name) < LONGEST_LINE - 2:
             notes[-1] += f", {name}"
         else:
-            notes.append(UNUSED + name)
+            notes.append(beginning + name)
     return tuple(notes)
 
 

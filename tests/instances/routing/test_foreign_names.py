@@ -12,6 +12,7 @@ from waybound.instances.routing.foreign_names import ELSEWHERE, OURS, elsewhere,
 from waybound.instances.routing.frame_columns import COLUMNS, known
 from waybound.instances.routing.frame_fleet import SHIFT
 from waybound.instances.routing.frame_lists import COLUMNS as LISTS
+from waybound.instances.routing.frame_moves import MOVES
 from waybound.instances.routing.json_vehicles import VEHICLE_KEYS
 
 PLAIN = {"id", "name", "description", "location", "self", "default_service"}
@@ -87,7 +88,7 @@ def test_each_name_means_one_thing_of_a_table() -> None:
 
 
 def test_what_is_ours_is_ours() -> None:
-    titles = {"sites": COLUMNS, "fleet": (*VEHICLE_KEYS, *SHIFT), **LISTS}
+    titles = {"sites": COLUMNS, "fleet": (*VEHICLE_KEYS, *SHIFT), **LISTS, "moves": MOVES}
     for table, names in OURS.items():
         assert set(names) <= set(titles[table])
         assert all(ours(title, table) in (title, None) and elsewhere(title, table) is None for title in titles[table])
