@@ -74,11 +74,32 @@ def remarks(problem: RoutingProblem) -> tuple[str, ...]:
     for name, held, why in (("service", s.service, at_stops), ("demand", s.demand, "for nothing"), ("pickup", s.pickup, "for nothing")):
         if idle := [s.ids[k] for k in s.depots.tolist() if held[k] > 0.0]:
             made.append(f"{name} of {', '.join(idle[:5])}{', ...' if len(idle) > 5 else ''}, a depot, counts {why}")
+    made += _unlimited(problem)
     if many := pointless(s):
         made.append(f"{many} {'site' if many == 1 else 'sites'} may be left out, and nothing tells what a visit is worth")
     if aim == str(default_objective(problem.problem, s)) != str(DEFAULT_OBJECTIVE.get(problem.problem)):
         made.append(f"sites may be left out, and what they are worth counts: the objective is {aim}")
     return tuple(made)
+
+
+def _unlimited(problem: RoutingProblem) -> list[str]:
+    """Loads that no vehicle has a capacity for: whoever tells them means a limit."""
+    s, at, made = problem.sites, problem.customers, []
+    for k in range(s.dimensions):
+        if any(math.isfinite(v.capacities[k]) for v in problem.fleet if k < len(v.capacities)):
+            continue
+        number = "" if k == 0 else str(k + 1)
+        held = {
+            f"demand{number}": s.demand if k == 0 else s.further_demand[:, k - 1],
+            f"pickup{number}": s.pickup if k == 0 else s.further_pickup[:, k - 1],
+        }
+        names = [name for name, values in held.items() if values[at].any()]
+        if any(k < len(shipment.load) and shipment.load[k] for shipment in s.shipments):
+            names.append(f"load{number} of shipments")
+        if names:
+            counts = "count" if len(names) > 1 else "counts"
+            made.append(f"{' and '.join(names)} {counts} for nothing: no vehicle has a capacity for {'them' if len(names) > 1 else 'it'}")
+    return made
 
 
 def _further(problem: RoutingProblem) -> dict[str, Any]:

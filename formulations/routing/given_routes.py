@@ -62,9 +62,10 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
     if all(isinstance(route, Visits) for route in listed):
         return _made(problem, [(_type(problem, route.vehicle), route) for route in listed])
     if len(problem.fleet) > 1:
+        (name,) = problem.vehicle_names(Routes((Route(()),)))
         raise UsageError(
-            f"lists do not say which of the {len(problem.fleet)} vehicle types drives a route; give {{'{problem.fleet[0].name} 1': [...]}},"
-            " one list a vehicle, or Route(visits, type)"
+            f"lists do not say which of the {len(problem.fleet)} vehicle types drives a route; give {{{name!r}: [...]}}, one list a"
+            " vehicle, or Route(visits, type)"
         )
     return _made(problem, [(0, route) for route in listed])
 
@@ -118,6 +119,9 @@ def _type(problem: RoutingProblem, name: Any) -> int:
     short = _NUMBER.sub("", text)
     if short in names:
         return names[short]
+    led = [k for name, k in names.items() if name.lstrip() == short]  # files lose the blanks before a name
+    if len(led) == 1:
+        return led[0]
     if len(names) == 1 and (isinstance(name, int) or text.isdigit()):
         return 0
     raise UsageError(f"there is no vehicle {printable(text, 60)!r}{did_you_mean(short, names)}; the types are {', '.join(names)}")

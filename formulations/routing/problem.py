@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -412,10 +412,12 @@ class RoutingProblem(Problem):
         return continued(self, self.answer_of(getattr(plan, "answer", plan) if own else plan.routes), float(time))
 
     def vehicle_names(self, answer: Routes) -> list[str]:
-        """Name of the vehicle of each route: that of its type, and a number from 1 within the type."""
-        numbers = [itertools.count(1) for _ in self.fleet]
+        """Name of the vehicle of each route: that of its type, and a number from 1 within the type; none is the name of a type, so that
+        whoever reads it knows the type."""
+        types = {v.name for v in self.fleet}
+        numbers = [_numbered(v.name, types) for v in self.fleet]
         kinds = (route.vehicle if 0 <= route.vehicle < len(self.fleet) else 0 for route in answer)
-        return [f"{self.fleet[kind].name} {next(numbers[kind])}" for kind in kinds]
+        return [next(numbers[kind]) for kind in kinds]
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
         """Required sites that no vehicle can serve, or else proofs that the fleet is too small."""
@@ -550,3 +552,8 @@ def _with_needed(sites: Sites, term: Reward | Penalties, value: float) -> Sites:
         return replace(sites, required=sites.required | needed)
     except InputError:  # no answer visits them: then more answers are looked at than there are
         return sites
+
+
+def _numbered(name: str, taken: Collection[str]) -> Iterator[str]:
+    """The name with 1, 2, ... behind it, but for those that are taken."""
+    return (made for k in itertools.count(1) if (made := f"{name} {k}") not in taken)

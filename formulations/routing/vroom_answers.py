@@ -54,26 +54,26 @@ def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Route
         if not isinstance(route, dict) or not {"vehicle", "steps"} <= route.keys():
             raise InputError(f"{path} must be an object with the keys vehicle and steps", found=kind_of(route))
         number = integer(route["vehicle"], f"{path}.vehicle", 0)
-        kind = types.get(number, 0)
-        if types is not NAMED and types and number not in types:
+        if types and number not in types:
             raise InputError(f"{path}.vehicle names no vehicle", expected=", ".join(map(str, sorted(types)[:20])), found=str(number))
         steps = [_step(step, f"{path}.steps[{s}]", index) for s, step in enumerate(array(route["steps"], f"{path}.steps"))]
-        if types is NAMED:
+        if types or len(problem.fleet) == 1:
+            kind = types.get(number, 0)
+        else:
             kind = _named(problem, route.get("description"), f"{path}.description")
         routes.append(Route(tuple(site for site in steps if site is not None), kind))
     return Routes(tuple(routes))
 
 
 def _types(problem: RoutingProblem) -> dict[int, int]:
-    """Type of each vehicle number; empty where one type drives all."""
-    found = {number: kind for kind in range(len(problem.fleet)) for number in _numbers(problem, kind)}
-    if len(problem.fleet) > 1 and {found.get(number) for number in found} != set(range(len(problem.fleet))):
-        return NAMED
+    """Type of each vehicle number; empty where types do not have one number for each of their vehicles, so that names tell them."""
+    found: dict[int, int] = {}
+    for kind, vehicle in enumerate(problem.fleet):
+        numbers = _numbers(problem, kind)
+        if vehicle.count is None or vehicle.count > len(numbers) or found.keys() & set(numbers):
+            return {}
+        found |= dict.fromkeys(numbers, kind)
     return found
-
-
-NAMED: dict[int, int] = {}
-"""Stands for vehicles whose types have no numbers: a route's description then names its vehicle."""
 
 
 def _named(problem: RoutingProblem, description: Any, path: str) -> int:
@@ -132,7 +132,7 @@ def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
         tasks[k] = {"type": what or "job", "id": int(number)} if numbered else {"type": "job", "id": k, "description": ids[k]}
         if sites.geographic and sites.coordinates is not None:
             tasks[k]["location"] = sites.coordinates[k].tolist()
-    named = _types(problem) is NAMED
+    numbered_types = _types(problem)
     used = [0] * len(problem.fleet)
     routes: list[dict[str, Any]] = []
     names = problem.vehicle_names(answer)
@@ -140,7 +140,7 @@ def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
         if not route.visits:
             continue
         vehicle, plan = problem.fleet[route.vehicle], schedule(problem, route)
-        numbers = [] if named else _numbers(problem, route.vehicle)
+        numbers = _numbers(problem, route.vehicle) if numbered_types else []
         used[route.vehicle] += 1
         at = used[route.vehicle]
         if numbers and at > len(numbers):

@@ -119,6 +119,7 @@ def instance_from_frame(
             notes += (f"{'any number of' if vehicles is None else vehicles} vehicles at each of {len(kinds)} depots",)
     else:
         kinds, forbidden = shared_bans(fleet_of(fleet, made, times), forbidden, made)
+    _need_capacities(made, kinds, fleet)
     notes += unused(map(str, table.extra))
     clock = times.clock
     if clock is not None:
@@ -252,6 +253,19 @@ def _equal(
         sites, count=None if vehicles is None else int(vehicles), capacity=loads[0], further_capacity=tuple(loads[1:]),
         max_duration=max_duration, max_distance=float(max_distance), fixed_cost=float(fixed_cost), unit_cost=float(unit_cost),
     )  # fmt: skip
+
+
+def _need_capacities(sites: Sites, kinds: tuple[VehicleType, ...], fleet: Any) -> None:
+    """Raise InputError where one load of several alone is limited, and nothing says that the others are not; as in VRPLIB's files."""
+    further = [k for k in range(2, sites.dimensions + 1) if sites.further_demand[:, k - 2].any() or sites.further_pickup[:, k - 2].any()]
+    further += [k for k in range(2, sites.dimensions + 1) if any(len(s.load) >= k and s.load[k - 1] for s in sites.shipments)]
+    said = any(v.further_capacity for v in kinds) or any(f"capacity{k}" in getattr(fleet, "columns", ()) for k in further)
+    limited = next((v for v in kinds if math.isfinite(v.capacity)), None)
+    if not further or said or limited is None:
+        return
+    each = ", ".join([f"{limited.capacity:g}", *("inf" for _ in range(sites.dimensions - 1))])
+    expected = "a column capacity2, ..., inf for no limit" if hasattr(fleet, "columns") else f"capacity=[{each}], with inf for no limit"
+    raise InputError(f"sites have {sites.dimensions} loads, and capacity is told of the first alone", expected=expected)
 
 
 def _closing(values: Any, ids: tuple[str, ...], times: Times) -> Floats:

@@ -56,6 +56,19 @@ def test_a_vehicle_names_sites_by_their_ids():
             {"reward": 2.0, "required": False}, "total-cost - reward",
             ["sites may be left out, and what they are worth counts: the objective is total-cost - reward"],
         ),
+        ({"demand": [0, 1, 1, 1, 1]}, None, ["demand counts for nothing: no vehicle has a capacity for it"]),
+        ({"pickup": [0, 0, 3, 0, 0]}, None, ["pickup counts for nothing: no vehicle has a capacity for it"]),
+        (
+            {"demand": [[0, 0, 0]] + [[0, 1, 0]] * 4, "pickup": [[0, 0, 0]] + [[0, 2, 3]] * 4}, None,
+            [
+                "demand2 and pickup2 count for nothing: no vehicle has a capacity for them",
+                "pickup3 counts for nothing: no vehicle has a capacity for it",
+            ],
+        ),
+        (
+            {"shipments": [Shipment(1, 2, (0.0, 5.0))], "demand": np.zeros((5, 2))}, None,
+            ["load2 of shipments counts for nothing: no vehicle has a capacity for it"],
+        ),
         ({"attributes": {"colour": list("abcde"), "node": range(5)}}, None, ["columns kept and not used: colour, node"]),
     ],
 )  # fmt: skip
@@ -63,6 +76,20 @@ def test_what_does_not_count_is_told(sites, objective, remarks):
     made = Sites.of("oabcd", **sites)
     problem = RoutingProblem(made, Travel("euclidean", XY), [VehicleType()], objective, notes=["seen"])
     assert list(problem.remarks()) == ["seen", *remarks]
+
+
+@pytest.mark.parametrize(
+    ("vehicles", "remarks"),
+    [
+        ([VehicleType(capacity=9)], ["demand2 counts for nothing: no vehicle has a capacity for it"]),
+        ([VehicleType(further_capacity=(9,))], ["demand counts for nothing: no vehicle has a capacity for it"]),
+        ([VehicleType(capacity=9, further_capacity=(9,))], []),
+        ([VehicleType(name="a", capacity=9), VehicleType(name="b", further_capacity=(7,))], []),
+    ],
+)
+def test_loads_without_a_capacity_are_told(vehicles, remarks):
+    sites = Sites.of("oabcd", demand=[[0, 0]] + [[1, 9]] * 4)
+    assert list(RoutingProblem(sites, Travel("euclidean", XY), vehicles).remarks()) == remarks
 
 
 def test_what_is_stated_of_depots_and_does_not_count_is_said():
@@ -74,4 +101,5 @@ def test_what_is_stated_of_depots_and_does_not_count_is_said():
     assert remarks(VehicleType(reloads=(0,)), service=30, demand=2) == (
         "service of o, a depot, counts at stops on the way alone: departure and return take no time",
         "demand of o, a depot, counts for nothing",
+        "demand counts for nothing: no vehicle has a capacity for it",
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -73,3 +74,34 @@ def test_tables_and_lists_of_an_answer_lead_back_to_it(order: list[int], cut: in
     answer = wb.Routes.of([wb.Route(tuple(order[:cut]), 0), wb.Route(tuple(order[cut:]), int(mixed))])
     for given_back in (problem.answer_to_frame(answer), problem.answer_routes(answer)):
         assert routes_given(problem, given_back).canonical() == answer.canonical()
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("van", "van 2"), ("van 2", "van"), ("van", "van 1"), ("van 1", "van 1 1"), ("1", "1 2"), ("1", "2"), ("vehicle", "vehicle 1"),
+        ("vehicle 1", "vehicle 2"), ("vehicle 1 2", "vehicle 2 3"), ("007", "7"), ("1.0", "1"), ("a,b", 'q"x'), (" van", "van "),
+        ("NA", "nan"), ("=1+1", "-2"), ("van;1", "van {2}"),
+    ],
+)  # fmt: skip
+def test_what_is_written_reads_back_whatever_types_are_called(names: tuple[str, str], tmp_path: Path) -> None:
+    sites = pd.DataFrame({"lat": [45, 45.1, 45.2, 45.3, 45.4, 45.5], "lon": [15.0] * 6, "demand": [0, 1, 1, 1, 1, 1]})
+    fleet = [{"name": names[0], "count": 3, "capacity": 1}, {"name": names[1], "count": 1, "capacity": 2}]
+    problem = wb.RoutingProblem.from_frame(sites, fleet=fleet)
+    start = wb.Routes.of([wb.Route((1,)), wb.Route((2,)), wb.Route((3,)), wb.Route((4, 5), 1)])
+    solution = wb.solve(problem, "highs", start=start, time_limit=5, bound_time=0)
+    assert len({route.vehicle for route in solution.routes}) == 4
+    told = [solution.to_frame(), solution.routes, {route.vehicle: list(route) for route in solution.routes}]
+    for suffix in (".csv", ".xlsx", ".json", ".vroom", ".geojson"):
+        solution.save(tmp_path / f"answer{suffix}")
+        told.append(tmp_path / f"answer{suffix}")
+    for each in told:
+        again = wb.judge(problem, each)
+        assert again.feasible and again.objective == solution.objective, each
+
+
+def test_a_name_of_a_vehicle_that_is_suggested_is_none_of_another_type() -> None:
+    sites = pd.DataFrame({"x": [0, 1], "y": [0, 1]})
+    problem = wb.RoutingProblem.from_frame(sites, fleet=[{"name": "van", "count": 2}, {"name": "van 1"}])
+    with pytest.raises(wb.UsageError, match=r"give \{'van 2': \[\.\.\.\]\}"):
+        wb.judge(problem, [[1]])

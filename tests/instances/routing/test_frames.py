@@ -325,3 +325,34 @@ def test_times_of_day_are_told_as_such_in_errors_reasons_and_files(tmp_path) -> 
     again = wb.read(tmp_path / "day.json")
     assert again.clock == fine.clock and fine.clock.of_day
     assert "06:00 to 18:00" in fine._repr_html_()
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"capacity": 9},
+        {"fleet": [{"capacity": 9}]},
+        {"fleet": [{"capacity": 9}, {"name": "other"}]},
+        {"fleet": pd.DataFrame({"capacity": [9]})},
+    ],
+)
+@pytest.mark.parametrize("title", ["demand2", "pickup2", "demand3"])
+def test_a_capacity_of_the_first_load_alone_is_no_capacity_of_the_others(given, title):
+    sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], "demand": [0, 1], title: [0, 9]})
+    with pytest.raises(InputError, match=r"sites have [23] loads, and capacity is told of the first alone; expected .*inf for no limit"):
+        wb.RoutingProblem.from_frame(sites, **given)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"capacity": [9, math.inf]},
+        {"fleet": [{"capacity": [9, math.inf]}]},
+        {"fleet": pd.DataFrame({"capacity": [9], "capacity2": [math.inf]})},
+        {},
+    ],
+)
+def test_a_load_may_be_said_to_have_no_limit_and_is_told_then(given):
+    sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], "demand": [0, 1], "demand2": [0, 9]})
+    assert "demand2 counts for nothing: no vehicle has a capacity for it" in wb.RoutingProblem.from_frame(sites, **given).remarks()
+    wb.RoutingProblem.from_frame(sites.assign(demand2=0), capacity=9)
