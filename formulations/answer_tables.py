@@ -59,7 +59,7 @@ def first_sheet(path: str | PathLike[str], data: bytes) -> pd.DataFrame:
 
     _need_openpyxl()
     try:
-        sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, dtype=str, engine="openpyxl")
+        sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, dtype=str, keep_default_na=False, na_values=[""], engine="openpyxl")
     except Exception as error:  # a broken archive fails in many ways
         raise InputError(f"is no workbook: {in_words(error)}", file=path) from None
     found = sheets.get("visits", next(iter(sheets.values()), None))

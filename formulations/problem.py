@@ -250,7 +250,8 @@ class Problem(ABC):
 
     def answer_from_frame(self, frame: pd.DataFrame) -> Any:
         """The answer in a table as ``answer_to_frame`` makes it; raises UsageError in families that do not read it back."""
-        raise UsageError(f"answers to {self.problem} problems are not read from tables; use .json")
+        able = " or ".join((".json", *self.answer_suffixes))
+        raise UsageError(f"answers to {self.problem} problems are not read from such tables; use {able}")
 
     def foreign_answer(self, data: Mapping[str, Any]) -> Any | None:
         """The answer in a JSON document of another tool, None where it is no such document; raises InputError where it is broken."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..instances.errors import UsageError
 from ..instances.printable import printable
+from ..instances.text import an
 
 
 def indices_of(given: Iterable[Any], names: Mapping[str, int], thing: str) -> list[int]:
@@ -38,7 +39,7 @@ def indices_of(given: Iterable[Any], names: Mapping[str, int], thing: str) -> li
                 raise TypeError
             numbers.append(whole(item))
         except TypeError:
-            raise UsageError(f"a {thing} is given by its name or its index, not by {printable(repr(item), 80)}") from None
+            raise UsageError(f"{an(thing)} is given by its name or its index, not by {printable(repr(item), 80)}") from None
     named = [names.get(str(number), -1) for number in numbers]
     counts = all(0 <= number < len(names) for number in numbers)
     if not counts and -1 in named:

@@ -162,3 +162,17 @@ def plain(value: float) -> str:
     if value.is_integer() and abs(value) < 1e15 and not (value == 0 and math.copysign(1, value) < 0):
         return str(int(value))
     return repr(value)
+
+
+_CONSONANT = re.compile(r"eu|one|uni(?!n|m)|us[aei]|util")
+"""Beginnings of words that are written with a vowel and spoken with a consonant."""
+
+
+def an(noun: str) -> str:
+    """``noun`` behind its article, by how it is spoken: an orchard, a uniform cost, an mdvrp (letter by letter), a tsp."""
+    first = re.split(r"[^a-z]", noun.lower().lstrip("'\""), maxsplit=1)[0]
+    if re.search("[aeiouy]", first):
+        vowel = first[0] in "aeiou" and not _CONSONANT.match(first)
+    else:
+        vowel = first[:1] in tuple("fhlmnrsx")
+    return f"{'an' if vowel else 'a'} {noun}"

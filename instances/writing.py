@@ -9,6 +9,7 @@ from .atomic import atomic_write
 from .errors import UsageError
 from .formats import FORMATS, Format
 from .instance import Instance
+from .text import an
 
 
 def write_instance(instance: Instance, path: str | PathLike[str], format: str | None = None) -> None:  # noqa: A002
@@ -44,7 +45,7 @@ def format_of_suffix(path: str | PathLike[str], kind: str = "routing") -> Format
             return entry
     known = ", ".join(sorted({s for entry in able for s in entry.suffixes}))
     names = ", ".join(entry.name for entry in able)
-    raise UsageError(f"{path}: the suffix stands for no format of a {kind} instance; use one of {known}, or name a format of {names}")
+    raise UsageError(f"{path}: the suffix stands for no format of {an(kind)} instance; use one of {known}, or name a format of {names}")
 
 
 def _writable() -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from ..instances.errors import UsageError
 from ..instances.suggestions import did_you_mean
+from ..instances.text import an
 
 FEW = 12
 """Up to as many options are listed where one is not known; of more, the closest."""
@@ -47,7 +48,7 @@ def own_options(
         try:
             made[name] = value if known[name] is None else _converted(value, kind)
         except (KeyError, TypeError, ValueError, OverflowError):
-            raise UsageError(f"{label}: {word} {name} takes a {WORDS.get(kind, kind.__name__)}, not {value!r}") from None
+            raise UsageError(f"{label}: {word} {name} takes {an(WORDS.get(kind, kind.__name__))}, not {value!r}") from None
     return made
 
 

@@ -18,6 +18,7 @@ from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
 from ...instances.suggestions import did_you_mean
+from ...instances.text import number, plain
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
 from ..problem import PROBLEMS, Problem
@@ -39,6 +40,9 @@ WAITING = Setting(
     choices=("max", "sum"),
 )  # fmt: skip
 SETTINGS = {"objective": OBJECTIVE, "match": MATCH, "waiting": WAITING}
+
+COSTS_AGREE = 1e-6
+"""By how much, absolutely or in parts, costs in a table may differ from those of the data: tables are rounded."""
 
 SHOWN = 5
 """Names that a message lists."""
@@ -304,12 +308,36 @@ class BinAssignment(Problem):
         rows = [
             (k, [cell.strip() for cell in row]) for k, row in enumerate(csv.reader(text.split("\n")), start=1) if any(map(str.strip, row))
         ]
-        if not rows or rows[0][1] != ["robot", "bin"]:
+        if not rows:
             raise InputError("is no assignment", line=1, expected="the titles robot,bin", found=text.split("\n")[0][:40])
-        for k, row in rows[1:]:
-            if len(row) != 2:
-                raise InputError("row has a wrong length", line=k, expected="robot,bin", found=f"{len(row)} values")
-        return self._numbered([(row[0], row[1], k) for k, row in rows[1:]]), None
+        return self._of_table(rows[0][1], rows[1:], rows[0][0]), None
+
+    def answer_from_frame(self, frame: pd.DataFrame) -> Assignment:
+        """Inverse of ``answer_to_frame``, whatever the order of its columns; a column ``cost`` has to agree with the data."""
+        made = frame.drop(columns="position", errors="ignore").astype(object)
+        rows = [["" if cell is None or cell != cell else str(cell).strip() for cell in row] for row in made.to_numpy().tolist()]
+        return self._of_table([str(title).strip() for title in made.columns], list(enumerate(rows, start=2)), 1)
+
+    def _of_table(self, titles: list[str], rows: list[tuple[int, list[str]]], at: int) -> Assignment:
+        """The answer in rows of robot, bin and perhaps cost, each with its line; ``at`` is the line of the titles."""
+        titles = [title.lower() for title in titles]
+        if len(set(titles)) < len(titles) or not {"robot", "bin"} <= set(titles) <= {"robot", "bin", "cost"}:
+            raise InputError("is no assignment", line=at, expected="the titles robot,bin", found=",".join(titles)[:40])
+        pairs: list[tuple[Any, Any, int | None]] = []
+        for line, row in rows:
+            if len(row) != len(titles):
+                raise InputError("row has a wrong length", line=line, expected=",".join(titles), found=f"{len(row)} values")
+            pairs.append((row[titles.index("robot")], row[titles.index("bin")], line))
+        answer = self._numbered(pairs)
+        if "cost" in titles:
+            costs, place = self.costs_of(answer), {self.instance.robot_name(i): i for i in range(self.num_robots)}
+            for (robot, _, _), (line, row) in zip(pairs, rows, strict=True):
+                if not row[titles.index("cost")]:
+                    continue
+                told, own = number(row[titles.index("cost")], line, "cost"), float(costs[place[robot]])
+                if not math.isclose(told, own, rel_tol=COSTS_AGREE, abs_tol=COSTS_AGREE) and math.isfinite(own):
+                    raise InputError(f"the cost of robot {robot!r} is another one", line=line, expected=plain(own), found=plain(told))
+        return answer
 
     def answer_to_frame(self, answer: Assignment) -> pd.DataFrame:
         """One row a pair: robot, bin, cost."""

@@ -13,6 +13,7 @@ from ...instances.errors import InputError, UsageError
 from ...instances.instance import with_settings
 from ...instances.printable import printable
 from ...instances.suggestions import did_you_mean
+from ...instances.text import an
 from ..evaluation import Check, Violation, judge
 from ..problem import Problem
 from ..references import indices_of
@@ -90,7 +91,7 @@ class RobotShares(Problem):
         shares = data.get("shares") if isinstance(data, Mapping) and data.get("kind") == self.answer_kind else None
         if not isinstance(shares, list) or not all(isinstance(share, Mapping) and share.keys() == {"robot", "tasks"} for share in shares):
             expected = f'an object {{"kind": "{self.answer_kind}", "shares": [{{"robot": ..., "tasks": [...]}}, ...]}}'
-            raise InputError(f"not an answer to a {self.problem} problem", expected=expected)
+            raise InputError(f"not an answer to {an(self.problem)} problem", expected=expected)
         robots = {self.instance.robot_name(r): r for r in range(self.num_robots)}
         tasks = {self.instance.task_name(t): t for t in range(self.num_tasks)}
         made: list[tuple[int, ...]] = [()] * self.num_robots

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import arrays
 from ..errors import InputError
 from ..instance import digest
-from ..text import label
+from ..text import an, label
 from .orchard_grid import OrchardGrid
 from .orchard_rules import NONE, OrchardRules, OrchardStart
 
@@ -116,7 +116,7 @@ class OrchardJobs:
         object.__setattr__(self, "standing", flags)
         for what, cells in (("robot", self.robot_cells), ("bin", self.bin_cells)):
             if not len(cells):
-                raise InputError(f"there must be a {what}")
+                raise InputError(f"there must be {an(what)}")
         for key, like in (("robot_free", "robot_cells"), ("after", "bin_cells"), ("work", "bin_cells")):
             if len(getattr(self, key)) != len(getattr(self, like)):
                 raise InputError(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..text import shown
+from ..text import an, shown
 from .robot_tasks import RobotTasks
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def of_graph(graph: Any, robots: Sequence[Any], tasks: Sequence[Any], weight: st
     for what, places in (("robot", robots), ("task", tasks)):
         for node in places:
             if node not in nodes:
-                raise InputError(f"a {what} stands at {node!r}, which is no node of the graph")
+                raise InputError(f"{an(what)} stands at {node!r}, which is no node of the graph")
     shortest: dict[tuple[int, int], float] = {}
     for tail, head, data in graph.edges(data=True):
         try:

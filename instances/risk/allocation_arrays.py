@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .. import arrays
 from ..errors import InputError
 from ..printable import printable
+from ..text import an
 from .allocation import MOST_RISK, Affine, Budget, ChanceConstraints, Risk, RiskAllocationInstance
 from .gaussian import Quantities
 
@@ -119,7 +120,9 @@ class _Names:
             shape is not None and any(s is not None and s != t for s, t in zip(shape, values.shape, strict=True))
         ):
             raise InputError(
-                f"{what} must have one entry a {' and '.join(dict.fromkeys(kinds))}", expected=_shape(expected), found=_shape(values.shape)
+                f"{what} must have one entry {an(' and '.join(dict.fromkeys(kinds)))}",
+                expected=_shape(expected),
+                found=_shape(values.shape),
             )
         for axis, (kind, labels) in enumerate(zip(kinds, _labels(given, len(kinds)), strict=True)):
             if labels is not None:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..errors import InputError
+from ..text import an
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -78,7 +79,7 @@ class ItemWeights:
                 thing, every, size = "item", "the weights of the items", self.num_items
             arrays.check_csr(self.indptr, self.indices, self.num_items, "element", "item", "entries")
             if self.weights.shape != (size,):
-                raise InputError(f"there must be one weight an {thing}", expected=str(size), found=str(self.weights.shape))
+                raise InputError(f"there must be one weight {an(thing)}", expected=str(size), found=str(self.weights.shape))
             arrays.refuse_negative(f"the weight of {thing} {{}}", self.weights)
             arrays.refuse_overflow(every, self.weights)
             found = len(self.indptr) - 1

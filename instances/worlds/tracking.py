@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, UsageError
 from ..generators import Draw
+from ..text import an
 from . import WORLDS, Setting, World, WorldKind
 
 Floats = NDArray[np.float64]
@@ -177,7 +178,7 @@ class TrackingWorld(World):
             return drawn
         points = np.array(given, dtype=np.float64)
         if points.shape != (count, 2):
-            raise InputError(f"there must be one position a {what}", expected=f"({count}, 2)", found=str(points.shape))
+            raise InputError(f"there must be one position {an(what)}", expected=f"({count}, 2)", found=str(points.shape))
         wrong = ~np.isfinite(points).all(axis=1) | _outside(points, self.rules.area)
         if wrong.any():
             k = int(np.argmax(wrong))

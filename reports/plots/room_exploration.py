@@ -25,6 +25,18 @@ MAP, SEARCH = 1, 2
 
 HEARD = "#777777"
 
+RADIUS = 11.0
+"""Points from the middle of a room, and the lanes beside it, to its name."""
+
+LINE = 11.0
+"""Points of a line of a label."""
+
+NEAR = 1.25
+"""Mean lengths of a door within which a room is beside another."""
+
+RUNS = 6
+"""Stays of a robot in a room that are told."""
+
 APART = 0.09
 """By how much ways of different robots run beside each other, in parts of the mean length of a door."""
 
@@ -44,7 +56,8 @@ def plot_room_exploration(
     problem: RoomExploration, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
     """Rooms and doors, dotted where rooms hear each other; a line a robot along its way from room to room, with squares where it maps and
-    crosses where it searches.
+    crosses where it searches. Beside each room stand its name and, in the colour of each robot that enters it, after which steps it is
+    there.
 
     Parameters
     ----------
@@ -72,7 +85,8 @@ def plot_room_exploration(
     ax.add_collection(LineCollection(at[given.heard], colors=HEARD, linewidths=1.2, linestyles=":", zorder=1))  # type: ignore[arg-type]
     entered = np.zeros(given.num_rooms, dtype=bool)
     entered[given.starts] = True
-    handles = []
+    handles: list[Any] = []
+    lines = 0
     for robot, deeds in enumerate(answer):
         colour = COLOURS[robot % len(COLOURS)]
         turn = 2.0 * np.pi * (robot / given.num_robots + 0.125)
@@ -92,15 +106,13 @@ def plot_room_exploration(
         ax.scatter(*at[some].T, s=420, marker="o", color=face, edgecolors="#999999", linewidths=0.8, zorder=2)
     ax.scatter(*at[given.base], s=620, marker="o", facecolors="none", edgecolors=INK, linewidths=1.6, zorder=2)
     if given.num_rooms <= NAMED:
-        for room in range(given.num_rooms):
-            ax.annotate(
-                given.room_name(room), at[room], xytext=(11, 11), textcoords="offset points", fontsize=8, color=INK, zorder=6,
-                bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7},
-            )  # fmt: skip
+        lines = _name_rooms(ax, problem, answer, at, length)
     bare(ax)
-    ax.margins(0.1)
+    ax.margins(_margin(ax, lines))
     marks = [("starts here", "o"), ("maps", "s"), ("searches", "X")]
     handles += [Line2D([], [], color="#555555", linestyle="", marker=marker, label=name) for name, marker in marks]
+    if given.num_rooms <= NAMED:
+        handles.append(Line2D([], [], color="#555555", linestyle="", marker="$1,3$", markersize=14, label="there after these steps"))
     handles += [
         Line2D([], [], color="#555555", linestyle="", marker="o", markerfacecolor="white", markeredgewidth=1.6, label="ends here"),
         Line2D([], [], color=INK, linestyle="", marker="o", markerfacecolor="none", markersize=11, label="base"),
@@ -111,6 +123,72 @@ def plot_room_exploration(
     seen = int(entered.sum())
     detail = f"{seen} of {given.num_rooms} rooms entered by {given.num_robots} robots in {given.steps} steps"
     return entitled(ax, problem, answer, solution, title, detail)
+
+
+def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, length: float) -> int:
+    """The name of each room and the steps after which robots are there, on the side that is farthest from its doors and their lanes; tells
+    how many lines the longest has."""
+    from matplotlib.offsetbox import AnnotationBbox, TextArea, VPacker
+
+    given, apart = problem.instance, APART * length * (problem.instance.num_robots > 1)
+    visits: list[list[tuple[str, str]]] = [[] for _ in range(given.num_rooms)]
+    for robot, deeds in enumerate(answer):
+        steps: dict[int, list[int]] = {}
+        for step, room in enumerate([int(given.starts[robot]), *(room for room, _ in deeds)]):
+            steps.setdefault(room, []).append(step)
+        for room, own in steps.items():
+            visits[room].append((_runs(own), COLOURS[robot % len(COLOURS)]))
+    links = np.concatenate([given.doors, given.heard]) if len(given.heard) else given.doors
+    for room in range(given.num_rooms):
+        near = np.hypot(*(at - at[room]).T) <= NEAR * length  # whose labels may come from the other side
+        near[links[(links == room).any(axis=1)].ravel()] = True
+        near[room] = False
+        middle, half = _free_side(at[near] - at[room])
+        towards = np.array([np.cos(middle), np.sin(middle)])
+        x, y = (0.5 if abs(part) < 0.3 else float(part < 0) for part in towards)  # where the text is tied
+        reach = RADIUS + 3.0 * (room == given.base)
+        texts = [
+            TextArea(text, textprops={"fontsize": size, "color": colour})
+            for text, colour, size in [(given.room_name(room), INK, 8.0), *((*visit, 7.5) for visit in visits[room])]
+        ]
+        ax.add_artist(AnnotationBbox(
+            VPacker(children=list(texts), align=("left", "center", "right")[round(2 * x)], pad=0, sep=1),
+            at[room] + towards * apart / max(np.sin(half), 0.4), xybox=(reach * towards[0], reach * towards[1]), boxcoords="offset points",
+            box_alignment=(x, y), frameon=False, pad=0, zorder=7, annotation_clip=False,
+        ))  # fmt: skip
+    return 1 + max(map(len, visits))
+
+
+def _margin(ax: Any, lines: int) -> float:
+    """Of the map, in parts of it: labels of so many lines beside its outermost rooms are not part of the data."""
+    height = 0.65 * ax.get_window_extent().height * 72.0 / ax.figure.dpi  # titles and legends take the rest
+    part = min((3.0 * RADIUS + LINE * lines) / height, 0.3)
+    return max(0.1, float(part / (1.0 - 2.0 * part)))
+
+
+def _free_side(others: Floats) -> tuple[float, float]:
+    """Middle and half width, at most a right angle, of the widest angle without ways and rooms; to the upper right if it may choose."""
+    angles = np.unique(np.arctan2(others[:, 1], others[:, 0])) if len(others) else np.zeros(0)
+    if not len(angles):
+        return np.pi / 4, np.pi / 2
+    width = np.diff(angles, append=angles[0] + 2 * np.pi)
+    if len(angles) == 1:
+        return float(angles[0] + np.pi + (-np.pi / 4 if np.cos(angles[0] + np.pi) < -0.5 else np.pi / 4)), np.pi / 2
+    middle = angles + width / 2
+    best = max(range(len(angles)), key=lambda k: (round(float(width[k]), 6), float(np.cos(middle[k] - np.pi / 4))))
+    return float(middle[best]), float(min(width[best], np.pi) / 2)
+
+
+def _runs(steps: list[int]) -> str:
+    """Numbers as text, those in a row as ``2-4``."""
+    runs: list[list[int]] = []
+    for step in steps:
+        if runs and step == runs[-1][1] + 1:
+            runs[-1][1] = step
+        else:
+            runs.append([step, step])
+    told = [str(first) if first == last else f"{first}-{last}" for first, last in runs[:RUNS]]
+    return ", ".join([*told, *["..."] * (len(runs) > RUNS)])
 
 
 PLOTS.add("room-exploration", plot_room_exploration)

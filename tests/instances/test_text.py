@@ -110,3 +110,15 @@ def test_a_label_is_printable_and_on_one_line(text: str) -> None:
 def test_what_is_shown_of_a_token_is_short(text: str) -> None:
     assert "\n" not in t.shown(text)
     assert len(t.shown(text)) <= 4 * 50 * 3
+
+
+@pytest.mark.parametrize(
+    ("article", "nouns"),
+    [
+        ("an", ("assignment", "exploration-map", "orchard-jobs", "optimal", "item", "uncertain-path", "unintended", "mdvrp", "lp")),
+        ("a", ("routing", "tsp", "cvrp", "vrptw", "uniform", "unit", "user", "utility", "European", "one-way", "bin", "'bin'", ".lp")),
+    ],
+)
+def test_articles_are_as_words_and_letters_are_spoken(article: str, nouns: tuple[str, ...]) -> None:
+    for noun in nouns:
+        assert t.an(noun) == f"{article} {noun}"

@@ -10,6 +10,7 @@ import pytest
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
+from waybound.instances.text import an
 from waybound.instances.writing import format_of_suffix, write_instance
 
 
@@ -34,9 +35,12 @@ def test_the_kind_chooses_among_formats_of_one_suffix(kind: str, suffix: str, na
     assert format_of_suffix(f"a{suffix}", kind).name == name
 
 
-@pytest.mark.parametrize(("kind", "suffix"), [("sensing", ".txt"), ("selection", ".csv"), ("max-min", ".vrp")])
+@pytest.mark.parametrize(
+    ("kind", "suffix"),
+    [("sensing", ".txt"), ("selection", ".csv"), ("max-min", ".vrp"), ("assignment", ".xyz"), ("exploration-map", ".csv")],
+)
 def test_a_suffix_that_stands_for_formats_of_other_kinds_is_refused(kind: str, suffix: str) -> None:
-    with pytest.raises(UsageError, match=f"no format of a {kind} instance"):
+    with pytest.raises(UsageError, match=f"no format of {an(kind)} instance"):
         format_of_suffix(f"a{suffix}", kind)
 
 

@@ -48,7 +48,7 @@ def test_a_claimed_answer_that_breaks_a_row_is_a_fault_and_costs_the_start_nothi
     case = judge()
     case.start(LESS)
     case.last_word(RawResult("optimal", answer=OVER, objective=22.0), prices=True)
-    assert len(case.faults) == 1 and case.faults[0].startswith("made claims a optimal answer, but it breaks 1 constraints")
+    assert len(case.faults) == 1 and case.faults[0].startswith("made claims an optimal answer, but it breaks 1 constraints")
     assert case.best()[0] is LESS
 
 

@@ -115,7 +115,7 @@ def test_an_engine_that_searches_a_restriction_claims_no_bound(engine: Any) -> N
         (RawResult("feasible", answer=FULL, objective=13.0, bound=12.0), None, "claims the bound 12.0"),
         (RawResult("optimal", answer=LESS, objective=12.0), FULL, "claims the optimum 12.0, but an answer of value 13.0"),
         (RawResult("optimal", answer=FULL, objective=14.0), None, "claims the objective 14.0"),
-        (RawResult("optimal", answer=OVER, objective=23.0), FULL, "claims a optimal answer, but it breaks"),
+        (RawResult("optimal", answer=OVER, objective=23.0), FULL, "claims an optimal answer, but it breaks"),
     ],
     ids=["infeasibility", "bound", "optimum", "objective", "feasibility"],
 )  # fmt: skip

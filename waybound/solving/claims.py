@@ -16,6 +16,7 @@ from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
 from ..formulations.programs.reductions.units import objective_unit
 from ..formulations.tolerance import same
+from ..instances.text import an
 from ..solvers.backend import LevelClaim, RawResult
 from ..solvers.program_backend import EQUAL_TOLERANCE
 
@@ -123,7 +124,7 @@ def false_answer(claim: Claim, senses: Sequence[str]) -> Iterator[str]:
     if said.status in ("optimal", "feasible") and claim.exactness.answer_is_valid and not own.feasible:
         worst = max(own.violations, key=lambda v: v.amount)
         yield (
-            f"{claim.solver} claims a {said.status} answer, but it breaks {len(own.violations)} constraints; "
+            f"{claim.solver} claims {an(said.status)} answer, but it breaks {len(own.violations)} constraints; "
             f"the worst: {worst.message} (by {worst.amount:g})"
         )
     if own.feasible and claim.prices and said.objective is not None and (len(own.values) == 1 or said.further):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InputError, UsageError
 from ...formats import FORMATS, Format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
-from ...text import label, number, plain, shown
+from ...text import an, label, number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
 from ..assignment_frame import COLUMNS, FURTHER
 
@@ -64,7 +64,7 @@ def _further(table: Table, owners: dict[str, list[str]]) -> dict[str, NDArray[np
         for name, cell, line in zip(owners[what], table.column(title) or [], table.at, strict=title in table.titles):
             if not name:
                 if cell:
-                    raise InputError(f"{title} stands in a row without a {what}", line=line, expected="an empty cell", found=shown(cell))
+                    raise InputError(f"{title} stands in a row without {an(what)}", line=line, expected="an empty cell", found=shown(cell))
                 continue
             value = math.inf if title == "filled" and cell.lower() == "inf" else number(cell, line, title)
             if told.setdefault(name, (value, line))[0] != value:

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError, UsageError
 from ...formats import FORMATS, Format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
-from ...text import label, number, plain, shown
+from ...text import an, label, number, plain, shown
 from ..robot_tasks import METRICS, PROBLEMS, RobotTasks
 
 KEYS = ("name", "problem", "metric")
@@ -68,7 +68,7 @@ def _names(table: Table, members: list[int], role: str) -> tuple[str, ...] | Non
     seen: dict[str, int] = {}
     for k in members:
         if not column[k] or not column[k].isprintable():
-            raise InputError(f"a {role} must have a name", line=table.at[k], expected="a printable name", found=ascii(column[k])[:40])
+            raise InputError(f"{an(role)} must have a name", line=table.at[k], expected="a printable name", found=ascii(column[k])[:40])
         if column[k] in seen:
             raise InputError(f"the {role} {shown(column[k])} stands twice, first in line {seen[column[k]]}", line=table.at[k])
         seen[column[k]] = table.at[k]

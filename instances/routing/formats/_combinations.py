@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...text import numbers, plain, refuse
+from ...text import an, numbers, plain, refuse
 from ._rows import Rows
 
 HEADER = ("type", "m", "n", "t")
@@ -36,9 +36,9 @@ class Table:
             width = 7 + int(size) + 2 * windows if size in range(len(found)) else -1
             if len(found) != width:
                 shape = "number, x, y, service, demand, f, a, a numbers" + ", ready, due" * windows
-                raise InputError(f"row of a {what} has a wrong length", line=line, expected=shape, found=f"{len(found)} values")
+                raise InputError(f"row of {an(what)} has a wrong length", line=line, expected=shape, found=f"{len(found)} values")
             if found[0] != number:
-                raise InputError(f"number of a {what} is out of order", line=line, expected=str(number), found=plain(found[0]))
+                raise InputError(f"number of {an(what)} is out of order", line=line, expected=str(number), found=plain(found[0]))
             ready, due = found[-2:] if windows else (0.0, np.inf)
             self.rows.append([*found[:5], ready, due])
             self.frequency.append(found[5])

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...text import number, numbers, plain, refuse, whole
+from ...text import an, number, numbers, plain, refuse, whole
 from ..sites import Group
 from ..vehicle_type import VehicleType
 from ._tsplib import Specification, node_list, node_table
@@ -241,5 +241,5 @@ def _column(spec: Specification, section: str, what: str, n: int, depots: list[i
     table, lines = node_table(spec, section, n, (what,))
     values = table[:, 0]
     refuse(values < 0, lines, f"{what} is negative", values, "0 or more")
-    refuse(np.isin(np.arange(n), depots) & (values != 0), lines, f"a depot has a {what}", values, "0")
+    refuse(np.isin(np.arange(n), depots) & (values != 0), lines, f"a depot has {an(what)}", values, "0")
     return values

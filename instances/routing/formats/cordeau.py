@@ -21,7 +21,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...formats import FORMATS, Format
-from ...text import label, number, plain, refuse, shown, whole
+from ...text import an, label, number, plain, refuse, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import Travel
@@ -132,7 +132,7 @@ def write(instance: RoutingInstance) -> str:
     if windows and not np.isfinite(sites.due).all():
         raise cannot(instance, "cordeau", "every site needs a due date if one has it")
     if not several and len(depots) > 1:
-        raise cannot(instance, "cordeau", f"several depots make it an mdvrp, not a {instance.problem}")
+        raise cannot(instance, "cordeau", f"several depots make it an mdvrp, not {an(instance.problem)}")
     place = [*range(n, n + len(depots))] if several else [0]
     if depots != place or not numbered(instance, 1 if several else 0):
         raise cannot(

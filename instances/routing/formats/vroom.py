@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from ...document import array, dump_json, fields, integer, kind_of, parse_json, real, square
 from ...errors import InputError
 from ...formats import FORMATS, Format
-from ...text import label
+from ...text import an, label
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..sites import Shipment
@@ -439,7 +439,7 @@ def write(instance: RoutingInstance) -> str:
 
 def _whole(instance: RoutingInstance, value: float, what: str) -> int:
     if not float(value).is_integer() or not 0 <= value < 2**53:
-        raise cannot(instance, "vroom", f"the format has whole numbers of at least 0, and a {what} is {value:g}")
+        raise cannot(instance, "vroom", f"the format has whole numbers of at least 0, and {an(what)} is {value:g}")
     return int(value)
 
 

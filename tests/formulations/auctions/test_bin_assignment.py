@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ from bin_assignments import WORKED, enumerated, random_costs, worked
 from draws import draws
 
 import waybound as wb
+from waybound.formulations.answers import read_answer
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.instances.auctions.assignment import AssignmentInstance
 from waybound.instances.errors import InputError, UsageError
@@ -84,6 +86,26 @@ def test_answers_are_written_and_read_by_name() -> None:
         problem.answer_from_json({"kind": "bin-assignment", "bin_of_robot": {"1": "7"}})
     with pytest.raises(UsageError, match="the start is no assignment"):
         problem.check_start((0, 1))
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".xlsx", ".json"])
+def test_files_of_solutions_are_read_back_whatever_the_names(suffix: str, tmp_path: Path) -> None:
+    problem = BinAssignment.from_matrix([[1.5, 2.25], [2.0, 5.0], [9.0, 9.0]], robot_names=("NA", "1", "None"), bin_names=("nan", "2"))
+    solution = wb.solve(problem)
+    solution.save(tmp_path / f"made{suffix}")
+    assert read_answer(problem, tmp_path / f"made{suffix}").answer == solution.answer == (1, 0, -1)
+
+
+def test_tables_of_answers_take_their_columns_in_any_order_and_hold_costs_against_the_data() -> None:
+    problem = worked("E")
+    frame = problem.answer_to_frame((-1, 0, 1))
+    assert problem.answer_from_frame(frame[["cost", "bin", "robot"]].rename(columns=str.title)) == (-1, 0, 1)
+    assert problem.answer_from_text(frame.to_csv(index=False)) == ((-1, 0, 1), None)
+    assert problem.answer_from_frame(frame.assign(cost=[2.0, None])) == (-1, 0, 1)
+    with pytest.raises(InputError, match="line 3: the cost of robot '3' is another one; expected 5; found 6"):
+        problem.answer_from_frame(frame.assign(cost=[2.0, 6.0]))
+    with pytest.raises(InputError, match="line 1: is no assignment; expected the titles robot,bin; found robot,bin,cost,note"):
+        problem.answer_from_frame(frame.assign(note=1))
 
 
 def test_settings_are_checked() -> None:

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pytest
+from matplotlib.offsetbox import AnnotationBbox
+from matplotlib.path import Path
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 from waybound.formulations.auctions.room_exploration import RoomExploration
 from waybound.instances.generating import generate
@@ -46,3 +52,43 @@ def test_without_positions_rooms_lie_as_far_apart_as_steps() -> None:
     at = places(problem)
     assert at.shape == (given.num_rooms, 2) and np.isfinite(at).all()
     plot_room_exploration(problem, problem.answer_at_hand())
+
+
+def labels_of(ax: Any) -> list[tuple[list[str], Any]]:
+    """Texts and box in pixels of each label of a room."""
+    ax.figure.canvas.draw()
+    return [
+        ([text.get_text() for text in box.findobj(Text) if text.get_text()], box.get_window_extent(ax.figure.canvas.get_renderer()))
+        for box in ax.findobj(AnnotationBbox)
+    ]
+
+
+@pytest.mark.parametrize(("seed", "robots"), [(1, 1), (3, 2), (4, 3), (7, 3)])
+def test_labels_lie_beside_all_lines_and_within_the_picture(seed: int, robots: int) -> None:
+    problem = RoomExploration(generate("exploration-map", seed, robots=robots))
+    rng, given = np.random.default_rng(seed), problem.instance
+    answer = []
+    for start in given.starts.tolist():
+        rooms = [start]
+        for _ in range(given.steps):
+            rooms.append(int(rng.choice(np.nonzero(given.adjacent[rooms[-1]])[0])))
+        answer.append(tuple((room, 0) for room in rooms[1:]))
+    ax = plot_room_exploration(problem, tuple(answer))
+    labels = labels_of(ax)
+    assert len(labels) == given.num_rooms
+    inside = ax.get_window_extent()
+    for texts, box in labels:
+        assert inside.x0 <= box.x0 and box.x1 <= inside.x1 and inside.y0 <= box.y0 and box.y1 <= inside.y1
+        for line in ax.get_lines():
+            way = Path(ax.transData.transform(line.get_xydata()))
+            assert not way.intersects_bbox(Bbox.from_extents(*box.extents), filled=False), texts
+
+
+def test_steps_of_a_robot_that_goes_there_and_back_are_numbered_in_their_order() -> None:
+    given = replace(
+        generate("exploration-map", 1, robots=1), doors=[[0, 1], [1, 2]], heard=[[0, 1], [1, 2]], exploring=np.ones((3, 1)),
+        mapping=np.zeros((3, 0)), searching=np.zeros((3, 1)), starts=[1], base=0, steps=6, room_names=None, positions=None,
+    )  # fmt: skip
+    ways = (((0, 0), (1, 0), (2, 0), (1, 0), (1, 2), (0, 0)),)
+    told = {texts[0]: texts[1:] for texts, _ in labels_of(plot_room_exploration(RoomExploration(given), ways))}
+    assert told == {"1": ["1, 6"], "2": ["0, 2, 4-5"], "3": ["3"]}
