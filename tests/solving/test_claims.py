@@ -77,10 +77,8 @@ def test_no_claim_and_several_levels_are_not_compared() -> None:
 
 def test_a_claimed_answer_that_breaks_something_is_told_with_the_worst() -> None:
     broken = worth(1.0, violations=(Violation("load", "by a little", 2.0), Violation("visits", "by much", 7.0)))
-    for status in ("optimal", "feasible"):
-        words = (
-            f"liar claims {'an' if status == 'optimal' else 'a'} {status} answer, but it breaks 2 constraints; the worst: by much (by 7)"
-        )
+    for status, which in (("optimal", "an optimal"), ("feasible", "a feasible")):
+        words = f"liar claims {which} answer, but it breaks 2 constraints; the worst: by much (by 7)"
         assert of_answer(RawResult(status), broken) == [words]
     assert not of_answer(RawResult("unknown"), broken)
     assert not of_answer(RawResult("optimal"), broken, RELAXATION)
