@@ -77,6 +77,10 @@ def instance_from_frame(
         For a unit that does not exist.
     """
     table, times, unit = columns_of(sites, columns, extra), Times(time_unit), unit_of_distance(distance_unit)
+    if weight != "weight" and not is_graph(travel):
+        raise InputError(
+            f"weight={weight!r} names the distances of a graph's edges, and there is no graph", expected="travel=graph (networkx)"
+        )
     if "node" in table and not is_graph(travel):
         table = table.without("node")
     for title in ("ready", "due"):
@@ -90,6 +94,9 @@ def instance_from_frame(
     made = _sites(table, times, xy, geographic, windows, shipments, groups)
     moves = _moves(travel, durations, table, times, weight, unit, geographic, xy)
     notes += moves.notes if isinstance(moves, Moves) else ()
+    if unit != "km" and not (_is_service(travel, moves) or (travel is None and geographic)):
+        expected = "columns lat and lon, the table of a routing service, or no distance_unit"
+        raise InputError(f"distance_unit={unit!r} counts for nothing: distances are as they are given", expected=expected)
     _need_units(made, moves, durations, speed, fleet, time_unit, max_duration, xy is not None and geographic, travel)
     closes = None if closing is None else _closing(closing, table.ids, times)
     if hasattr(variances, "tocsr"):
@@ -210,8 +217,7 @@ def _need_units(
     timed = bool(sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or max_duration != math.inf)
     if not timed:
         return
-    service = (isinstance(travel, str | PathLike) and not isinstance(moves, str)) or is_table(travel)
-    if service and unit is None:
+    if _is_service(travel, moves) and unit is None:
         raise InputError("durations of the routing service are in seconds, and the unit of the other times is not said",
                          expected="time_unit='s', min, h or d")  # fmt: skip
     if not (isinstance(moves, str) and moves in GEOGRAPHIC and durations is None):
@@ -225,6 +231,11 @@ def _need_units(
                          expected="speed=50 (an hour), or durations=matrix")  # fmt: skip
     if unit is None:
         raise InputError("a speed is a distance in an hour, and the unit of times is not said", expected="time_unit='min', or s, h, d")
+
+
+def _is_service(travel: Any, moves: Moves | str) -> bool:
+    """Whether a routing service's table, or its file, told the moves."""
+    return (isinstance(travel, str | PathLike) and not isinstance(moves, str)) or is_table(travel)
 
 
 def _speed(speed: float, travel: Travel, times: Times) -> float:
