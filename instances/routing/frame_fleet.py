@@ -37,7 +37,8 @@ def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
     Parameters
     ----------
     given : DataFrame or sequence of mappings or VehicleType
-        A frame without ``count`` has one vehicle a row; ``shift_start, shift_end`` and ``capacity2, ...`` stand for lists.
+        A frame without ``count`` has one vehicle a row, ``inf`` or ``unlimited`` stands for any number; ``shift_start, shift_end`` and
+        ``capacity2, ...`` stand for lists.
     sites : Sites
     times : Times
         Reads ``max_duration, regular_duration`` and shifts.
@@ -52,6 +53,8 @@ def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
         if not isinstance(row, Mapping):
             raise InputError(f"fleet[{k}] must be a mapping or a VehicleType", found=type(row).__name__)
         with placed(given, k):
+            if framed and "count" in row:
+                row = {**row, "count": _count(row["count"], f"fleet[{k}].count")}
             own = own_travel(row.get("travel"), sites, times, f"fleet[{k}].travel")
             held = _held({key: value for key, value in row.items() if key != "travel"}, f"fleet[{k}]", times)
             held.setdefault("name", f"vehicle {k + 1}" if len(rows) > 1 else "vehicle")
@@ -155,6 +158,16 @@ def _rows(frame: Any) -> list[dict[str, Any]]:
         for name, row in zip(frame.index.tolist(), rows, strict=True):
             row["name"] = str(name)
     return rows
+
+
+def _count(value: Any, path: str) -> Any:
+    """Of a row that has one: a missing number says neither one vehicle, as of a frame without the column, nor any number."""
+    if isinstance(value, str):
+        text = value.strip().casefold()
+        return math.inf if text in ("inf", "unlimited") else int(text) if text.isdecimal() else value
+    if plain_value(value) is None and value != math.inf:
+        raise InputError(f"{path} is missing", expected="a number, unlimited or inf for any number, or no column 'count' for 1 each")
+    return value
 
 
 def _held(row: Mapping[Any, Any], path: str, times: Times) -> dict[str, Any]:

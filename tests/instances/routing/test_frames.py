@@ -148,7 +148,7 @@ def test_a_group_is_a_list_of_ids_or_says_whether_it_is_required() -> None:
 
 def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
     fleet = pd.DataFrame(
-        {"name": ["drone", "rover"], "count": [2, None], "start": ["port", "yard"], "end": ["port", "yard"], "speed": [3.0, None]}
+        {"name": ["drone", "rover"], "count": [2, math.inf], "start": ["port", "yard"], "end": ["port", "yard"], "speed": [3.0, None]}
     )
     made = instance_from_frame(PLACES.drop(columns=["skills"]), fleet=fleet)
     assert [(v.name, v.count, v.start, v.speed) for v in made.fleet] == [("drone", 2, 1, 3), ("rover", None, 0, 1)]
