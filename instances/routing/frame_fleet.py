@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -130,14 +131,23 @@ def shared_bans(
     return tuple(left), common if forbidden is None else common | forbidden
 
 
+def fleet_given(given: Any) -> Any:
+    """A frame, or the list of what is given otherwise; None for none."""
+    if given is None or hasattr(given, "columns"):
+        return given
+    if isinstance(given, str | bytes | PathLike | Mapping) or not isinstance(given, Iterable):
+        found = f"one {'mapping' if isinstance(given, Mapping) else type(given).__name__}: {given!r}"
+        raise InputError("fleet must be a frame or a list", expected="[{'capacity': 5}], one entry a type, or pandas.read_csv(file)",
+                         found=found[:100])  # fmt: skip
+    return list(given)
+
+
 def see_times(given: Any, times: Times) -> None:
     """Let the moments of shifts count for the origin of time."""
     if hasattr(given, "columns"):
         for title in (*SHIFT, "shift"):
             if title in given.columns:
                 times.see(given[title])
-    elif given is not None and not isinstance(given, Iterable):
-        raise InputError("fleet must be a frame or a list", expected="[{'capacity': 5}]", found=str(given)[:80])
     elif isinstance(given, Sequence):
         for row in given:
             if isinstance(row, Mapping):
