@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...instances.instance import digest
 from ...instances.routing.features import features
 from ...instances.routing.geography import middle
-from ...instances.routing.sites import UNUSED, unused
+from ...instances.routing.sites import with_unused
 from ...instances.routing.travel import EXPLICIT
 from .reachability import unreachable
 
@@ -61,9 +61,7 @@ def remarks(problem: RoutingProblem) -> tuple[str, ...]:
     from .members import DEFAULT_OBJECTIVE, default_objective, pointless
 
     s, at, aims = problem.sites, problem.customers, problem.objective.features()
-    made = list(problem.notes)
-    if not any(note.startswith(UNUSED) for note in made):
-        made += unused(s.attributes)
+    made = list(with_unused(problem.notes, s.attributes))
     aim = str(problem.objective)
     for name, values in (("rewards", s.reward), ("penalties", s.penalty)):
         if values[at].any() and f"objective:{name.removesuffix('s') if name == 'rewards' else name}" not in aims:

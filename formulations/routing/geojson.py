@@ -13,9 +13,11 @@ if TYPE_CHECKING:
 
 
 def answer_geojson(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
-    """A ``FeatureCollection``: a ``LineString`` a route, straight from stop to stop, then a ``Point`` a site.
+    """A ``FeatureCollection``: a ``LineString`` a route, straight from stop to stop, then a ``Point`` a site, and one a stop at a depot on
+    the way.
 
     Properties of a line are those of ``routes_frame``, of a point the site's id and attributes, who visits it and when, or why nobody does.
+    Vehicles may stop at a depot often, so that each such stop is a point of its own, of kind ``stop``.
 
     Raises
     ------
@@ -35,14 +37,18 @@ def answer_geojson(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
         vehicle = problem.fleet[route.vehicle]
         line = [places[k] for k in (vehicle.start, *route.visits, vehicle.end)]
         features.append(_feature("LineString", line, {"kind": "route", **row, "visits": [sites.ids[k] for k in route.visits]}))
-    visits = {row.pop("site"): row for row in _rows(routes_to_frame(problem, answer))}
+    visits: dict[str, list[dict[str, Any]]] = {}
+    for row in _rows(routes_to_frame(problem, answer)):
+        visits.setdefault(row.pop("site"), []).append(row)
     reasons = {one.where: one.reason for one in problem.left_out(answer)}
     for k, site in enumerate(sites.ids):
         kept = {title: values[k] for title, values in sites.attributes.items()}
         kind = "depot" if sites.depot[k] else "site"
-        told = visits.get(site, {}) if kind == "site" else {}
+        stops = visits.get(site, [])
+        told, further = (stops[0], stops[1:]) if stops and kind == "site" else ({}, stops)
         left = {"left_out": reasons[site]} if site in reasons else {}
         features.append(_feature("Point", places[k], {"kind": kind, "id": site, **kept, **told, **left}))
+        features += [_feature("Point", places[k], {"kind": "stop", "id": site, **kept, **each}) for each in further]
     return {"type": "FeatureCollection", "features": features}
 
 

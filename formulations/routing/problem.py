@@ -133,7 +133,7 @@ class RoutingProblem(Problem):
         unit_cost: float = 1.0,
         speed: float | None = None,
         fleet: Any = None,
-        columns: Mapping[Any, Any] | None = None,
+        columns: Mapping[Any, Any] | str | None = None,
         extra: Iterable[Any] | bool = (),
         time_unit: str | None = None,
         distance_unit: str = "km",
@@ -175,8 +175,8 @@ class RoutingProblem(Problem):
             In their place: one entry a vehicle type, with the keys of waybound's JSON (docs/formats.md), sites by id. A frame without the
             column ``count`` has one vehicle a row; ``shift_start, shift_end`` and ``capacity2, ...`` stand for the JSON's lists. ``travel``
             may be a matrix as that of all, with ``inf`` for moves that this vehicle cannot make.
-        columns : mapping, optional
-            From the titles above to those of the frame, or the other way round.
+        columns : mapping or str, optional
+            From the titles above to those of the frame, or the other way round; or the same as text, ``"demand=crates, id=shop"``.
         extra : list of titles, or bool
             Columns that are kept though they look like misspelt ones, or are called as other toolkits call what counts; True for all.
         time_unit : str, optional

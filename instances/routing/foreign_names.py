@@ -1,7 +1,8 @@
 """What other toolkits call columns of sites, vehicles, windows, shipments, groups and moves: dropping such a one would change the problem.
 
 Source: the fields of PyVRP 0.14 (``Client, Depot, VehicleType``), VROOM 1.14 (API, and pyvroom), OR-Tools (data of the routing guides),
-VRPSolverEasy 0.1, vrplib and VRPLIB's sections, and the titles of the tables of Solomon, Cordeau, and Li and Lim.
+VRPSolverEasy 0.1, vrplib and VRPLIB's sections, Timefold, ArcGIS, vrpy, jsprit and GraphHopper, and the titles of the tables of Solomon,
+Cordeau, and Li and Lim. Left out are words that more often stand for something else: jsprit's ``size``, vrpy's ``lower`` and ``upper``.
 """
 
 from __future__ import annotations
@@ -24,20 +25,24 @@ OURS: dict[str, dict[str, str]] = {
         "lat": "latitude gps_lat",
         "lon": "longitude lng long gps_lon gps_lng",
         "demand": "demands delivery deliveries linehaul drop_size quantity quantities qty amount load loads load_demand weight volume mass "
-        "units pallets parcels packages boxes",
-        "pickup": "pickups backhaul backhauls collection collected pickup_demand",
+        "units pallets parcels packages boxes vol kg delivery_demand delivery_quantity delivery_quantities delivery_amount delivery_load "
+        "delivery_weight",
+        "pickup": "pickups backhaul backhauls collection collected collect pickup_demand pickup_quantity pickup_quantities pickup_amount "
+        "pickup_load pickup_weight",
         "ready": "ready_time ready_date earliest earliest_time early earliest_start earliest_arrival start start_time begin begin_time "
         "tw_early tw_start tw_begin tw_open tw_min tw_from tw_lower window_start window_open window_begin time_window_start "
         "time_window_open time_window_begin time_window_early time_window_from open opens opening open_time opening_time not_before "
-        "arrive_after beginning_of_time_window start_window",
+        "arrive_after beginning_of_time_window start_window window_from from_time time_from min_start_time min_start available_from "
+        "slot_start",
         "due": "due_date due_time latest latest_time late latest_start latest_arrival end end_time deadline tw_late tw_end tw_close tw_max "
         "tw_to tw_upper window_end window_close time_window_end time_window_close time_window_late time_window_to close closes closing "
-        "close_time closing_time not_after arrive_before end_of_time_window end_window",
+        "close_time closing_time not_after arrive_before end_of_time_window end_window window_to to_time time_to max_end_time max_end "
+        "available_until available_to slot_end",
         "service": "service_time service_duration service_durations stand_time dwell dwell_time stop_time stop_duration stay stay_time "
         "handling_time unload_time unloading_time visit_time visit_duration duration",
-        "reward": "prize profit score revenue gain bonus",
+        "reward": "prize profit score revenue gain bonus utility",
         "required": "mandatory compulsory must_visit obligatory is_required",
-        "penalty": "penalties penalty_cost penalty_or_cost drop_penalty skip_penalty missed_cost",
+        "penalty": "penalties penalty_cost penalty_or_cost drop_penalty skip_penalty missed_cost disjunction_penalty",
         "depot": "is_depot depots",
         "skills": "skill required_skill required_skills needed_skills skill_set",
     },
@@ -106,26 +111,31 @@ ELSEWHERE: dict[str, dict[str, str]] = {
         _WINDOWS: "time_window time_windows tw windows window opening_hours business_hours",
         _PAIRS: "pickups_deliveries pickup_delivery pickup_index delivery_index pickup_id delivery_id partner sibling pair shipment "
         "shipment_id",
-        _GROUPS: "group group_id id_customer mutually_exclusive alternatives",
-        "waybound has no priorities: what a visit is worth is the column reward, what leaving it out costs is penalty": "priority",
+        _GROUPS: "group group_id id_customer mutually_exclusive alternatives disjunction disjunctions",
+        "waybound has no priorities: what a visit is worth is the column reward, what leaving it out costs is penalty": "priority "
+        "importance",
+        "a load to bring is the column demand, one to take along is pickup, and the time it takes is service": "unloading loading",
         "it is the column required, the other way round": "optional is_optional droppable allow_drop can_skip skippable",
-        "waybound has no set-up times apart from service": "setup setup_time default_setup setup_per_type setup_duration",
+        "waybound has no set-up times apart from service": "setup setup_time default_setup setup_per_type setup_duration "
+        "preparation_time preparation",
         "waybound has one service time for all vehicles": "service_per_type default_service",
-        _FIXED: "locked lock fixed pinned frozen assigned_vehicle fixed_vehicle steps sequence_number visit_order",
-        _ONLY: "incompatible_vehicles allowed_vehicles forbidden_vehicles vehicle vehicle_id vehicle_type",
+        _FIXED: "locked lock fixed pinned frozen assigned_to assigned_vehicle fixed_vehicle steps sequence_number visit_order",
+        _ONLY: "incompatible_vehicles allowed_vehicles forbidden_vehicles disallowed_vehicles vehicles_allowed "
+        "allowed_vehicle_indices vehicle vehicle_id vehicle_type",
         _ORDER: "predecessor predecessors successor successors precedence precedences",
         "waybound visits a site once": "frequency frequency_of_visit visit_frequency combinations",
         "waybound has no such rules of sites on one route": "incompatible incompatibilities conflicts same_vehicle same_route",
         "vehicles are told by the arguments vehicles, capacity, max_duration, ... or by fleet": "capacity capacities vehicle_capacity "
         "vehicle_capacities num_vehicles vehicles num_available max_duration max_distance shift_duration fixed_cost speed_factor "
-        "max_number start_depot end_depot reload_depots",
+        "max_number start_depot end_depot reload_depots max_tasks start_late",
         "the column depot tells which sites are depots": "starts ends",
         "coordinates are the columns x and y, or lat and lon": "coordinates coords coordinate location_index locations geometry point",
     },
     "fleet": {
         "waybound has no breaks": "breaks break lunch lunch_break",
-        "waybound limits no number of stops; a load dimension with a demand of 1 each does": "max_tasks max_stops max_visits max_customers",
-        "waybound has no latest departure beside the shift": "start_late latest_departure",
+        "waybound limits no number of stops; a load dimension with a demand of 1 each does": "max_tasks max_stops max_visits max_customers "
+        "max_order_count max_orders",
+        "waybound has no latest departure beside the shift": "start_late latest_departure latest_start latest_start_time",
         "vehicles of waybound start with the load of their deliveries": "initial_load initial_loads",
         "max_duration is the longest time with overtime, regular_duration the one without": "max_overtime overtime",
         "costs are fixed_cost, unit_cost (of a distance) and unit_duration_cost": "cost costs per_task_hour",
@@ -161,7 +171,7 @@ OWNERS = _words("site sites customer customers client clients node nodes job job
 """First words that say whose quantity it is; of a fleet, those below."""
 VEHICLES = _words("vehicle vehicles truck van route")
 
-MORE_LOADS = _words("quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes")
+MORE_LOADS = _words("quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes vol kg")
 """Names of loads that may well stand beside another load."""
 
 PLACES = ("x", "y", "lat", "lon")

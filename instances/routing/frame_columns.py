@@ -111,7 +111,15 @@ class Columns:
         return {str(title): [_plain(value) for value in self.frame[title].tolist()] for title in self.extra}
 
 
-def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: Iterable[Any] | bool) -> Columns:
+def pairs_of(text: str) -> dict[str, str]:
+    """A mapping of titles that is told as text: ``demand=crates, id=shop``."""
+    pairs = [part.split("=") for part in text.split(",")]
+    if any(len(pair) != 2 for pair in pairs):
+        raise InputError("columns must pair titles", expected="demand=crates, id=shop", found=shown(text))
+    return {own.strip(): theirs.strip() for own, theirs in pairs}
+
+
+def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | str | None, extra: Iterable[Any] | bool) -> Columns:
     """The columns of ``frame``; see ``instance_from_frame``."""
     import pandas as pd
 
@@ -119,6 +127,9 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
         raise InputError("sites must be a pandas frame, one row a site", expected="a DataFrame", found=type(frame).__name__)
     if len(frame) == 0:
         raise InputError("the frame has no rows")
+    if frame.columns.nlevels > 1:
+        raise InputError("titles of columns have several levels", expected="one: frame.columns.droplevel(0)")
+    mapping = pairs_of(mapping) if isinstance(mapping, str) else mapping
     titles = list(frame.columns)
     if len(set(titles)) < len(titles):
         raise InputError(f"column {next(t for t in titles if titles.count(t) > 1)!r} stands twice")
@@ -145,6 +156,10 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | None, extra: It
         names = frame[named].tolist()
         if all(isinstance(name, str | int) for name in names) and len(set(names)) == len(names):
             found["id"] = named
+    for level in frame.index.names:  # an index holds ids alone
+        own = None if level is None else own_title(level) or ours(str(level))
+        if own not in (None, "id") and own not in found:
+            raise InputError(f"the index is called {shown(str(level))}, and columns alone tell {own}", expected="frame.reset_index()")
     used = set(found.values())
     kept = [title for title in titles if title not in used]
     for title in kept:
@@ -229,6 +244,8 @@ def _misspelt(title: str, found: Mapping[str, Any]) -> str | None:
 
 def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
     values = frame[found["id"]] if "id" in found else frame.index
+    if values.ndim > 1 or getattr(values, "nlevels", 1) > 1:
+        raise InputError("the index has several levels", expected="ids in one: a column id, or frame.reset_index()")
     if values.isna().any():
         raise InputError(f"row {int(np.argmax(np.asarray(values.isna()))) + 1} has no id", expected="a name in every row")
     return tuple(id_text(v) for v in values.tolist())

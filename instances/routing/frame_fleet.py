@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,8 @@ def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
     Parameters
     ----------
     given : DataFrame or sequence of mappings or VehicleType
-        A frame without ``count`` has one vehicle a row; ``shift_start, shift_end`` and ``capacity2, ...`` stand for lists.
+        A frame without ``count`` has one vehicle a row, ``inf`` or ``unlimited`` stands for any number; ``shift_start, shift_end`` and
+        ``capacity2, ...`` stand for lists.
     sites : Sites
     times : Times
         Reads ``max_duration, regular_duration`` and shifts.
@@ -52,6 +54,8 @@ def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
         if not isinstance(row, Mapping):
             raise InputError(f"fleet[{k}] must be a mapping or a VehicleType", found=type(row).__name__)
         with placed(given, k):
+            if framed and "count" in row:
+                row = {**row, "count": _count(row["count"], f"fleet[{k}].count")}
             own = own_travel(row.get("travel"), sites, times, f"fleet[{k}].travel")
             held = _held({key: value for key, value in row.items() if key != "travel"}, f"fleet[{k}]", times)
             held.setdefault("name", f"vehicle {k + 1}" if len(rows) > 1 else "vehicle")
@@ -127,14 +131,23 @@ def shared_bans(
     return tuple(left), common if forbidden is None else common | forbidden
 
 
+def fleet_given(given: Any) -> Any:
+    """A frame, or the list of what is given otherwise; None for none."""
+    if given is None or hasattr(given, "columns"):
+        return given
+    if isinstance(given, str | bytes | PathLike | Mapping) or not isinstance(given, Iterable):
+        found = f"one {'mapping' if isinstance(given, Mapping) else type(given).__name__}: {given!r}"
+        raise InputError("fleet must be a frame or a list", expected="[{'capacity': 5}], one entry a type, or pandas.read_csv(file)",
+                         found=found[:100])  # fmt: skip
+    return list(given)
+
+
 def see_times(given: Any, times: Times) -> None:
     """Let the moments of shifts count for the origin of time."""
     if hasattr(given, "columns"):
         for title in (*SHIFT, "shift"):
             if title in given.columns:
                 times.see(given[title])
-    elif given is not None and not isinstance(given, Iterable):
-        raise InputError("fleet must be a frame or a list", expected="[{'capacity': 5}]", found=str(given)[:80])
     elif isinstance(given, Sequence):
         for row in given:
             if isinstance(row, Mapping):
@@ -155,6 +168,16 @@ def _rows(frame: Any) -> list[dict[str, Any]]:
         for name, row in zip(frame.index.tolist(), rows, strict=True):
             row["name"] = str(name)
     return rows
+
+
+def _count(value: Any, path: str) -> Any:
+    """Of a row that has one: a missing number says neither one vehicle, as of a frame without the column, nor any number."""
+    if isinstance(value, str):
+        text = value.strip().casefold()
+        return math.inf if text in ("inf", "unlimited") else int(text) if text.isdecimal() else value
+    if plain_value(value) is None and value != math.inf:
+        raise InputError(f"{path} is missing", expected="a number, unlimited or inf for any number, or no column 'count' for 1 each")
+    return value
 
 
 def _held(row: Mapping[Any, Any], path: str, times: Times) -> dict[str, Any]:

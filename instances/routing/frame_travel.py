@@ -110,6 +110,8 @@ def matrix_of(values: Any, ids: Ids, what: str, times: Times | None) -> Floats:
     """A square matrix in the order of the sites, from an array, a frame with the ids as labels, or a sparse road graph."""
     if hasattr(values, "tocsr"):
         return _sized(_shortest_paths(values, ids, what), ids, what)
+    if isinstance(values, str | bytes | PathLike | Mapping):
+        raise InputError(f"the {what} matrix must be an array or a frame", found=f"{type(values).__name__} {str(values)[:60]!r}")
     shape = tuple(getattr(values, "shape", None) or np.shape(values))
     if shape != (len(ids), len(ids)):
         _refuse_shape(shape, ids, what)

@@ -16,8 +16,9 @@ from ..errors import InputError
 from ..suggestions import did_you_mean
 from ..text import label
 from .fleet import equal_fleet, with_problems
+from .frame_arguments import loads_given, number_given, text_given, titles_given, whole_given
 from .frame_columns import Columns, columns_of
-from .frame_fleet import fleet_of, see_times, shared_bans
+from .frame_fleet import fleet_given, fleet_of, see_times, shared_bans
 from .frame_lists import groups_of, see_windows, shipments_of, windows_of
 from .frame_travel import Moves, in_order, is_graph, matrix_of, moves_of
 from .geography import coordinates_of, warn_of_swapped
@@ -46,7 +47,7 @@ def instance_from_frame(
     unit_cost: float = 1.0,
     speed: float | None = None,
     fleet: Any = None,
-    columns: Mapping[Any, Any] | None = None,
+    columns: Mapping[Any, Any] | str | None = None,
     extra: Iterable[Any] | bool = (),
     time_unit: str | None = None,
     distance_unit: str = "km",
@@ -76,7 +77,14 @@ def instance_from_frame(
     UsageError
         For a unit that does not exist.
     """
-    table, times, unit = columns_of(sites, columns, extra), Times(time_unit), unit_of_distance(distance_unit)
+    for what, text in (("name", name), ("distance_unit", distance_unit), ("weight", weight), ("convention", convention)):
+        text_given(text, what)
+    fleet = fleet_given(fleet)
+    table, times, unit = columns_of(sites, columns, titles_given(extra, "extra")), Times(time_unit), unit_of_distance(distance_unit)
+    if weight != "weight" and not is_graph(travel):
+        raise InputError(
+            f"weight={weight!r} names the distances of a graph's edges, and there is no graph", expected="travel=graph (networkx)"
+        )
     if "node" in table and not is_graph(travel):
         table = table.without("node")
     for title in ("ready", "due"):
@@ -87,9 +95,15 @@ def instance_from_frame(
     if closing is not None:
         times.see(closing)
     geographic, xy, notes = coordinates_of(table)
+    if table.depot.all():
+        raise InputError("there is no customer", expected="a row that is no depot", found=f"{len(table.ids)} sites, all of them depots"
+                         if len(table.ids) > 1 else "the depot alone")  # fmt: skip
     made = _sites(table, times, xy, geographic, windows, shipments, groups)
     moves = _moves(travel, durations, table, times, weight, unit, geographic, xy)
     notes += moves.notes if isinstance(moves, Moves) else ()
+    if unit != "km" and not (_is_service(travel, moves) or (travel is None and geographic)):
+        expected = "columns lat and lon, the table of a routing service, or no distance_unit"
+        raise InputError(f"distance_unit={unit!r} counts for nothing: distances are as they are given", expected=expected)
     _need_units(made, moves, durations, speed, fleet, time_unit, max_duration, xy is not None and geographic, travel)
     closes = None if closing is None else _closing(closing, table.ids, times)
     if hasattr(variances, "tocsr"):
@@ -109,7 +123,8 @@ def instance_from_frame(
         ways = Travel(moves, coordinates=xy, duration_matrix=held, **own)
     ways = ways.at_speed(1.0 if speed is None else _speed(speed, ways, times))
     if fleet is not None and (
-        vehicles is not None or (capacity, max_duration, max_distance, fixed_cost, unit_cost) != (math.inf, math.inf, math.inf, 0.0, 1.0)
+        vehicles is not None
+        or (_plain(capacity), max_duration, max_distance, fixed_cost, unit_cost) != (math.inf, math.inf, math.inf, 0.0, 1.0)
     ):
         expected = "fleet, or vehicles, capacity, max_duration, max_distance, fixed_cost and unit_cost"
         raise InputError("fleet tells the vehicles already", expected=expected)
@@ -130,9 +145,9 @@ def instance_from_frame(
         made,
         ways,
         kinds,
-        min_vehicles=min_vehicles,
+        min_vehicles=whole_given(min_vehicles, "min_vehicles"),
         notes=notes,
-        team_risk=team_risk,
+        team_risk=None if team_risk is None else number_given(team_risk, "team_risk"),
         forbidden=forbidden,
         clock=clock,
     )
@@ -210,8 +225,7 @@ def _need_units(
     timed = bool(sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or max_duration != math.inf)
     if not timed:
         return
-    service = (isinstance(travel, str | PathLike) and not isinstance(moves, str)) or is_table(travel)
-    if service and unit is None:
+    if _is_service(travel, moves) and unit is None:
         raise InputError("durations of the routing service are in seconds, and the unit of the other times is not said",
                          expected="time_unit='s', min, h or d")  # fmt: skip
     if not (isinstance(moves, str) and moves in GEOGRAPHIC and durations is None):
@@ -225,6 +239,16 @@ def _need_units(
                          expected="speed=50 (an hour), or durations=matrix")  # fmt: skip
     if unit is None:
         raise InputError("a speed is a distance in an hour, and the unit of times is not said", expected="time_unit='min', or s, h, d")
+
+
+def _is_service(travel: Any, moves: Moves | str) -> bool:
+    """Whether a routing service's table, or its file, told the moves."""
+    return (isinstance(travel, str | PathLike) and not isinstance(moves, str)) or is_table(travel)
+
+
+def _plain(capacity: Any) -> Any:
+    """A capacity that may be compared with another; an array may not."""
+    return capacity if isinstance(capacity, float | int) else None
 
 
 def _speed(speed: float, travel: Travel, times: Times) -> float:
@@ -246,12 +270,12 @@ def _equal(
     fixed_cost: float,
     unit_cost: float,
 ) -> tuple[VehicleType, ...]:
-    if vehicles is not None and (isinstance(vehicles, bool) or int(vehicles) != vehicles):
-        raise InputError("the number of vehicles must be whole", found=str(vehicles))
-    loads = [float(v) for v in capacity] if isinstance(capacity, Sequence) else [float(capacity)]
+    count = None if vehicles is None else whole_given(vehicles, "the number of vehicles")
+    loads = loads_given(capacity, "capacity")
     return equal_fleet(
-        sites, count=None if vehicles is None else int(vehicles), capacity=loads[0], further_capacity=tuple(loads[1:]),
-        max_duration=max_duration, max_distance=float(max_distance), fixed_cost=float(fixed_cost), unit_cost=float(unit_cost),
+        sites, count=count, capacity=loads[0], further_capacity=tuple(loads[1:]), max_duration=max_duration,
+        max_distance=number_given(max_distance, "max_distance"), fixed_cost=number_given(fixed_cost, "fixed_cost"),
+        unit_cost=number_given(unit_cost, "unit_cost"),
     )  # fmt: skip
 
 

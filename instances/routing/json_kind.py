@@ -15,6 +15,7 @@ from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
 from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
 from .reach import refuse_powerless, refuse_unreachable
+from .sites import with_unused
 
 KEYS = (
     "name", "problem", "problems", "convention", "sites", "travel", "fleet", "min_vehicles", "team_risk", "objective", "notes", "forbidden",
@@ -104,7 +105,7 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
     made = RoutingInstance(
         string(data["name"], "name"), "json", sites, travel, tuple(fleet), problem=problem, problems=problems,
         min_vehicles=integer(data.get("min_vehicles", 0), "min_vehicles", 0), objective=strings(data.get("objective", []), "objective"),
-        notes=strings(data.get("notes", []), "notes"), team_risk=optional_real(data, "team_risk"),
+        notes=with_unused(strings(data.get("notes", []), "notes"), sites.attributes), team_risk=optional_real(data, "team_risk"),
         forbidden=_forbidden(data["forbidden"], index) if "forbidden" in data else None,
         clock=_clock(data["clock"]) if "clock" in data else None,
     )  # fmt: skip

@@ -84,7 +84,7 @@ def table_of(data: Any) -> ServiceTable:
         raise InputError("the routing service found no table", found=str(said)[:80])
     if not is_table(data):
         raise InputError("is no table of a routing service", expected="distances or durations (OSRM), or sources_to_targets (Valhalla)",
-                         found=", ".join(map(str, data))[:80])  # fmt: skip
+                         found=", ".join(map(str, data))[:80] or "an empty object")  # fmt: skip
     if "sources_to_targets" in data:
         return _valhalla(data)
     metres, seconds = (_square(data.get(key), key) for key in ("distances", "durations"))

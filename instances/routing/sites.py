@@ -379,6 +379,14 @@ def unused(attributes: Iterable[str]) -> tuple[str, ...]:
     return in_lines(UNUSED, attributes)
 
 
+def with_unused(notes: Iterable[str], attributes: Iterable[str]) -> tuple[str, ...]:
+    """Notes with those on unused columns as the columns are, whatever was noted before."""
+    given = list(notes)
+    at = next((k for k, note in enumerate(given) if note.startswith(UNUSED)), len(given))
+    kept = [[note for note in part if not note.startswith(UNUSED)] for part in (given[:at], given[at:])]
+    return (*kept[0], *unused(attributes), *kept[1])
+
+
 def in_lines(beginning: str, names: Iterable[str]) -> tuple[str, ...]:
     """Notes that list names, each short enough to be shown whole."""
     notes: list[str] = []

@@ -16,6 +16,7 @@ from ...errors import InputError, UsageError
 from ...formats.table import delimiter_of, table_of
 from ...text import is_number, number, read_text, refuse, shown, whole
 from ..foreign_names import hint
+from ..frame_columns import pairs_of
 from ..frame_fleet import SHIFT, SPANS
 from ..frame_lists import LOADS, READ_FROM
 from ..routing_service import unit_of_distance
@@ -97,10 +98,10 @@ def _argument(key: str, line: int | None, value: Any, folder: Path, n: int) -> d
     if key in TABLES:
         return {name: _table(_file(key, line, text, folder), key, line, text)}
     if key == "columns":
-        pairs = [part.split("=") for part in text.split(",")]
-        if any(len(pair) != 2 for pair in pairs):
-            raise InputError("columns must pair titles", line=line, expected="demand=crates, id=shop", found=shown(text))
-        return {name: {own.strip(): theirs.strip() for own, theirs in pairs}}
+        try:
+            return {name: pairs_of(text)}
+        except InputError as error:
+            raise error if line is None else error.at(line=line) from None
     if key == "extra":
         return {name: True if text.lower() == "true" else [title.strip() for title in text.split(",")]}
     return {name: named(unit_named if key == "time-unit" else unit_of_distance, line, text)}

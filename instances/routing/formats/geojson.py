@@ -26,6 +26,9 @@ SETTINGS = (
 )  # fmt: skip
 """Members of the collection that are arguments of ``from_frame``."""
 
+FEATURE = ("type", "id", "bbox", "geometry", "properties")
+"""Members of a feature that GeoJSON knows."""
+
 REMARKS = ("type", "features", "bbox", "crs", "generator", "copyright", "timestamp", "metadata", "description")
 
 _MARK = re.compile(r'"type"\s*:\s*"FeatureCollection"')
@@ -98,8 +101,11 @@ def _group(value: Any, path: str) -> Any:
 
 def _site(feature: Any, path: str) -> dict[str, Any]:
     """A row of the frame."""
-    if not isinstance(feature, dict) or not isinstance(feature.get("geometry"), dict):
-        raise InputError(f"{path} must be a feature with a geometry", found=kind_of(feature))
+    if not isinstance(feature, dict):
+        raise InputError(f"{path} must be a feature", expected="an object", found=kind_of(feature))
+    if not isinstance(feature.get("geometry"), dict):
+        found = "no geometry" if "geometry" not in feature else f"geometry {kind_of(feature['geometry'])}"
+        raise InputError(f"{path} is without a place", expected="a geometry of type Point", found=found)
     told = feature.get("properties") or {}
     if not isinstance(told, dict):
         raise InputError(f"{path}.properties must be an object", found=kind_of(told))
@@ -113,9 +119,13 @@ def _site(feature: Any, path: str) -> dict[str, Any]:
     )
     if not numbers:
         raise InputError(f"{path}.geometry.coordinates must be longitude and latitude", found=kind_of(place))
-    if {"lat", "lon"} & told.keys():
-        raise InputError(f"{path} tells its place twice", expected="the geometry alone", found="lat or lon among the properties")
+    if {"lat", "lon"} & (told.keys() | feature.keys()):
+        raise InputError(f"{path} tells its place twice", expected="the geometry alone", found="lat or lon beside it")
     own = {"id": feature["id"]} if "id" in feature and "id" not in told else {}
+    beside = {key: value for key, value in feature.items() if key not in FEATURE}  # what others put there may be meant to count
+    if twice := next((key for key in beside if key in told), None):
+        raise InputError(f"{path} tells {shown(twice)} twice", expected="one of them", found="a member of the feature, and a property")
+    own |= beside
     return {**own, **told, "lon": place[0], "lat": place[1]}
 
 

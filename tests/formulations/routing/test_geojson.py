@@ -41,3 +41,20 @@ def test_sites_without_latitude_and_longitude_have_no_place_on_the_globe() -> No
 
 def test_other_documents_are_none() -> None:
     assert visits_of_geojson({"type": "Feature"}) is None and visits_of_geojson([]) is None
+
+
+def test_each_stop_at_a_depot_on_the_way_has_its_times() -> None:
+    day = pd.Timestamp("2026-05-04 06:00")
+    sites = SITES.drop(columns="required").assign(demand=[0, 2, 2, 2], service=5, ready=day, due=day + pd.Timedelta("12h"))
+    fleet = [{"name": "van", "count": 1, "capacity": 2, "reloads": ["yard"], "max_reloads": 2}]
+    problem = wb.RoutingProblem.from_frame(sites, fleet=fleet, speed=50, time_unit="min")
+    answer = wb.Routes.of([[1, 0, 2, 0, 3]])
+    assert problem.evaluate(answer).feasible
+    data = json.loads(json.dumps(answer_geojson(problem, answer)))
+    rows = problem.answer_to_frame(answer).set_index("position")
+    stops = [f["properties"] for f in data["features"] if f["properties"]["kind"] == "stop"]
+    assert [(stop["id"], stop["position"], stop["phone"]) for stop in stops] == [("yard", 2, "-"), ("yard", 4, "-")]
+    for stop in stops:
+        assert all(stop[title] == rows.loc[stop["position"], title].isoformat() for title in ("arrival", "begin", "departure"))
+    assert [f["properties"]["id"] for f in data["features"] if f["properties"]["kind"] == "depot"] == ["yard"]
+    assert wb.judge(problem, data).feasible

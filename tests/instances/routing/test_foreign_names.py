@@ -73,11 +73,27 @@ def test_data_of_the_routing_guides(table: str, name: str) -> None:
         ("DueDate", "due"), ("duedate", "due"), ("XCOORD.", "x"), ("prize", "reward"), ("Profit [EUR]", "reward"), ("weight_kg", "demand"),
         ("delivery2", "demand2"), ("customer_demand", "demand"), ("serviceTimeMinutes", "service"), ("is_depot", "depot"),
         ("mandatory", "required"), ("demand", "demand"), ("name", None), ("address", None), ("phone", None), ("note", None), ("city", None),
-        ("", None), ("...", None), ("priority", None), ("min", None),
+        ("delivery_demand", "demand"), ("DeliveryQuantity_1", "demand"), ("DeliveryQuantity_2", "demand2"), ("PickupQuantities", "pickup"),
+        ("minStartTime", "ready"), ("maxEndTime", "due"), ("window_from", "ready"), ("window_to", "due"), ("from_time", "ready"),
+        ("to_time", "due"), ("collect", "pickup"), ("vol", "demand"), ("kg", "demand"), ("utility", "reward"), ("size", None),
+        ("lower", None), ("upper", None), ("", None), ("...", None), ("priority", None), ("min", None),
     ],
 )  # fmt: skip
 def test_case_spacing_units_and_numbers_do_not_matter(title: str, own: str | None) -> None:
     assert ours(title) == own
+
+
+@pytest.mark.parametrize(
+    ("table", "title", "told"),
+    [
+        ("sites", "unloading", "demand"), ("sites", "importance", "priorities"), ("sites", "disjunction", "groups"),
+        ("sites", "disallowed_vehicles", "skills"), ("sites", "vehicles_allowed", "skills"), ("sites", "allowed_vehicle_indices", "skills"),
+        ("sites", "preparation_time", "set-up"), ("sites", "max_tasks", "fleet"), ("sites", "start_late", "fleet"),
+        ("fleet", "start_late", "latest departure"), ("fleet", "MaxOrderCount", "number of stops"),
+    ],
+)  # fmt: skip
+def test_names_without_a_column_of_ours_say_what_to_do(table: str, title: str, told: str) -> None:
+    assert ours(title, table) is None and told in (elsewhere(title, table) or "")
 
 
 def test_each_name_means_one_thing_of_a_table() -> None:

@@ -128,3 +128,29 @@ def test_a_location_is_an_address_or_a_place_that_counts() -> None:
     assert columns_of(SITES.assign(location="Main Street 5"), None, ()).extra == ("location",)
     with pytest.raises(InputError, match="column 'location' is unknown; coordinates are the columns x and y, or lat and lon"):
         columns_of(SITES.assign(location=[1, 2, 3]), None, ())
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        (SITES.set_index(["id", "x"]), "the index is called 'x', and columns alone tell x; expected frame.reset_index()"),
+        (SITES.set_index("demand"), "the index is called 'demand', and columns alone tell demand"),
+        (SITES.rename(columns={"demand": "qty"}).set_index("qty"), "the index is called 'qty', and columns alone tell demand"),
+        (SITES.drop(columns="id").set_index([["p", "q", "r"], [1, 2, 3]]), "the index has several levels"),
+        (pd.concat({"p": SITES}, axis=1), "titles of columns have several levels"),
+    ],
+)
+def test_an_index_holds_ids_and_nothing_else(frame: Any, message: str) -> None:
+    with pytest.raises(InputError) as error:
+        columns_of(frame, None, ())
+    assert message in str(error.value)
+    assert columns_of(SITES.set_index("id"), None, ()).ids == tuple(map(str, SITES["id"]))
+
+
+def test_titles_are_mapped_by_a_text_as_by_a_mapping() -> None:
+    frame = SITES.rename(columns={"demand": "crates", "id": "shop"})
+    for given in ("demand=crates, id=shop", "crates=demand,shop=id"):
+        assert columns_of(frame, given, ()).titles == columns_of(frame, {"demand": "crates", "id": "shop"}, ()).titles
+    for given in ("demand", "", "demand=crates=id"):
+        with pytest.raises(InputError, match="columns must pair titles; expected demand=crates, id=shop"):
+            columns_of(frame, given, ())

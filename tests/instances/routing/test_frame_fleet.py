@@ -30,7 +30,19 @@ def test_a_frame_without_count_has_one_vehicle_a_row() -> None:
     made = fleet(pd.DataFrame({"capacity": [5, 9], "capacity2": [1.0, np.nan], "start": ["yard", "port"]}, index=["van", "truck"]))
     assert [(v.name, v.count, v.capacities, v.start) for v in made] == [("van", 1, (5, 1), 0), ("truck", 1, (9,), 1)]
     assert fleet([{"capacity": 5}])[0].count is None
-    assert [v.count for v in fleet(pd.DataFrame({"name": ["p", "q"], "count": pd.array([3, None], dtype="Int64")}))] == [3, None]
+
+
+@pytest.mark.parametrize("missing", [None, np.nan, pd.NA, pd.NaT])
+def test_a_number_of_vehicles_that_is_missing_is_neither_one_nor_any(missing: Any) -> None:
+    for frame in (pd.DataFrame({"name": ["p", "q"], "count": [3, missing]}), pd.DataFrame({"name": ["p", "q"], "count": [missing, 1]})):
+        with pytest.raises(InputError, match=r"fleet\[[01]\]\.count is missing; expected a number, unlimited or inf for any number"):
+            fleet(frame)
+    assert fleet([{"count": missing}])[0].count is None  # as JSON's null
+
+
+@pytest.mark.parametrize("many", [np.inf, "inf", "unlimited", "Unlimited"])
+def test_any_number_of_vehicles_is_said_by_a_word_or_infinity(many: Any) -> None:
+    assert [v.count for v in fleet(pd.DataFrame({"name": ["p", "q"], "count": ["3", many]}))] == [3, None]
 
 
 @pytest.mark.parametrize("missing", [None, float("nan"), pd.NA, pd.NaT])

@@ -148,7 +148,7 @@ def test_a_group_is_a_list_of_ids_or_says_whether_it_is_required() -> None:
 
 def test_a_fleet_is_a_frame_with_the_keys_of_the_json() -> None:
     fleet = pd.DataFrame(
-        {"name": ["drone", "rover"], "count": [2, None], "start": ["port", "yard"], "end": ["port", "yard"], "speed": [3.0, None]}
+        {"name": ["drone", "rover"], "count": [2, math.inf], "start": ["port", "yard"], "end": ["port", "yard"], "speed": [3.0, None]}
     )
     made = instance_from_frame(PLACES.drop(columns=["skills"]), fleet=fleet)
     assert [(v.name, v.count, v.start, v.speed) for v in made.fleet] == [("drone", 2, 1, 3), ("rover", None, 0, 1)]
@@ -356,3 +356,27 @@ def test_a_load_may_be_said_to_have_no_limit_and_is_told_then(given):
     sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], "demand": [0, 1], "demand2": [0, 9]})
     assert "demand2 counts for nothing: no vehicle has a capacity for it" in wb.RoutingProblem.from_frame(sites, **given).remarks()
     wb.RoutingProblem.from_frame(sites.assign(demand2=0), capacity=9)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"weight": "km"}, "weight='km' names the distances of a graph's edges, and there is no graph"),
+        ({"weight": "km", "travel": np.ones((3, 3))}, "there is no graph"),
+        ({"weight": "km", "travel": sp.csr_matrix(np.ones((3, 3)))}, "there is no graph"),
+        ({"distance_unit": "mi"}, "distance_unit='mi' counts for nothing"),
+        ({"distance_unit": "m", "travel": np.ones((3, 3))}, "distance_unit='m' counts for nothing"),
+        ({"distance_unit": "m", "travel": "manhattan"}, "distance_unit='m' counts for nothing"),
+    ],
+)
+def test_arguments_that_would_count_for_nothing_are_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        instance_from_frame(SITES, **given)
+
+
+def test_a_unit_beside_a_metric_of_the_globe_is_refused() -> None:
+    places = pd.DataFrame({"lat": [45.0, 46.0], "lon": [15.0, 15.0]})
+    with pytest.raises(InputError, match="distance_unit='mi' counts for nothing"):
+        instance_from_frame(places, travel="haversine", distance_unit="mi")
+    table = {"code": "Ok", "distances": [[0, 1000], [1000, 0]]}
+    assert instance_from_frame(places, travel=table, distance_unit="m").travel.distance(0, 1) == 1000

@@ -9,14 +9,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import waybound as wb
 from waybound.instances.errors import InputError
 from waybound.instances.formats.waybound_json import read, write
+from waybound.instances.routing.frames import instance_from_frame
 from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
+from waybound.instances.routing.json_kind import decode, encode
 from waybound.instances.routing.travel import Travel
 
 SMALL = {
@@ -206,3 +210,16 @@ def test_a_fault_in_them_is_refused_by_its_path(path: str, value: Any, message: 
     with pytest.raises(InputError) as error:
         load(changed(path, value))
     assert message in str(error.value)
+
+
+def test_unused_columns_are_told_as_the_attributes_are_and_not_as_stored_notes_say() -> None:
+    sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], "lowest": [1, 2]})
+    data = encode(instance_from_frame(sites, vehicles=1))
+    assert data["notes"] == ["columns kept and not used: lowest"] and list(decode(data).notes) == data["notes"]
+    data["sites"]["attributes"]["arrival"] = [3, 4]
+    data["notes"] = ["first", *data["notes"], "columns kept and not used: phone", "last"]
+    made = decode(data)
+    assert made.notes == ("first", "columns kept and not used: lowest, arrival", "last")
+    assert wb.RoutingProblem.from_instance(made).remarks()[:2] == made.notes[:2]
+    del data["sites"]["attributes"], data["notes"][0]
+    assert decode(data).notes == ("last",)

@@ -39,7 +39,16 @@ def test_properties_are_columns_and_members_are_the_fleet(tmp_path: Path) -> Non
     [
         (collection(capcity=5), "member 'capcity' is unknown; did you mean 'capacity'?"),
         (collection([]), "holds no sites"),
-        (collection([{"type": "Feature", "geometry": None, "properties": {}}]), "features[0] must be a feature with a geometry"),
+        (
+            collection([{"type": "Feature", "geometry": None}]),
+            "features[0] is without a place; expected a geometry of type Point; found geometry null",
+        ),
+        (collection([{"type": "Feature", "geometry": [1]}]), "expected a geometry of type Point; found geometry a list"),
+        (collection([{"type": "Feature"}]), "features[0] is without a place; expected a geometry of type Point; found no geometry"),
+        (collection([[]]), "features[0] must be a feature; expected an object; found a list"),
+        (collection([{**feature(0, demand=1), "demand": 4}]), "features[0] tells 'demand' twice"),
+        (collection([{**feature(0), "lat": 4}]), "features[0] tells its place twice"),
+        (collection([feature(0), {**feature(1), "prize": 4}]), "column 'prize' is unknown; did you mean 'reward'?"),
         (collection([{**feature(0), "geometry": {"type": "Polygon", "coordinates": []}}]), "features[0].geometry is no point"),
         (collection([{**feature(0), "geometry": {"type": "Point", "coordinates": ["9", 45]}}]), "must be longitude and latitude"),
         (collection([feature(0, lat=1)]), "features[0] tells its place twice"),
@@ -56,3 +65,10 @@ def test_what_is_wrong_is_named(data: Any, message: str) -> None:
 
 def test_it_is_recognised_by_its_type_alone() -> None:
     assert recognises(json.dumps(collection())) and not recognises('{"waybound": 1}') and not recognises("[]")
+
+
+def test_members_beside_the_properties_are_columns_too() -> None:
+    features = [{**feature(0, shop="S0"), "bbox": [9, 45, 9, 45]}, {**feature(1), "demand": 4, "geometry_name": "geom", "layer": {"a": 1}}]
+    made = read(json.dumps(collection(features)), Path("x.geojson"))
+    assert made.sites.demand.tolist() == [0, 4] and made.sites.attributes["geometry_name"] == (None, "geom")
+    assert "columns kept and not used: shop, geometry_name, layer" in made.notes

@@ -211,7 +211,7 @@ def test_settings_of_the_caller_go_before_those_of_the_file_and_are_taken(read_t
 
 def test_a_fleet_and_a_table_of_a_service_come_from_files(tmp_path: Path, read_text_as: Callable[..., Any]) -> None:
     (tmp_path / "fleet.csv").write_text(
-        "name,count,capacity,shift_start,shift_end,max_duration,skills\nvan,2,6,08:00,16:00,6h,\ntruck,,14,,,,cold\n"
+        "name,count,capacity,shift_start,shift_end,max_duration,skills\nvan,2,6,08:00,16:00,6h,\ntruck,unlimited,14,,,,cold\n"
     )
     table = {"code": "Ok", "distances": [[0, 5200], [5300, 0]], "durations": [[0, 480], [500, 0]]}
     (tmp_path / "t.json").write_text(json.dumps(table))
