@@ -28,13 +28,13 @@ def matched(indptr, columns, num_columns, most):  # type: ignore[no-untyped-def]
         Column of each row, -1 for none.
     """
     rows = len(indptr) - 1
-    own, holder = np.full(rows, -1, np.int64), np.full(num_columns, -1, np.int64)
+    own, holder = np.full(rows, -1), np.full(num_columns, -1)
     for i in range(rows):
         for k in range(indptr[i], indptr[i + 1]):
             if holder[columns[k]] < 0:
                 own[i], holder[columns[k]] = columns[k], i
                 break
-    ahead, seen = np.empty(rows, np.int64), np.full(rows, -1, np.int64)
+    ahead, seen = np.empty(rows, np.int64), np.full(rows, -1)
     for i in range(rows):
         ahead[i] = indptr[i]
     at, path = np.zeros(rows, np.int64), np.zeros(rows, np.int64)

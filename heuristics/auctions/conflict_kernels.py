@@ -28,10 +28,10 @@ def conflict_rounds(flag, indptr, bins, cost, num_bins, final):  # type: ignore[
         Bin of each robot, -1 for none; rounds, bids, and whether it came to its end.
     """
     n = len(indptr) - 1
-    place, holder, offered = np.empty(n, np.int64), np.full(num_bins, -1, np.int64), np.full(num_bins, -1, np.int64)
+    place, holder, offered = np.empty(n, np.int64), np.full(num_bins, -1), np.full(num_bins, -1)
     for i in range(n):
         place[i] = indptr[i]
-    taken = np.full(n, -1, np.int64)
+    taken = np.full(n, -1)
     active = np.ones(n, np.bool_)
     rounds, bids = 0, 0
     while True:
@@ -81,7 +81,7 @@ def serial_choice(flag, indptr, bins, cost, num_bins, order):  # type: ignore[no
     (array, bool)
         Bin of each robot, -1 for none, and whether it came to its end.
     """
-    taken = np.full(len(indptr) - 1, -1, np.int64)
+    taken = np.full(len(indptr) - 1, -1)
     free = np.ones(num_bins, np.bool_)
     for turn in range(len(order)):
         if asked(flag):

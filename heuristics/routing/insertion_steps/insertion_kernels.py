@@ -16,9 +16,6 @@ from ....formulations.stop_kernel import asked
 ROUNDING = 1e-14
 """Part of a limit by which a route may exceed it: far less than the judge lets pass."""
 
-ROUTES = 64
-"""That there is room for at first."""
-
 _DATA = "Tuple((f8[::1], f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1]))"
 
 
@@ -102,16 +99,20 @@ def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, k
     """
     demand = data[0]
     n = len(demand) - 2
-    room = min(fleet, ROUTES)
-    routes, place_of = np.zeros((room, n + 2), np.int64), np.zeros((room, n + 2), np.int64)
-    least_of, extra_of = np.full((room, n + 2), math.inf), np.full((room, n + 2), math.inf)
+    # Rows of routes that are never opened are never written, and take no memory.
+    routes, place_of = np.empty((fleet, n + 2), np.int64), np.empty((fleet, n + 2), np.int64)
+    least_of, extra_of = np.empty((fleet, n + 2)), np.empty((fleet, n + 2))
     size, load, begin, latest = np.zeros(fleet, np.int64), np.zeros(fleet), np.zeros(n + 2), np.zeros(n + 2)
     extra, route_of = np.full(n + 2, math.inf), np.full(n + 2, -1)  # on the best route of each customer
     left = np.ones(n + 2, np.bool_)
     left[0] = left[n + 1] = False
-    open_, to, at = 1, 0, -1  # routes with a customer, and the next one; where the last customer was put
+    begun, open_, to, at = 0, 1, 0, -1  # routes with a customer, and the next one; where the last customer was put
     fresh = False  # whether nobody has looked at the next one yet
     while not asked(flag):
+        if begun < min(open_, fleet):
+            for u in range(n + 2):
+                place_of[begun, u], least_of[begun, u], extra_of[begun, u] = 0, math.inf, math.inf
+            begun += 1
         for step in range(1 + fresh):
             r = to if step == 0 else open_ - 1
             length, busy = _schedule(routes[r], size[r], data, limits, begin, latest)
@@ -155,15 +156,6 @@ def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, k
         left[chosen] = False
         fresh = to == open_ - 1 and open_ < fleet
         open_ += fresh
-        if open_ > room:
-            more = min(fleet, 2 * room)
-            routes_, place_of_ = np.zeros((more, n + 2), np.int64), np.zeros((more, n + 2), np.int64)
-            least_of_, extra_of_ = np.full((more, n + 2), math.inf), np.full((more, n + 2), math.inf)
-            for r in range(room):
-                for u in range(n + 2):
-                    routes_[r, u], place_of_[r, u] = routes[r, u], place_of[r, u]
-                    least_of_[r, u], extra_of_[r, u] = least_of[r, u], extra_of[r, u]
-            routes, place_of, least_of, extra_of, room = routes_, place_of_, least_of_, extra_of_, more
     route_of, place = np.full(n + 2, -1), np.zeros(n + 2, np.int64)
     for r in range(open_):
         for k in range(size[r]):

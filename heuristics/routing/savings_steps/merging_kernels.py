@@ -54,7 +54,7 @@ def merge(  # type: ignore[no-untyped-def]
     """
     route_of, following, preceding, first, last, load, size, length_next, time_next = state
     n = len(load)
-    buffer = np.empty(n, dtype=np.int64)
+    buffer = np.empty(n, np.int64)
     lengths, times = np.empty(n), np.empty(n)
     for p in range(len(pairs_i)):
         if asked(flag) or (p >= losing and routes <= limit):
@@ -68,25 +68,18 @@ def merge(  # type: ignore[no-untyped-def]
         if (flip_a and (first[a] != i or not both_ways)) or (flip_b and (last[b] != j or not both_ways)):
             continue
         count = 0
-        node = first[a] if not flip_a else last[a]
-        while node >= 0:
-            buffer[count] = node
-            onward = following[node] if not flip_a else preceding[node]
-            if onward >= 0:
-                tail = node if not flip_a else onward
-                lengths[count], times[count] = length_next[tail], time_next[tail]
-            count += 1
-            node = onward
-        lengths[count - 1], times[count - 1] = pair_length[p], pair_time[p]
-        node = first[b] if not flip_b else last[b]
-        while node >= 0:
-            buffer[count] = node
-            onward = following[node] if not flip_b else preceding[node]
-            if onward >= 0:
-                tail = node if not flip_b else onward
-                lengths[count], times[count] = length_next[tail], time_next[tail]
-            count += 1
-            node = onward
+        for side, flipped in ((a, flip_a), (b, flip_b)):
+            if count > 0:
+                lengths[count - 1], times[count - 1] = pair_length[p], pair_time[p]
+            node = last[side] if flipped else first[side]
+            while node >= 0:
+                buffer[count] = node
+                onward = preceding[node] if flipped else following[node]
+                if onward >= 0:
+                    tail = onward if flipped else node
+                    lengths[count], times[count] = length_next[tail], time_next[tail]
+                count += 1
+                node = onward
         if bounded and not feasible(buffer, count, lengths, times, limits, out, back, service, ready, due):
             continue
         for k in range(count):

@@ -221,7 +221,7 @@ def even_split(flag, costs, most):  # type: ignore[no-untyped-def]
     for k in range(1, n):
         along[k] = along[k - 1] + on[k - 1]
     value = np.full((most + 1, n + 1), math.inf)
-    before = np.zeros((most + 1, n + 1), np.int64)
+    before = np.full((most + 1, n + 1), -1)
     value[0, 0] = 0.0
     last = np.zeros(n, np.bool_)
     steps = 0

@@ -167,10 +167,8 @@ def _shorten(tour, place, costs, near, a, touched):  # type: ignore[no-untyped-d
             d = tour[(place[c] + step) % n]
             removed = costs[a, b] + costs[c, d]
             if removed - costs[a, c] - costs[b, d] > LEAST * removed:
-                if forward:
-                    _turn(tour, place, b, c)
-                else:
-                    _turn(tour, place, c, b)
+                x, y = (b, c) if forward else (c, b)
+                _turn(tour, place, x, y)
                 touched[0], touched[1], touched[2], touched[3] = a, b, c, d
                 return 4
         # The path from a on, away from p, goes between c and one of its neighbours d, a next to c.
@@ -223,12 +221,8 @@ def _move(tour, place, p, a, e, q, c, d):  # type: ignore[no-untyped-def]
         c = d
     # p a..e q..c becomes p c..q e..a, then p q..c e..a. Each turn may leave the tour mirrored.
     _turn(tour, place, a, c)
-    if tour[(place[p] + 1) % n] == c:
-        _turn(tour, place, c, q)
-    else:
-        _turn(tour, place, q, c)
+    x, y = (c, q) if tour[(place[p] + 1) % n] == c else (q, c)
+    _turn(tour, place, x, y)
     if straight and a != e:
-        if tour[(place[c] + 1) % n] == e:
-            _turn(tour, place, e, a)
-        else:
-            _turn(tour, place, a, e)
+        x, y = (e, a) if tour[(place[c] + 1) % n] == e else (a, e)
+        _turn(tour, place, x, y)

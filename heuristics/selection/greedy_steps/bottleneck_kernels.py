@@ -9,18 +9,8 @@ from ....formulations.stop_kernel import asked
 
 
 @inner
-def lift(tree, leaf, more):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Add ``more`` to a leaf of a binary tree of minima (root at 1)."""
-    tree[leaf] += more
-    at = leaf // 2
-    while at >= 1:
-        tree[at] = min(tree[2 * at], tree[2 * at + 1])
-        at //= 2
-
-
-@inner
 def set_leaf(tree, leaf, value):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Put ``value`` into a leaf."""
+    """Put ``value`` into a leaf of a binary tree of minima (root at 1)."""
     tree[leaf] = value
     at = leaf // 2
     while at >= 1:
@@ -42,7 +32,7 @@ def best_worst_target(flag, starts, actions, indptr, indices, weights, targets):
         tree[size + j] = 0.0
     for at in range(size - 1, 0, -1):
         tree[at] = min(tree[2 * at], tree[2 * at + 1])
-    picks = np.full(len(starts) - 1, -1, np.int64)
+    picks = np.full(len(starts) - 1, -1)
     longest = 0
     for a in range(len(indptr) - 1):
         longest = max(longest, indptr[a + 1] - indptr[a])
@@ -55,13 +45,15 @@ def best_worst_target(flag, starts, actions, indptr, indices, weights, targets):
                 return picks, robot
             a = actions[k]
             for p in range(indptr[a], indptr[a + 1]):
-                before[p - indptr[a]] = tree[size + indices[p]]
-                lift(tree, size + indices[p], weights[p])
+                leaf = size + indices[p]
+                before[p - indptr[a]] = tree[leaf]
+                set_leaf(tree, leaf, tree[leaf] + weights[p])
             if tree[1] > worst:
                 picks[robot], worst = a, tree[1]
             for p in range(indptr[a], indptr[a + 1]):  # back to what it was, to the bit
                 set_leaf(tree, size + indices[p], before[p - indptr[a]])
         if picks[robot] >= 0:
             for p in range(indptr[picks[robot]], indptr[picks[robot] + 1]):
-                lift(tree, size + indices[p], weights[p])
+                leaf = size + indices[p]
+                set_leaf(tree, leaf, tree[leaf] + weights[p])
     return picks, len(picks)

@@ -21,7 +21,7 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """
     slots = len(slot_group)
     best = np.zeros((slots + 1, items))
-    place = np.full(slots + 1, -1, np.int64)
+    place = np.full(slots + 1, -1)
     chosen, winner = np.empty(slots, np.int64), np.empty(0, np.int64)
     value, left = np.zeros(slots + 1), np.zeros(slots + 1)
     left[0] = budget
@@ -66,8 +66,8 @@ def best_bottleneck(flag, starts, actions, indptr, indices, weights, rest):  # t
     """One action a robot such that the worst target is covered best; ``rest[i, j]`` bounds what robots from i on can give target j."""
     robots, targets = len(starts) - 1, rest.shape[1]
     covered = np.zeros((robots + 1, targets))
-    place = np.full(robots + 1, -1, np.int64)
-    chosen, winner = np.full(robots, -1, np.int64), np.full(robots, -1, np.int64)
+    place = np.full(robots + 1, -1)
+    chosen, winner = np.full(robots, -1), np.full(robots, -1)
     most, looked, t = -1.0, 0, 0
     while t >= 0 and not asked(flag):
         if t == robots:

@@ -18,14 +18,14 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr
 
     Returns the gain of all and the number of picks; ``heap``, ``keys``, ``best`` and ``picks`` are changed in place.
     """
-    total, round_ = 0.0, count
-    evaluated = np.full(len(costs), -1, np.int32)
+    total = 0.0
+    evaluated = np.full(len(costs), -1)
     while size > 0 and not asked(flag):
         e = heap[0]
         if costs[e] <= left:
-            if evaluated[e] != round_:
+            if evaluated[e] != count:
                 keys[0] = gain(e, best, layout, indptr, indices, weights, matrix, single) / costs[e]
-                evaluated[e] = round_
+                evaluated[e] = count
                 sift(keys, heap, size, 0)
                 continue
             if keys[0] <= 0.0:  # nothing gains any more, least of all what was chosen at the start
@@ -34,7 +34,6 @@ def fill(flag, costs, left, heap, keys, size, best, picks, count, layout, indptr
             take(e, best, layout, indptr, indices, weights, matrix, single)
             picks[count] = e
             count += 1
-            round_ += 1
             left -= costs[e]
         size -= 1
         keys[0], heap[0] = keys[size], heap[size]

@@ -66,7 +66,7 @@ def lazy(flag, free, groups, room, most, eps, best, layout, indptr, indices, wei
     """Gains of earlier rounds, which can only have fallen since, on a heap; only what comes up is evaluated again."""
     n, count, size = len(groups), 0, 0
     heap, keys = np.empty(n, np.int32), np.empty(n)
-    evaluated = np.zeros(n, np.int32)  # the round in which an element was evaluated last
+    evaluated = np.zeros(n, np.int64)  # the round in which an element was evaluated last
     picks, gains = np.empty(most, np.int64), np.empty(most)
     for e in range(n):
         if asked(flag):

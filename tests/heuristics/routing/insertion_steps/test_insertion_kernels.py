@@ -89,8 +89,8 @@ def test_every_customer_goes_where_it_adds_least(kind: str, density: bool) -> No
     assert visits > 60
 
 
-def test_more_routes_than_there_is_room_for_at_first() -> None:
-    n = 2 * kernels.ROUTES + 5
+def test_as_many_routes_as_customers() -> None:
+    n = 133
     distance = np.where(np.eye(n + 2, dtype=bool), 0.0, 1.0)
     none, ever = np.zeros(n + 2), np.full(n + 2, math.inf)
     limits = (0.0, math.inf, math.inf, 2.0)
