@@ -49,13 +49,12 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     nodes, words, resources = len(cost), memory.shape[1], len(start)
     # What is never written takes no memory.
     node, behind, dropped = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.bool_)
-    value, level, seen = np.empty(room), np.empty((room, resources)), np.empty((room, words), np.uint64)
+    value, level, seen = np.empty(room), np.empty((room + 1, resources)), np.empty((room + 1, words), np.uint64)
     front = np.empty(nodes, np.int32)  # labels of a node in order of their values
     for j in range(nodes):
         front[j] = -1
-    here, bits = np.empty(resources), np.empty(words, np.uint64)
     one, least = np.uint64(1), math.inf
-    begin, count, looked = -1, 0, 0
+    begin, count, looked = -1, 0, 0  # what is looked at stands in row ``count``
     for _ in range(nodes - 1):
         end = count
         for label in range(begin, end):
@@ -70,19 +69,19 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                 kept = True
                 for r in range(resources):
                     before = level[label, r] if label >= 0 else start[r]
-                    here[r] = max(lower[r, head], before + weight[r, tail, head])
-                    kept = kept and here[r] <= upper[r, head]
+                    level[count, r] = max(lower[r, head], before + weight[r, tail, head])
+                    kept = kept and level[count, r] <= upper[r, head]
                 if not kept:
                     continue
                 price = cost[tail, head] + (value[label] if label >= 0 else 0.0)
                 for w in range(words):
-                    bits[w] = seen[label, w] & memory[head, w] if label >= 0 else np.uint64(0)
+                    seen[count, w] = seen[label, w] & memory[head, w] if label >= 0 else np.uint64(0)
                 for other in range(1, nodes):
                     away = other == head
                     for r in range(resources):
-                        away = away or here[r] + way[r, head, other] > beyond[r, other]
+                        away = away or level[count, r] + way[r, head, other] > beyond[r, other]
                     if away:
-                        bits[(other - 1) // 64] |= one << np.uint64((other - 1) % 64)
+                        seen[count, (other - 1) // 64] |= one << np.uint64((other - 1) % 64)
 
                 looked += nodes
                 if looked > work:
@@ -91,12 +90,7 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                     return STOPPED, -math.inf
                 previous, k = -1, front[head]
                 while kept and k >= 0 and value[k] <= price:
-                    better = True
-                    for r in range(resources):
-                        better = better and level[k, r] <= here[r]
-                    for w in range(words):
-                        better = better and seen[k, w] & ~bits[w] == 0
-                    kept = not better
+                    kept = not _no_worse(k, count, level, seen)
                     previous, k = k, behind[k]
                     looked += 1
                 if not kept:
@@ -106,22 +100,14 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                 new = count
                 count += 1
                 node[new], value[new], behind[new], dropped[new] = head, price, k, False
-                for r in range(resources):
-                    level[new, r] = here[r]
-                for w in range(words):
-                    seen[new, w] = bits[w]
                 if previous < 0:
                     front[head] = new
                 else:
                     behind[previous] = new
                 previous = new
                 while k >= 0:
-                    worse = k <= label or k >= end  # one that waits for its turn has fewer visits, and may be extended further
-                    for r in range(resources):
-                        worse = worse and here[r] <= level[k, r]
-                    for w in range(words):
-                        worse = worse and bits[w] & ~seen[k, w] == 0
-                    if worse:
+                    # One that waits for its turn has fewer visits, and may be extended further.
+                    if (k <= label or k >= end) and _no_worse(new, k, level, seen):
                         dropped[k] = True
                         behind[previous] = behind[k]
                     else:
@@ -131,10 +117,22 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 
                 back = cost[head, 0] < math.inf
                 for r in range(resources):
-                    back = back and here[r] + weight[r, head, 0] <= upper[r, 0]
+                    back = back and level[new, r] + weight[r, head, 0] <= upper[r, 0]
                 if back:
                     least = min(least, price + cost[head, 0])
         begin = end
         if begin == count:
             break
     return DONE, least
+
+
+@kernel(_nrt=False, no_cpython_wrapper=True)  # counting references would take most of its time
+def _no_worse(one, other, level, seen):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Whether a label has no higher level than another one, and remembers nobody whom that does not remember."""
+    for r in range(level.shape[1]):
+        if level[one, r] > level[other, r]:
+            return False
+    for w in range(seen.shape[1]):  # noqa: SIM110 - numba compiles no generators
+        if seen[one, w] & ~seen[other, w] != 0:
+            return False
+    return True

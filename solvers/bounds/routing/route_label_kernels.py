@@ -56,12 +56,12 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
     # What is never written takes no memory.
     at, parent, after = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.int32)
     heap, found, gone = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.bool_)
-    value, totals, level, seen = np.empty(room), np.empty(room), np.empty((room, kinds)), np.empty((room, words), np.uint64)
+    value, totals, level, seen = np.empty(room), np.empty(room), np.empty((room + 1, kinds)), np.empty((room + 1, words), np.uint64)
     first = np.empty(n, np.int32)
     for j in range(n):
         first[j] = -1
-    bits, now, one = np.empty(words, np.uint64), np.empty(kinds), np.uint64(1)
-    waiting = count = number = 0
+    one = np.uint64(1)
+    waiting = count = number = 0  # what is looked at stands in row ``count``
     least, label = math.inf, -1
     while True:
         tail = 0 if label < 0 else at[label]
@@ -74,36 +74,26 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
             fits = True
             for r in range(kinds):
                 before = start[r] if label < 0 else level[label, r]
-                now[r] = max(lower[r, head], before + weight[r, tail, head])
-                if now[r] > upper[r, head]:
+                level[count, r] = max(lower[r, head], before + weight[r, tail, head])
+                if level[count, r] > upper[r, head]:
                     fits = False
                     break
             if not fits:
                 continue
             v = cost[tail, head] + (0.0 if label < 0 else value[label])
             for w in range(words):
-                bits[w] = np.uint64(0) if label < 0 else seen[label, w] & memory[head, w]
-            bits[word] |= bit
+                seen[count, w] = np.uint64(0) if label < 0 else seen[label, w] & memory[head, w]
+            seen[count, word] |= bit
             for other in range(1, n):
                 for r in range(kinds):
-                    if now[r] + way[r, head, other] > upper[r, other]:
-                        bits[(other - 1) >> 6] |= one << np.uint64((other - 1) & 63)
+                    if level[count, r] + way[r, head, other] > upper[r, other]:
+                        seen[count, (other - 1) >> 6] |= one << np.uint64((other - 1) & 63)
                         break
             if asked(flag):
                 return STOPPED, -math.inf, totals[:0], found[:0], at[:0], parent[:0]
             previous, k, kept = -1, first[head], True
             while k >= 0 and value[k] <= v:
-                good = True
-                for r in range(kinds):
-                    if level[k, r] > now[r]:
-                        good = False
-                        break
-                if good and careful:
-                    for w in range(words):
-                        if seen[k, w] & ~bits[w]:
-                            good = False
-                            break
-                if good:
+                if _replaces(k, count, level, seen, careful):
                     kept = False
                     break
                 previous = k
@@ -115,27 +105,13 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
             new = count
             count += 1
             at[new], parent[new], value[new], after[new], gone[new] = head, label, v, k, False
-            for r in range(kinds):
-                level[new, r] = now[r]
-            for w in range(words):
-                seen[new, w] = bits[w]
             if previous < 0:
                 first[head] = new
             else:
                 after[previous] = new
             previous = new
             while k >= 0:
-                good = True
-                for r in range(kinds):
-                    if now[r] > level[k, r]:
-                        good = False
-                        break
-                if good and careful:
-                    for w in range(words):
-                        if bits[w] & ~seen[k, w]:
-                            good = False
-                            break
-                if good:
+                if _replaces(new, k, level, seen, careful):
                     gone[k] = True
                     after[previous] = after[k]
                 else:
@@ -143,7 +119,7 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
                 k = after[k]
             home = cost[head, 0] < math.inf
             for r in range(kinds):
-                if home and now[r] + weight[r, head, 0] > upper[r, 0]:
+                if home and level[new, r] + weight[r, head, 0] > upper[r, 0]:
                     home = False
             if home:
                 total = v + cost[head, 0]
@@ -173,3 +149,16 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
             heap[q], heap[p] = heap[p], heap[q]
             p = q
     return DONE, least, totals[:number], found[:number], at[:count], parent[:count]
+
+
+@kernel(_nrt=False, no_cpython_wrapper=True)  # counting references would take most of its time
+def _replaces(one, other, level, seen, careful):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Whether a label has no higher level than another one, and (``careful``) remembers nobody whom that does not remember."""
+    for r in range(level.shape[1]):
+        if level[one, r] > level[other, r]:
+            return False
+    if careful:
+        for w in range(seen.shape[1]):
+            if seen[one, w] & ~seen[other, w]:
+                return False
+    return True
