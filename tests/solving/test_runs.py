@@ -11,6 +11,7 @@ import pytest
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import RawResult
+from waybound.solving import runs
 from waybound.solving.solve import solve
 
 
@@ -34,3 +35,14 @@ def test_a_heuristic_checks_its_parameters(square: RoutingProblem) -> None:
 def test_a_variant_without_a_name_is_refused(square: RoutingProblem) -> None:
     with pytest.raises(UsageError, match="names no solver within pulp"):
         solve(square, "pulp:")
+
+
+def test_a_large_program_is_searched_where_its_solver_can_be_ended(square: RoutingProblem, monkeypatch: pytest.MonkeyPatch) -> None:
+    apart: list[Any] = []
+    inside = runs.run_in_process
+    monkeypatch.setattr(runs, "run_in_process", lambda work, *rest: apart.append(work.solver) or inside(work, *rest))
+    before = solve(square, "highs", bound_time=0)
+    assert not apart
+    monkeypatch.setattr(runs, "LARGE", 0)
+    assert solve(square, "highs", bound_time=0).objective == before.objective
+    assert apart == ["highs"]

@@ -24,6 +24,10 @@ from .opening import LARGEST, opened, opening_heuristic
 from .opening import SHARE as OPENING_SHARE
 from .recording import Recorder
 
+LARGE = 500_000
+"""Variables of a program for which solvers take seconds to make their own model, deaf to any wish: then they do it where they can be
+ended, and do not keep those who bound and judge meanwhile from working."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -170,6 +174,7 @@ def solver_run(
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     hinted = replace(options, start=start)
+    apart = apart or made.program.num_variables > LARGE
     return Run(solver, _going(solver, made.program, hinted, apart), versions, notes, made, compiled, isolated=apart)
 
 

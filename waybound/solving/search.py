@@ -16,8 +16,8 @@ from ..solvers.interrupts import GRACE
 
 T = TypeVar("T")
 
-OVERTIME = 0.7
-"""Seconds past its time limit after which an engine is asked to stop from outside: with its ``GRACE``, two seconds."""
+OVERTIME = 0.5
+"""Seconds past its time limit after which an engine is asked to stop from outside: with its ``GRACE``, less than two seconds."""
 
 BOUND_OVERTIME = OVERTIME
 """The same for bounding."""
