@@ -192,20 +192,25 @@ class _Answer:
             if abs(worse) <= EQUAL * max(self.scales[at], abs(prize)):
                 continue
             if worse < 0:
-                place = f"{self.names[tally.route[k]]}, {self._after(tally, k)}"
-                return f"inserting {it} ({place}) would make {level} better by {-worse:.6g}: this answer is not the best one"
+                where = self._where(tally, k, sites)
+                return f"inserting {it} ({where}) would make {level} better by {-worse:.6g}: this answer is not the best one"
             if prize > 0:
                 name = " and ".join(t.name for _, t in level.terms if isinstance(t, Reward | Penalties))
                 owned = {"reward": "reward", "penalties": "penalty"}.get(name, "reward and penalty")
                 return f"in this answer inserting {it} costs {worse + prize:.6g} at best, {worse:.6g} more than the {owned} of {prize:.6g}"
             return f"in this answer inserting {it} makes {level} worse by {worse:.6g} at best"
-        return f"in this answer inserting {it} ({self.names[tally.route[k]]}, {self._after(tally, k)}) would change no objective"
+        return f"in this answer inserting {it} ({self._where(tally, k, sites)}) would change no objective"
 
-    def _after(self, tally: _Tally, k: int) -> str:
-        visits, place = self.routes[tally.route[k]].visits, int(tally.place[k])
+    def _where(self, tally: _Tally, k: int, sites: Sequence[int]) -> str:
+        """The vehicle, and behind which visit; of several sites, which go to places of their own, the vehicle alone."""
+        name, visits, place = self.names[tally.route[k]], self.routes[tally.route[k]].visits, int(tally.place[k])
         if not visits:
-            return "on a route of its own"
-        return f"after {self.problem.sites.ids[visits[place - 1]]}" if place else f"before {self.problem.sites.ids[visits[0]]}"
+            return f"{name}, on a route of its own"
+        if len(sites) > 1:
+            return name
+        return (
+            f"{name}, after {self.problem.sites.ids[visits[place - 1]]}" if place else f"{name}, before {self.problem.sites.ids[visits[0]]}"
+        )
 
     def _no_room(self, tally: _Tally, k: int, it: str) -> str:
         full = ", and no vehicle is left" if self.full else ""

@@ -143,6 +143,13 @@ def test_a_shipment_that_has_no_place_is_told_of_with_its_other_end():
     assert why["b"].startswith("with d: ")
 
 
+def test_of_sites_that_go_to_places_of_their_own_the_vehicle_is_told():
+    """From a (3) by c (9) home: d (5) and b (4) are dropped on the way back, behind both visits."""
+    problem = line((VehicleType(1, 10),), wb.Reward().then(wb.TotalCost()), shipments=[Shipment(4, 2, (4.0,))], ready=[0, 0, 0, 0, 15])
+    better = "would make reward better by 10: this answer is not the best one"
+    assert reasons(problem, "ac")["d"] == f"with b: inserting them (vehicle 1) {better}"
+
+
 def test_where_too_many_routes_would_have_to_be_judged_nothing_more_is_said(monkeypatch):
     problem = line((VehicleType(1),), windows={4: [(0, 1), (90, 99)]})
     assert "better" in reasons(problem, "abc")["d"]
